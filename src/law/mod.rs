@@ -1,0 +1,34 @@
+//! Scalar contact laws: pure functions of penetration, rate and slip, each with exact derivatives.
+
+/// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
+///
+/// For the joint limit the same law gives a torque in N·m from an angle in rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalLaw {
+    /// k, in N/mᵉ (limit: N·m/radᵉ).
+    pub stiffness_n_per_m_e: f64,
+    /// e, at least 1.
+    pub exponent: f64,
+    /// c_max, in N·s/m (limit: N·m·s/rad).
+    pub damping_max_n_s_per_m: f64,
+    /// δ_max, in m (limit: rad): penetration at which the damper is fully engaged.
+    pub transition_m: f64,
+}
+
+/// Parameters of the regularised Coulomb law (thesis (2.35), errata 8).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionLaw {
+    pub mu_static: f64,
+    pub mu_dynamic: f64,
+    /// v_s: slip speed at which μ reaches μ_s.
+    pub v_static_m_s: f64,
+    /// v_d: slip speed from which μ = μ_d.
+    pub v_dynamic_m_s: f64,
+}
+
+/// Law of one contact: normal law times friction law; `None` is frictionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLaw {
+    pub normal: NormalLaw,
+    pub friction: Option<FrictionLaw>,
+}

@@ -1,0 +1,10 @@
+//! phalanx: a planar simulator of high-speed underactuated grippers.
+//!
+//! Modules depend on each other in one direction only:
+//! `units ← gripper, law ← scene ← analytic ← trace ← log, criteria ← report ← cli`; `numeric` and `integrator` know nothing
+//! of grippers.
+
+pub mod gripper;
+pub mod law;
+pub mod scene;
+pub mod trace;

@@ -1,0 +1,148 @@
+//! Scene files: what a user writes, checked and resolved to SI with every default filled in.
+
+use crate::gripper::Finger;
+use crate::law::{ContactLaw, NormalLaw};
+
+/// A resolved scene: everything a model needs, in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub name: String,
+    /// The exact text of the file, kept for the log's attachment.
+    pub source: String,
+    pub finger: Finger,
+    /// The disc to be grasped; `None` for a free swing.
+    pub object: Option<Disc>,
+    /// Whether the palm (half plane y ≤ 0) is there.
+    pub palm: bool,
+    pub actuation: Actuation,
+    pub spring: Option<Spring>,
+    /// Joint limit q22 ≥ −φ22; `None` switches it off.
+    pub limit: Option<NormalLaw>,
+    /// Laws of the two object contacts.
+    pub contact: Contacts,
+    pub gravity_m_s2: [f64; 2],
+    pub duration_s: f64,
+    pub initial: Initial,
+    pub integrator: Integrator,
+    pub log: LogRates,
+}
+
+/// A fixed disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    pub radius_m: f64,
+    pub centre_m: [f64; 2],
+}
+
+/// Laws of the proximal (l21) and the distal (t22) contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contacts {
+    pub proximal: ContactLaw,
+    pub distal: ContactLaw,
+}
+
+/// Motor torque τ11 on l11.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Actuation {
+    Constant {
+        torque_n_m: f64,
+    },
+    /// Torque over time; the first value holds before the first time, the last one after the last.
+    Table {
+        points: Vec<(f64, f64)>,
+        interpolation: Interpolation,
+    },
+    /// Smooth rise 0 → torque over `rise_s` (cubic smoothstep), then constant.
+    Ramp {
+        torque_n_m: f64,
+        rise_s: f64,
+    },
+    /// A half sine of the given length, then zero.
+    HalfSine {
+        torque_n_m: f64,
+        length_s: f64,
+    },
+    /// Constant torque that changes sign at `at_s` (closing, then opening).
+    Reversal {
+        torque_n_m: f64,
+        at_s: f64,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    Linear,
+    /// Each value holds until the next time.
+    Step,
+}
+
+/// The spring that pulls the finger back to the straight configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    pub kind: SpringKind,
+    pub placement: Placement,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpringKind {
+    /// Constant torque k_s.
+    Constant { torque_n_m: f64 },
+    /// Torque c_s (q_p + Δq_s): stiffness and preload angle, Δq_s from the straight configuration.
+    Torsional {
+        stiffness_n_m_per_rad: f64,
+        preload_rad: f64,
+    },
+}
+
+/// The coordinate q_s the spring acts on (thesis §3.3.2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// q21 − q11.
+    GroundLinks,
+    /// q12.
+    DrivenCoupler,
+    /// q22 (default).
+    Phalanges,
+    /// q11 + q12 − (q21 + q22).
+    CouplerDistal,
+}
+
+/// Initial joint angles and rates of the two generalised coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Initial {
+    pub q11_rad: f64,
+    pub q21_rad: f64,
+    pub qd11_rad_s: f64,
+    pub qd21_rad_s: f64,
+}
+
+/// Integrator of the analytic model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integrator {
+    pub preset: Preset,
+    pub method: Method,
+    /// Relative tolerance (of rates only: angles have an absolute tolerance).
+    pub rtol: f64,
+    pub atol_angle_rad: f64,
+    pub atol_rate_rad_s: f64,
+    /// Step budget; a run that needs more ends with an error and keeps its log.
+    pub max_steps: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    Engineering,
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    Rodas5p,
+    RadauIIa5,
+}
+
+/// How often the log gets a sample, besides every integrator step within an impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogRates {
+    pub numeric_hz: f64,
+}

@@ -1,0 +1,45 @@
+//! What remains of a run when it is over: figures found on the dense output, and what it cost.
+
+use super::{Sample, Site};
+
+/// The history of one site in a few figures. For the limit, read rad for m and N·m for N.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SiteSummary {
+    /// Time of the first touch-down; `None` if contact never happened. A run that starts in contact has `Some(0.0)`.
+    pub first_s: Option<f64>,
+    pub touchdowns: u32,
+    /// Largest normal force, searched on the dense output.
+    pub peak_normal_n: f64,
+    /// Largest penetration δ; 0 if contact never happened.
+    pub max_penetration_m: f64,
+    /// ∫ F_n dt over the run.
+    pub impulse_n_s: f64,
+}
+
+/// What a run cost. Counters of the model that has no such thing stay 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps repeated because the error was too large or to land on an event.
+    pub rejected: u64,
+    pub rhs_evaluations: u64,
+    pub jacobian_evaluations: u64,
+    /// Events located (touch-down, lift-off, clamp, limit, torque steps).
+    pub events: u64,
+}
+
+/// A finished run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    pub last: Sample,
+    /// In the order of [`Site::ALL`].
+    pub sites: [SiteSummary; 3],
+    pub work: Work,
+}
+
+impl Outcome {
+    pub fn site(&self, site: Site) -> &SiteSummary {
+        &self.sites[site as usize]
+    }
+}

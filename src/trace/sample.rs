@@ -1,0 +1,116 @@
+//! One instant of a run, and the events between instants.
+
+/// Where a unilateral contact can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Site {
+    /// Proximal phalanx l21 against the object.
+    Proximal,
+    /// Distal phalanx t22 against the object.
+    Distal,
+    /// Joint limit q22 ≥ −φ22.
+    Limit,
+}
+
+impl Site {
+    pub const ALL: [Site; 3] = [Site::Proximal, Site::Distal, Site::Limit];
+
+    /// Name in JSON keys and log topics.
+    pub fn name(self) -> &'static str {
+        match self {
+            Site::Proximal => "proximal",
+            Site::Distal => "distal",
+            Site::Limit => "limit",
+        }
+    }
+}
+
+/// One phalanx against the object. Without an object every field is zero and `gap_m` infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactSample {
+    /// Distance between the surfaces, negative in penetration (−δ).
+    pub gap_m: f64,
+    /// Rate of the gap (−δ̇).
+    pub gap_rate_m_s: f64,
+    /// Tangential velocity of the phalanx surface over the object (errata 5).
+    pub slip_m_s: f64,
+    /// Normal force on the phalanx, along `normal`; never negative.
+    pub normal_n: f64,
+    /// Friction force on the phalanx along [`ContactSample::tangent`]; it opposes `slip_m_s`.
+    pub tangential_n: f64,
+    /// Contact point on the surface of the phalanx.
+    pub point_m: [f64; 2],
+    /// Unit normal, from the object to the phalanx.
+    pub normal: [f64; 2],
+}
+
+impl ContactSample {
+    /// Unit tangent: the normal turned counter-clockwise by 90°. On the face of a phalanx of a finger that closes
+    /// counter-clockwise it points along the phalanx to its end.
+    pub fn tangent(&self) -> [f64; 2] {
+        [-self.normal[1], self.normal[0]]
+    }
+}
+
+/// The joint limit: δ = −φ22 − q22 and the torque it puts on q22.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitSample {
+    /// Angle to the stop, negative in penetration (−δ).
+    pub gap_rad: f64,
+    pub gap_rate_rad_s: f64,
+    pub torque_n_m: f64,
+}
+
+/// Energies and works since the start, in joules.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    pub kinetic_j: f64,
+    pub gravity_j: f64,
+    pub spring_j: f64,
+    /// Stored in the Hertz springs of contacts and limit.
+    pub elastic_j: f64,
+    /// Lost in dampers, in the clamp and in friction.
+    pub dissipated_j: f64,
+    /// Work of the motor.
+    pub motor_work_j: f64,
+    /// kinetic + gravity + spring + elastic + dissipated − motor work − (the same at the start): zero if nothing is lost.
+    pub balance_j: f64,
+}
+
+/// The state of a run at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    pub time_s: f64,
+    pub q11_rad: f64,
+    pub q21_rad: f64,
+    /// Passive angles, each relative to the link before it; q13 is the absolute orientation of l22.
+    pub q12_rad: f64,
+    pub q22_rad: f64,
+    pub q13_rad: f64,
+    pub qd11_rad_s: f64,
+    pub qd21_rad_s: f64,
+    pub qd12_rad_s: f64,
+    pub qd22_rad_s: f64,
+    pub motor_torque_n_m: f64,
+    pub proximal: ContactSample,
+    pub distal: ContactSample,
+    pub limit: LimitSample,
+    pub energy: Energy,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    TouchDown,
+    LiftOff,
+}
+
+/// A change of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    pub time_s: f64,
+    pub site: Site,
+    pub kind: EventKind,
+    /// Closing speed −gap rate at a touch-down (m/s; limit: rad/s); 0 at a lift-off.
+    pub approach_speed: f64,
+    /// Normal impulse gathered since the last touch-down at this site (N·s; limit: N·m·s); 0 at a touch-down.
+    pub impulse: f64,
+}

@@ -1,0 +1,33 @@
+//! Consumers of a run. Samples are streamed: nothing keeps a whole run in memory unless its sink does.
+
+use super::{Event, Sample};
+
+/// Why a sink could not take a sample.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {what}: {source}")]
+pub struct SinkError {
+    pub what: String,
+    #[source]
+    pub source: std::io::Error,
+}
+
+/// Takes the samples and events of a run in order of time.
+pub trait Sink {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
+    fn event(&mut self, event: &Event) -> Result<(), SinkError>;
+}
+
+/// Feeds two sinks.
+pub struct Tee<A, B>(pub A, pub B);
+
+impl<A: Sink, B: Sink> Sink for Tee<A, B> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.sample(sample)?;
+        self.1.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.0.event(event)?;
+        self.1.event(event)
+    }
+}
