@@ -4,7 +4,10 @@
 //! `units ← gripper, law ← scene ← analytic ← trace ← log, criteria ← report ← cli`; `numeric` and `integrator` know nothing
 //! of grippers.
 
+pub mod analytic;
 pub mod gripper;
+pub mod integrator;
 pub mod law;
+pub mod numeric;
 pub mod scene;
 pub mod trace;

@@ -1,4 +1,16 @@
 //! Scalar contact laws: pure functions of penetration, rate and slip, each with exact derivatives.
+//!
+//! A contact is a normal law times a friction law; the joint limit is a normal law that acts on an angle.
+
+mod friction;
+mod hertz;
+mod normal;
+mod smoothstep;
+
+pub use friction::friction_coefficient;
+pub use hertz::{Material, hertz_stiffness};
+pub use normal::{NormalForce, damping, elastic_energy, normal_force, unclamped_normal_force};
+pub use smoothstep::smoothstep;
 
 /// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
 ///

@@ -99,8 +99,12 @@ pub struct Sample {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
+    /// Surfaces meet: the gap closes.
     TouchDown,
+    /// The force ends: the contact lets go, though the surfaces may still overlap by less than a micrometre.
     LiftOff,
+    /// The force returns before the surfaces have parted.
+    Reload,
 }
 
 /// A change of contact.

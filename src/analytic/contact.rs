@@ -1,0 +1,124 @@
+//! Contact geometry in closed form: a phalanx is a capsule, the object a fixed disc (thesis (B.1)–(B.2), errata 5).
+
+use super::kinematics::{Directions, PassiveRates};
+use crate::numeric::Real;
+use crate::numeric::plane::{Vector, add, cross, dot, perp, rotate, scale, scale_by, sub};
+
+/// Geometry of one unilateral contact: gap, and the rows that give its rates from q̇_a.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<T> {
+    /// Distance between the surfaces; −δ in penetration.
+    pub gap: T,
+    /// Rate of the gap = normal_row · q̇_a.
+    pub normal_row: [T; 2],
+    /// Slip velocity = tangent_row · q̇_a.
+    pub tangent_row: [T; 2],
+    /// From the object to the phalanx.
+    pub normal: Vector<T>,
+    /// On the surface of the phalanx.
+    pub point: Vector<T>,
+}
+
+/// A phalanx in the world: segment from `base` along unit `axis`, and the disc it may touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Capsule<T> {
+    pub base: Vector<T>,
+    pub axis: Vector<T>,
+    pub length: f64,
+    pub radius: f64,
+}
+
+/// Point of the segment nearest to the disc's centre, unit normal there (object → phalanx), and the gap.
+///
+/// On the face the normal is ± the axis turned by 90°; past an end it turns about that end (the slip to the tip of (2.29)).
+#[inline(always)]
+pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: [f64; 2], disc_radius: f64) -> (Vector<T>, Vector<T>, T) {
+    let to_centre = sub(centre.map(T::constant), capsule.base);
+    let along = dot(to_centre, capsule.axis);
+    let reach = capsule.radius + disc_radius;
+    let s = along.value();
+    if s > 0.0 && s < capsule.length {
+        let offset = cross(capsule.axis, to_centre);
+        let side = if offset.value() >= 0.0 { -1.0 } else { 1.0 };
+        let normal = scale_by(perp(capsule.axis), side);
+        (
+            add(capsule.base, scale(capsule.axis, along)),
+            normal,
+            offset * -side - reach,
+        )
+    } else {
+        let point = if s <= 0.0 {
+            capsule.base
+        } else {
+            add(capsule.base, scale_by(capsule.axis, capsule.length))
+        };
+        let away = sub(point, centre.map(T::constant));
+        let distance = dot(away, away).sqrt();
+        (point, scale(away, distance.recip()), distance - reach)
+    }
+}
+
+/// Contact of l21: a body turning about O at q̇21.
+#[inline(always)]
+pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, centre: [f64; 2], disc_radius: f64) -> Geometry<T> {
+    let capsule = Capsule {
+        base: [T::zero(); 2],
+        axis: pose.e2,
+        length: l21,
+        radius: w,
+    };
+    let (foot, normal, gap) = nearest(&capsule, centre, disc_radius);
+    let point = sub(foot, scale_by(normal, w));
+    let lever = |direction| dot(perp(point), direction);
+    Geometry {
+        gap,
+        normal_row: [T::zero(), lever(normal)],
+        tangent_row: [T::zero(), lever(perp(normal))],
+        normal,
+        point,
+    }
+}
+
+/// Shape of the distal phalanx: its lengths, and φ22 as (cos, sin).
+#[derive(Clone, Copy, Debug)]
+pub struct Distal {
+    pub l21: f64,
+    pub t22: f64,
+    pub w: f64,
+    pub phi22: [f64; 2],
+}
+
+/// Contact of t22: A22 moves with l21, and the body turns about it at θ̇4.
+#[inline(always)]
+pub fn distal<T: Real>(
+    pose: &Directions<T>,
+    rates: &PassiveRates<T>,
+    shape: &Distal,
+    centre: [f64; 2],
+    disc_radius: f64,
+) -> Geometry<T> {
+    let base = scale_by(pose.e2, shape.l21);
+    let capsule = Capsule {
+        base,
+        axis: rotate(pose.e4, shape.phi22),
+        length: shape.t22,
+        radius: shape.w,
+    };
+    let (foot, normal, gap) = nearest(&capsule, centre, disc_radius);
+    let point = sub(foot, scale_by(normal, shape.w));
+    let arm = perp(sub(point, base));
+    let row = |direction| {
+        let turning = dot(arm, direction);
+        [
+            turning * rates.a4[0],
+            turning * rates.a4[1] + dot(perp(base), direction),
+        ]
+    };
+    Geometry {
+        gap,
+        normal_row: row(normal),
+        tangent_row: row(perp(normal)),
+        normal,
+        point,
+    }
+}

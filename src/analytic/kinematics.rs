@@ -1,0 +1,176 @@
+//! Direct geometric and kinematic models of the five-bar (thesis (2.1)–(2.16)).
+//!
+//! Directions of the links are carried as unit vectors, so that only q11 and q21 need a sine and a cosine.
+//! Index 1 is l11, 2 is l21, 3 is l12 (absolute angle q11 + q12), 4 is l22 (absolute angle q21 + q22 = q13).
+
+use crate::gripper::Lengths;
+use crate::numeric::Real;
+use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
+
+/// Where the closed form of the loop breaks down.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Singularity {
+    #[error(
+        "l12 and l22 are in line, stretched: A12 and A22 are {distance_m:.6e} m apart, l12 + l22 = {reach_m:.6e} m"
+    )]
+    Stretched { distance_m: f64, reach_m: f64 },
+    #[error("l12 and l22 are in line, folded: A12 and A22 are {distance_m:.6e} m apart, |l12 − l22| = {reach_m:.6e} m")]
+    Folded { distance_m: f64, reach_m: f64 },
+    #[error("A12 and A22 coincide: the loop leaves the direction of l12 undetermined")]
+    Coincident,
+}
+
+/// |sin| of the angle between l12 and l22 below which a configuration counts as singular: passive rates are then more than
+/// a million times the driven ones.
+pub const SINGULAR_SINE: f64 = 1e-6;
+
+/// Directions of the four links and what the closure needs of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Directions<T> {
+    pub e1: Vector<T>,
+    pub e2: Vector<T>,
+    pub e3: Vector<T>,
+    pub e4: Vector<T>,
+}
+
+/// Direct geometric model (2.1), (2.2): link directions at q_a = (q11, q21) in assembly mode γ = ±1.
+///
+/// Beyond the reach of the loop the result is not a number; [`singularity`] says which way it failed.
+#[inline(always)]
+pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Directions<T> {
+    let (s1, c1) = q[0].sin_cos();
+    let (s2, c2) = q[1].sin_cos();
+    let (e1, e2) = ([c1, s1], [c2, s2]);
+    let (l12, l22) = (lengths.l12_m, lengths.l22_m);
+    let a12 = scale_by(e1, lengths.l11_m);
+    let a22 = scale_by(e2, lengths.l21_m);
+    let d = sub(a22, a12);
+    let inverse = dot(d, d).recip();
+    // A13 = A12 + α d + β d⊥ with α = (|d|² + l12² − l22²)/(2 |d|²) and α² + β² = l12²/|d|².
+    let alpha = inverse * (0.5 * (l12 * l12 - l22 * l22)) + 0.5;
+    let beta = (inverse * (l12 * l12) - alpha.squared()).sqrt() * gamma;
+    let a12_to_a13 = add(scale(d, alpha), scale(perp(d), beta));
+    let e3 = scale_by(a12_to_a13, 1.0 / l12);
+    let e4 = scale_by(sub(a12_to_a13, d), 1.0 / l22);
+    Directions { e1, e2, e3, e4 }
+}
+
+/// Names the singularity at `q`, if there is one.
+pub fn singularity(lengths: &Lengths, gamma: f64, q: [f64; 2]) -> Option<Singularity> {
+    let e = |angle: f64| [angle.cos(), angle.sin()];
+    let d = sub(scale_by(e(q[1]), lengths.l21_m), scale_by(e(q[0]), lengths.l11_m));
+    let distance_m = dot(d, d).sqrt();
+    if distance_m < SINGULAR_SINE * lengths.l12_m {
+        return Some(Singularity::Coincident);
+    }
+    let pose = directions(lengths, gamma, q);
+    let sine = cross(pose.e3, pose.e4);
+    if sine.abs() >= SINGULAR_SINE {
+        return None;
+    }
+    let (long, short) = (lengths.l12_m + lengths.l22_m, (lengths.l12_m - lengths.l22_m).abs());
+    Some(if (distance_m - long).abs() <= (distance_m - short).abs() {
+        Singularity::Stretched {
+            distance_m,
+            reach_m: long,
+        }
+    } else {
+        Singularity::Folded {
+            distance_m,
+            reach_m: short,
+        }
+    })
+}
+
+/// The straight configuration with l21 at 90°: l22 at 90° − φ22, and l12, l11 as the loop has them.
+///
+/// For l12 by (B.7) this is the reference configuration, with l11 on the palm.
+pub fn straight(lengths: &Lengths) -> Directions<f64> {
+    let (sin, cos) = lengths.phi22_rad.sin_cos();
+    let (e2, e4) = ([0.0, 1.0], [sin, cos]);
+    let a13 = add(scale_by(e2, lengths.l21_m), scale_by(e4, lengths.l22_m));
+    // A12 is to the right of the line O–A13: α, β along and across it.
+    let reach2 = dot(a13, a13);
+    let alpha = (reach2 + lengths.l11_m.powi(2) - lengths.l12_m.powi(2)) / (2.0 * reach2);
+    let beta = (lengths.l11_m.powi(2) / reach2 - alpha * alpha).max(0.0).sqrt();
+    let a12 = sub(scale_by(a13, alpha), scale_by(perp(a13), beta));
+    Directions {
+        e1: scale_by(a12, 1.0 / lengths.l11_m),
+        e2,
+        e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m),
+        e4,
+    }
+}
+
+/// γ of (2.1) in the straight configuration: which side of the line A12→A22 the joint A13 lies on.
+pub fn reference_gamma(lengths: &Lengths) -> f64 {
+    let pose = straight(lengths);
+    let d = sub(scale_by(pose.e2, lengths.l21_m), scale_by(pose.e1, lengths.l11_m));
+    cross(d, pose.e3).signum()
+}
+
+/// First-order kinematics (2.8): θ̇3 = a3·q̇_a and θ̇4 = a4·q̇_a, the absolute rates of l12 and l22.
+///
+/// q̇12 = θ̇3 − q̇11 and q̇22 = θ̇4 − q̇21 are the rows of J_da.
+#[derive(Clone, Copy, Debug)]
+pub struct PassiveRates<T> {
+    pub a3: [T; 2],
+    pub a4: [T; 2],
+    /// 1 / sin of the angle from l12 to l22; infinite at a singularity.
+    pub inverse_sine: T,
+}
+
+/// Solves the rate of the loop closure (2.4) for the passive links, by projection on l22 and on l12.
+#[inline(always)]
+pub fn passive_rates<T: Real>(lengths: &Lengths, pose: &Directions<T>) -> PassiveRates<T> {
+    let Directions { e1, e2, e3, e4 } = *pose;
+    let inverse_sine = cross(e3, e4).recip();
+    let over3 = inverse_sine * (1.0 / lengths.l12_m);
+    let over4 = inverse_sine * (1.0 / lengths.l22_m);
+    PassiveRates {
+        a3: [
+            cross(e1, e4) * over3 * -lengths.l11_m,
+            cross(e2, e4) * over3 * lengths.l21_m,
+        ],
+        a4: [
+            cross(e1, e3) * over4 * -lengths.l11_m,
+            cross(e2, e3) * over4 * lengths.l21_m,
+        ],
+        inverse_sine,
+    }
+}
+
+/// Second-order kinematics (2.14)–(2.16): with q̈_a = 0, θ̈3 = b3·w and θ̈4 = b4·w, where w = (θ̇1², θ̇2², θ̇3², θ̇4²).
+#[derive(Clone, Copy, Debug)]
+pub struct PassiveBias<T> {
+    pub b3: [T; 4],
+    pub b4: [T; 4],
+}
+
+#[inline(always)]
+pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &PassiveRates<T>) -> PassiveBias<T> {
+    let Directions { e1, e2, e3, e4 } = *pose;
+    let Lengths {
+        l11_m: l11,
+        l12_m: l12,
+        l21_m: l21,
+        l22_m: l22,
+        ..
+    } = *lengths;
+    let i = rates.inverse_sine;
+    let cos34 = dot(e3, e4);
+    PassiveBias {
+        b3: [
+            dot(e1, e4) * i * (l11 / l12),
+            dot(e2, e4) * i * (-l21 / l12),
+            cos34 * i,
+            i * (-l22 / l12),
+        ],
+        b4: [
+            dot(e1, e3) * i * (l11 / l22),
+            dot(e2, e3) * i * (-l21 / l22),
+            i * (l12 / l22),
+            cos34 * -i,
+        ],
+    }
+}

@@ -1,0 +1,13 @@
+//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws.
+//!
+//! Independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing else.
+
+pub mod contact;
+pub mod dynamics;
+pub mod kinematics;
+mod model;
+mod modes;
+mod motor;
+pub mod spring;
+
+pub use model::{Energies, Mode, Model, QUADRATURES, SiteState};

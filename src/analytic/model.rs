@@ -1,0 +1,361 @@
+//! The analytic model of one scene: accelerations, their exact Jacobian, and the state of every contact.
+
+use super::contact::{self, Distal, Geometry};
+use super::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms};
+use super::kinematics::{Singularity, directions, reference_gamma, singularity};
+use super::motor;
+use super::spring::SpringModel;
+use crate::gripper::Assembly;
+use crate::integrator::{Linearised, Rates, System};
+use crate::law::{
+    ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_coefficient, normal_force,
+    unclamped_normal_force,
+};
+use crate::numeric::plane::{angle_between, dot, rotate};
+use crate::numeric::{Dual, Real};
+use crate::scene::{Actuation, Disc, Scene};
+use crate::trace::Site;
+
+/// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
+pub const QUADRATURES: usize = 5;
+
+/// Branch of the normal law at one site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SiteState {
+    /// Surfaces apart: no force.
+    Free,
+    /// k δᵉ + c δ̇ as it stands; an event ends it where it turns negative.
+    Active,
+    /// Still overlapping, but let go: the clamp holds the force at zero.
+    Released,
+    /// max(0, k δᵉ + c δ̇), whatever happens: for one step where events chatter.
+    Natural,
+}
+
+/// Branches of all sites, in the order of [`Site::ALL`].
+pub type Mode = [SiteState; 3];
+
+/// The analytic model of a scene, with everything that does not change in time worked out.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub(super) dynamics: Dynamics,
+    pub(super) actuation: Actuation,
+    pub(super) spring: Option<SpringModel>,
+    pub(super) limit: Option<NormalLaw>,
+    pub(super) object: Option<Disc>,
+    pub(super) contacts: [ContactLaw; 2],
+    distal: Distal,
+}
+
+/// Energies of one state, in J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    pub kinetic: f64,
+    pub gravity: f64,
+    pub spring: f64,
+    pub elastic: f64,
+}
+
+/// One site in one state.
+#[derive(Clone, Copy, Debug)]
+pub struct SiteReading {
+    pub geometry: Geometry<f64>,
+    /// δ, its rate, and slip.
+    pub delta: f64,
+    pub delta_rate: f64,
+    pub slip: f64,
+    /// Normal force (limit: torque) with the clamp, and friction force.
+    pub normal: f64,
+    pub tangential: f64,
+}
+
+impl Model {
+    /// Builds the model of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let lengths = scene.finger.lengths;
+        let reference = reference_gamma(&lengths);
+        let gamma = match scene.finger.assembly {
+            Assembly::Reference => reference,
+            Assembly::Other => -reference,
+        };
+        let (sin, cos) = lengths.phi22_rad.sin_cos();
+        Self {
+            dynamics: Dynamics::new(&scene.finger, gamma, scene.gravity_m_s2),
+            actuation: scene.actuation.clone(),
+            spring: scene.spring.map(|s| SpringModel::new(&s, &lengths)),
+            limit: scene.limit,
+            object: scene.object,
+            contacts: [scene.contact.proximal, scene.contact.distal],
+            distal: Distal {
+                l21: lengths.l21_m,
+                t22: lengths.t22_m,
+                w: lengths.half_width_m,
+                phi22: [cos, sin],
+            },
+        }
+    }
+
+    pub fn dynamics(&self) -> &Dynamics {
+        &self.dynamics
+    }
+
+    /// Position-dependent terms at q_a.
+    #[inline(always)]
+    pub(super) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
+        terms(
+            &self.dynamics,
+            directions(&self.dynamics.lengths, self.dynamics.gamma, q),
+        )
+    }
+
+    /// Geometry of one site; `None` where the scene has no such contact.
+    #[inline(always)]
+    pub(super) fn geometry<T: Real>(&self, terms: &Terms<T>, site: Site) -> Option<Geometry<T>> {
+        let (pose, rates) = (&terms.pose, &terms.rates);
+        match site {
+            Site::Proximal => {
+                let disc = self.object?;
+                Some(contact::proximal(
+                    pose,
+                    self.distal.l21,
+                    self.distal.w,
+                    disc.centre_m,
+                    disc.radius_m,
+                ))
+            }
+            Site::Distal => {
+                let disc = self.object?;
+                Some(contact::distal(pose, rates, &self.distal, disc.centre_m, disc.radius_m))
+            }
+            Site::Limit => {
+                self.limit?;
+                // q22 + φ22: the angle from l21 to the tip phalanx.
+                let gap = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22));
+                let row = [rates.a4[0], rates.a4[1] - 1.0];
+                let none = [T::zero(); 2];
+                Some(Geometry {
+                    gap,
+                    normal_row: row,
+                    tangent_row: none,
+                    normal: none,
+                    point: none,
+                })
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn normal_law(&self, site: Site) -> Option<&NormalLaw> {
+        match site {
+            Site::Proximal | Site::Distal => Some(&self.contacts[site as usize].normal),
+            Site::Limit => self.limit.as_ref(),
+        }
+    }
+
+    #[inline(always)]
+    fn friction_law(&self, site: Site) -> Option<&FrictionLaw> {
+        match site {
+            Site::Proximal | Site::Distal => self.contacts[site as usize].friction.as_ref(),
+            Site::Limit => None,
+        }
+    }
+
+    /// Normal law on the branch of `state`.
+    #[inline(always)]
+    fn branch(&self, law: &NormalLaw, state: SiteState, delta: f64, rate: f64) -> NormalForce {
+        match state {
+            SiteState::Free | SiteState::Released => NormalForce::default(),
+            SiteState::Active => unclamped_normal_force(law, delta, rate),
+            SiteState::Natural => normal_force(law, delta, rate),
+        }
+    }
+
+    /// q̈_a and the rates of the quadratures (2.24), from the position-dependent terms and the geometry of the sites in contact.
+    #[inline(always)]
+    fn accelerations<T: Real>(
+        &self,
+        motor_torque: T,
+        terms: &Terms<T>,
+        sites: &[Option<Geometry<T>>; 3],
+        mode: &Mode,
+        v: [T; 2],
+    ) -> ([T; 2], [T; QUADRATURES]) {
+        let c = bias(terms, absolute_rates(&terms.rates, v));
+        let mut load = [motor_torque - c[0], -c[1]];
+        if let Some(spring) = &self.spring {
+            let force = spring.generalised_force(&terms.pose, &terms.rates);
+            load = [load[0] + force[0], load[1] + force[1]];
+        }
+        let mut quadratures = [T::zero(); QUADRATURES];
+        let mut contact_power = T::zero();
+        for site in Site::ALL {
+            let index = site as usize;
+            let (Some(geometry), Some(law)) = (&sites[index], self.normal_law(site)) else {
+                continue;
+            };
+            let gap_rate = dot(geometry.normal_row, v);
+            let f = self.branch(law, mode[index], -geometry.gap.value(), -gap_rate.value());
+            let normal = geometry.gap.chain2(gap_rate, f.force, -f.d_delta, -f.d_rate);
+            load[0] += geometry.normal_row[0] * normal;
+            load[1] += geometry.normal_row[1] * normal;
+            contact_power += normal * gap_rate;
+            quadratures[index] = normal;
+            if let Some(friction) = self.friction_law(site) {
+                let slip = dot(geometry.tangent_row, v);
+                let (mu, slope) = friction_coefficient(friction, slip.value());
+                let tangential = slip.chain(mu, slope) * -normal;
+                load[0] += geometry.tangent_row[0] * tangential;
+                load[1] += geometry.tangent_row[1] * tangential;
+                contact_power += tangential * slip;
+            }
+        }
+        quadratures[3] = contact_power;
+        quadratures[4] = motor_torque * v[0];
+        (solve_mass(&terms.mass, load), quadratures)
+    }
+
+    /// Geometry of the sites whose branch has a force.
+    #[inline(always)]
+    fn touching<T: Real>(&self, terms: &Terms<T>, mode: &Mode) -> [Option<Geometry<T>>; 3] {
+        Site::ALL.map(|site| match mode[site as usize] {
+            SiteState::Active | SiteState::Natural => self.geometry(terms, site),
+            SiteState::Free | SiteState::Released => None,
+        })
+    }
+
+    /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
+    pub(crate) fn reading(&self, q: [f64; 2], v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
+        self.reading_at(&self.terms(q), v, site, state)
+    }
+
+    pub(crate) fn reading_at(
+        &self,
+        terms: &Terms<f64>,
+        v: [f64; 2],
+        site: Site,
+        state: SiteState,
+    ) -> Option<SiteReading> {
+        let geometry = self.geometry(terms, site)?;
+        let law = self.normal_law(site)?;
+        let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
+        let slip = dot(geometry.tangent_row, v);
+        let normal = self.branch(law, state, delta, delta_rate).force.max(0.0);
+        let tangential = self
+            .friction_law(site)
+            .map_or(0.0, |f| -friction_coefficient(f, slip).0 * normal);
+        Some(SiteReading {
+            geometry,
+            delta,
+            delta_rate,
+            slip,
+            normal,
+            tangential,
+        })
+    }
+
+    /// Energies of a state.
+    pub fn energies(&self, q: [f64; 2], v: [f64; 2]) -> Energies {
+        let terms = self.terms(q);
+        let elastic = Site::ALL
+            .into_iter()
+            .filter_map(|site| {
+                Some(elastic_energy(
+                    self.normal_law(site)?,
+                    -self.geometry(&terms, site)?.gap,
+                ))
+            })
+            .sum();
+        Energies {
+            kinetic: kinetic_energy(&terms.mass, v),
+            gravity: gravity_energy(&self.dynamics, &terms.pose),
+            spring: self.spring.as_ref().map_or(0.0, |s| s.energy(&terms.pose)),
+            elastic,
+        }
+    }
+
+    /// Motor torque at time `t`, in N·m.
+    pub fn motor_torque(&self, t: f64) -> f64 {
+        motor::torque(&self.actuation, t).0
+    }
+
+    /// The singularity at `q`, if it is in one.
+    pub fn singularity(&self, q: [f64; 2]) -> Option<Singularity> {
+        singularity(&self.dynamics.lengths, self.dynamics.gamma, q)
+    }
+}
+
+impl System<2, QUADRATURES> for Model {
+    type Mode = Mode;
+
+    #[inline(always)]
+    fn rates(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Rates<2, QUADRATURES> {
+        let terms = self.terms(*q);
+        let sites = self.touching(&terms, mode);
+        let torque = motor::torque(&self.actuation, t).0;
+        let (a, g) = self.accelerations(torque, &terms, &sites, mode, *v);
+        Rates { a, g }
+    }
+
+    #[inline(always)]
+    fn linearise(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Linearised<2, QUADRATURES> {
+        // Positions first, with two derivatives; rates only then, with four.
+        let narrow = self.terms([Dual::<2>::variable(q[0], 0), Dual::variable(q[1], 1)]);
+        let sites = self
+            .touching(&narrow, mode)
+            .map(|site| site.map(|geometry| geometry.widen()));
+        let wide = narrow.widen();
+        let rate = [Dual::<4>::variable(v[0], 2), Dual::variable(v[1], 3)];
+        let (torque, slope) = motor::torque(&self.actuation, t);
+        let (a, g) = self.accelerations(Dual::constant(torque), &wide, &sites, mode, rate);
+        let mass = narrow.mass.map(|m| m.value);
+        Linearised {
+            rates: Rates {
+                a: a.map(|x| x.value),
+                g: g.map(|x| x.value),
+            },
+            a_q: a.map(|x| [x.grad[0], x.grad[1]]),
+            a_v: a.map(|x| [x.grad[2], x.grad[3]]),
+            a_t: solve_mass(&mass, [slope, 0.0]),
+            g_q: g.map(|x| [x.grad[0], x.grad[1]]),
+            g_v: g.map(|x| [x.grad[2], x.grad[3]]),
+            g_t: [0.0, 0.0, 0.0, 0.0, slope * v[0]],
+        }
+    }
+}
+
+impl Geometry<Dual<2>> {
+    #[inline(always)]
+    fn widen(self) -> Geometry<Dual<4>> {
+        Geometry {
+            gap: self.gap.widen(),
+            normal_row: self.normal_row.map(Dual::widen),
+            tangent_row: self.tangent_row.map(Dual::widen),
+            normal: self.normal.map(Dual::widen),
+            point: self.point.map(Dual::widen),
+        }
+    }
+}
+
+impl Terms<Dual<2>> {
+    #[inline(always)]
+    fn widen(&self) -> Terms<Dual<4>> {
+        use super::kinematics::{Directions, PassiveRates};
+        let Directions { e1, e2, e3, e4 } = self.pose;
+        Terms {
+            pose: Directions {
+                e1: e1.map(Dual::widen),
+                e2: e2.map(Dual::widen),
+                e3: e3.map(Dual::widen),
+                e4: e4.map(Dual::widen),
+            },
+            rates: PassiveRates {
+                a3: self.rates.a3.map(Dual::widen),
+                a4: self.rates.a4.map(Dual::widen),
+                inverse_sine: self.rates.inverse_sine.widen(),
+            },
+            mass: self.mass.map(Dual::widen),
+            quadratic: self.quadratic.map(|row| row.map(Dual::widen)),
+            gravity: self.gravity.map(Dual::widen),
+        }
+    }
+}

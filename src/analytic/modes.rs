@@ -1,0 +1,175 @@
+//! Which branch of its law each contact is on, and where that changes.
+
+use super::model::{Mode, Model, QUADRATURES, SiteState};
+use super::motor;
+use crate::integrator::{Guard, Hybrid, System};
+use crate::law::{NormalLaw, unclamped_normal_force};
+use crate::numeric::plane::dot;
+use crate::trace::Site;
+
+/// Touch-down is landed on to within this fraction of δ_max.
+const LANDING_FRACTION: f64 = 1e-5;
+
+/// Lift-off and reload are landed on to within this force: far below anything the finger feels (limit: torque).
+fn force_tolerance(site: Site) -> f64 {
+    match site {
+        Site::Proximal | Site::Distal => 1e-7,
+        Site::Limit => 1e-10,
+    }
+}
+
+fn landing_depth(law: &NormalLaw) -> f64 {
+    LANDING_FRACTION * law.transition_m
+}
+
+impl Hybrid<2, QUADRATURES, 3> for Model {
+    fn next_corner(&self, t: f64) -> f64 {
+        motor::next_corner(&self.actuation, t)
+    }
+
+    #[inline(always)]
+    fn guards(&self, _t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> [Guard; 3] {
+        let terms = self.terms(*q);
+        Site::ALL.map(|site| {
+            let state = mode[site as usize];
+            let quiet = Guard {
+                value: f64::INFINITY,
+                rate: 0.0,
+            };
+            if state == SiteState::Natural {
+                return quiet;
+            }
+            let (Some(geometry), Some(law)) = (self.geometry(&terms, site), self.normal_law(site)) else {
+                return quiet;
+            };
+            let gap_rate = dot(geometry.normal_row, *v);
+            let (delta, rate) = (-geometry.gap, -gap_rate);
+            match state {
+                SiteState::Free => Guard {
+                    value: geometry.gap,
+                    rate: gap_rate,
+                },
+                SiteState::Active if delta > 0.0 => Guard {
+                    value: unclamped_normal_force(law, delta, rate).force,
+                    rate: 0.0,
+                },
+                // Just landed and about to enter, or gone through zero without ever pulling.
+                SiteState::Active => Guard {
+                    value: if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) },
+                    rate: 0.0,
+                },
+                // The margin keeps lift-off and reload from answering each other.
+                _ => Guard {
+                    value: 3.0 * force_tolerance(site) - unclamped_normal_force(law, delta, rate).force,
+                    rate: 0.0,
+                },
+            }
+        })
+    }
+
+    fn landing_tolerance(&self, site: usize, mode: &Mode) -> f64 {
+        let which = Site::ALL[site];
+        match mode[site] {
+            SiteState::Free => self.normal_law(which).map_or(0.0, landing_depth),
+            _ => force_tolerance(which),
+        }
+    }
+
+    fn switch(&self, site: usize, mode: &Mode) -> Mode {
+        let mut next = *mode;
+        next[site] = match mode[site] {
+            SiteState::Free | SiteState::Released => SiteState::Active,
+            SiteState::Active => SiteState::Released,
+            SiteState::Natural => SiteState::Natural,
+        };
+        next
+    }
+
+    fn relax(&self, q: &[f64; 2], mode: &Mode) -> Mode {
+        let mut next = *mode;
+        if mode.contains(&SiteState::Released) {
+            let terms = self.terms(*q);
+            for site in Site::ALL {
+                let index = site as usize;
+                if mode[index] == SiteState::Released && self.geometry(&terms, site).is_some_and(|g| g.gap > 0.0) {
+                    next[index] = SiteState::Free;
+                }
+            }
+        }
+        next
+    }
+
+    fn with_natural(&self, site: usize, natural: bool, mode: &Mode) -> Mode {
+        let mut next = *mode;
+        next[site] = if natural { SiteState::Natural } else { SiteState::Free };
+        next
+    }
+
+    fn read_mode(&self, t: f64, q: &[f64; 2], v: &[f64; 2]) -> Mode {
+        let terms = self.terms(*q);
+        // Without the sites that are just touching, to see which way they are about to move.
+        let mut mode = [SiteState::Free; 3];
+        let mut touching = [None; 3];
+        for site in Site::ALL {
+            let index = site as usize;
+            let (Some(geometry), Some(law)) = (self.geometry(&terms, site), self.normal_law(site)) else {
+                continue;
+            };
+            let (delta, rate) = (-geometry.gap, -dot(geometry.normal_row, *v));
+            if delta.abs() <= landing_depth(law) {
+                touching[index] = Some((geometry.normal_row, rate));
+            } else if delta > 0.0 {
+                let force = unclamped_normal_force(law, delta, rate).force;
+                mode[index] = if force >= 0.0 {
+                    SiteState::Active
+                } else {
+                    SiteState::Released
+                };
+            }
+        }
+        let free = self.rates(t, q, v, &mode).a;
+        for (state, touch) in mode.iter_mut().zip(touching) {
+            let Some((row, rate)) = touch else { continue };
+            let resting = rate.abs() < 1e-12;
+            if rate >= 1e-12 || (resting && -dot(row, free) > 0.0) {
+                *state = SiteState::Active;
+            }
+        }
+        mode
+    }
+
+    fn restart_step(&self, site: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<f64> {
+        if mode[site] != SiteState::Active {
+            return None;
+        }
+        let which = Site::ALL[site];
+        let terms = self.terms(*q);
+        let (geometry, law) = (self.geometry(&terms, which)?, self.normal_law(which)?);
+        let row = geometry.normal_row;
+        let speed = dot(row, *v).abs();
+        let mobility = dot(row, super::dynamics::solve_mass(&terms.mass, row));
+        Some(RESTART_FRACTION * stopping_time(law, speed, 1.0 / mobility))
+    }
+
+    fn obstacle(&self, q: &[f64; 2]) -> Option<String> {
+        self.singularity(*q).map(|s| format!("singular configuration: {s}"))
+    }
+}
+
+const RESTART_FRACTION: f64 = 0.05;
+
+/// Time scale of an impact at `speed` of an effective `mass`: depth over speed, with the depth at which damper or spring,
+/// whichever bites first, has used up the momentum.
+///
+/// Damper alone: m v = c_max (δ³/δ_max² − …), spring alone: m v² / 2 = k δᵉ⁺¹/(e + 1).
+fn stopping_time(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
+    let speed = speed.max(1e-6);
+    let by_damper = if law.damping_max_n_s_per_m > 0.0 {
+        (mass * speed * law.transition_m.powi(2) / law.damping_max_n_s_per_m).cbrt()
+    } else {
+        f64::INFINITY
+    };
+    let by_spring =
+        (0.5 * (law.exponent + 1.0) * mass * speed * speed / law.stiffness_n_per_m_e).powf(1.0 / (law.exponent + 1.0));
+    by_damper.min(by_spring) / speed
+}

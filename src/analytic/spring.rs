@@ -1,0 +1,95 @@
+//! The spring that pulls the finger straight (thesis (2.30), §3.3.2.3, errata 4).
+
+use super::kinematics::{Directions, PassiveRates, passive_rates, straight};
+use crate::gripper::Lengths;
+use crate::numeric::Real;
+use crate::numeric::plane::{angle_between, rotate};
+use crate::scene::{Placement, Spring, SpringKind};
+
+/// A spring with what its placement needs of the straight configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct SpringModel {
+    kind: SpringKind,
+    placement: Placement,
+    /// +1 where q_s grows as the tip closes, −1 where it shrinks: the torque −s k_s always pulls back to straight.
+    closing_sign: f64,
+    /// (cos, sin) of −q_s in the straight configuration.
+    straight: [f64; 2],
+}
+
+/// The two directions q_s is the angle between.
+#[inline(always)]
+fn ends<T: Real>(placement: Placement, pose: &Directions<T>) -> [[T; 2]; 2] {
+    match placement {
+        Placement::GroundLinks => [pose.e1, pose.e2],
+        Placement::DrivenCoupler => [pose.e1, pose.e3],
+        Placement::Phalanges => [pose.e2, pose.e4],
+        Placement::CouplerDistal => [pose.e4, pose.e3],
+    }
+}
+
+/// ∂q_s/∂q_a.
+#[inline(always)]
+fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
+    let (a3, a4) = (rates.a3, rates.a4);
+    match placement {
+        Placement::GroundLinks => [T::constant(-1.0), T::constant(1.0)],
+        Placement::DrivenCoupler => [a3[0] - 1.0, a3[1]],
+        Placement::Phalanges => [a4[0], a4[1] - 1.0],
+        Placement::CouplerDistal => [a3[0] - a4[0], a3[1] - a4[1]],
+    }
+}
+
+impl SpringModel {
+    /// The spring of a finger, relaxed least in its straight configuration.
+    pub fn new(spring: &Spring, lengths: &Lengths) -> Self {
+        let pose = straight(lengths);
+        let [from, to] = ends(spring.placement, &pose);
+        let q_s: f64 = angle_between(from, to);
+        let opening = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
+        Self {
+            kind: spring.kind,
+            placement: spring.placement,
+            closing_sign: opening.signum(),
+            straight: [q_s.cos(), -q_s.sin()],
+        }
+    }
+
+    /// Δq_s ≥ 0 in closing: how far the spring coordinate is from straight, in rad.
+    #[inline(always)]
+    pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
+        let [from, to] = ends(self.placement, pose);
+        angle_between(from, rotate(to, self.straight)) * self.closing_sign
+    }
+
+    /// Generalised force τ_s (2.30): −(∂q_s/∂q_a)ᵀ s T with T = k_s, or c_s (q_p + Δq_s).
+    #[inline(always)]
+    pub fn generalised_force<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> [T; 2] {
+        let [g0, g1] = gradient(self.placement, rates);
+        match self.kind {
+            SpringKind::Constant { torque_n_m } => {
+                let t = -self.closing_sign * torque_n_m;
+                [g0 * t, g1 * t]
+            }
+            SpringKind::Torsional {
+                stiffness_n_m_per_rad,
+                preload_rad,
+            } => {
+                let t = (self.extension(pose) + preload_rad) * (-self.closing_sign * stiffness_n_m_per_rad);
+                [g0 * t, g1 * t]
+            }
+        }
+    }
+
+    /// Stored energy in J, zero in the straight configuration.
+    pub fn energy(&self, pose: &Directions<f64>) -> f64 {
+        let extension = self.extension(pose);
+        match self.kind {
+            SpringKind::Constant { torque_n_m } => torque_n_m * extension,
+            SpringKind::Torsional {
+                stiffness_n_m_per_rad,
+                preload_rad,
+            } => stiffness_n_m_per_rad * extension * (preload_rad + 0.5 * extension),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! LU factorisation of fixed size with partial pivoting, over real or complex numbers.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+use num_complex::Complex64;
+
+/// Numbers a matrix may hold.
+pub trait Field:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
+{
+    fn size(self) -> f64;
+}
+
+impl Field for f64 {
+    #[inline(always)]
+    fn size(self) -> f64 {
+        self.abs()
+    }
+}
+
+impl Field for Complex64 {
+    #[inline(always)]
+    fn size(self) -> f64 {
+        self.re.abs() + self.im.abs()
+    }
+}
+
+/// P A = L U; the diagonal holds reciprocals.
+#[derive(Clone, Copy, Debug)]
+pub struct Lu<F, const N: usize> {
+    lu: [[F; N]; N],
+    order: [usize; N],
+}
+
+impl<F: Field, const N: usize> Lu<F, N> {
+    /// Factors `a`. A singular matrix yields numbers that are not finite, which the step control then refuses.
+    #[inline(always)]
+    pub fn new(mut a: [[F; N]; N]) -> Self {
+        let mut order = std::array::from_fn(|i| i);
+        for k in 0..N {
+            let mut pivot = k;
+            for i in k + 1..N {
+                if a[i][k].size() > a[pivot][k].size() {
+                    pivot = i;
+                }
+            }
+            a.swap(k, pivot);
+            order.swap(k, pivot);
+            a[k][k] = F::from(1.0) / a[k][k];
+            for i in k + 1..N {
+                let factor = a[i][k] * a[k][k];
+                a[i][k] = factor;
+                for j in k + 1..N {
+                    a[i][j] = a[i][j] - factor * a[k][j];
+                }
+            }
+        }
+        Self { lu: a, order }
+    }
+
+    #[inline(always)]
+    pub fn solve(&self, b: [F; N]) -> [F; N] {
+        let mut x: [F; N] = std::array::from_fn(|i| b[self.order[i]]);
+        for i in 1..N {
+            for j in 0..i {
+                x[i] = x[i] - self.lu[i][j] * x[j];
+            }
+        }
+        for i in (0..N).rev() {
+            for j in i + 1..N {
+                x[i] = x[i] - self.lu[i][j] * x[j];
+            }
+            x[i] = x[i] * self.lu[i][i];
+        }
+        x
+    }
+}
+
+/// Solver of (s I − J) x = r for J = [[0, I], [a_q, a_v]]: eliminating x_q leaves N equations instead of 2N.
+///
+/// x_q = (r_q + x_v)/s and (s − a_v − a_q/s) x_v = r_v + a_q r_q / s.
+#[derive(Clone, Copy, Debug)]
+pub struct ShiftedSolver<F, const N: usize> {
+    inverse_shift: F,
+    a_q: [[f64; N]; N],
+    lu: Lu<F, N>,
+}
+
+impl<F: Field, const N: usize> ShiftedSolver<F, N> {
+    #[inline(always)]
+    pub fn new(shift: F, a_q: &[[f64; N]; N], a_v: &[[f64; N]; N]) -> Self {
+        let inverse_shift = F::from(1.0) / shift;
+        let matrix = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let off = F::from(-a_v[i][j]) - F::from(a_q[i][j]) * inverse_shift;
+                if i == j { off + shift } else { off }
+            })
+        });
+        Self {
+            inverse_shift,
+            a_q: *a_q,
+            lu: Lu::new(matrix),
+        }
+    }
+
+    /// (x_q, x_v).
+    #[inline(always)]
+    pub fn solve(&self, r_q: [F; N], r_v: [F; N]) -> ([F; N], [F; N]) {
+        let scaled = r_q.map(|r| r * self.inverse_shift);
+        let load = std::array::from_fn(|i| {
+            let mut sum = r_v[i];
+            for j in 0..N {
+                sum = sum + F::from(self.a_q[i][j]) * scaled[j];
+            }
+            sum
+        });
+        let x_v = self.lu.solve(load);
+        (std::array::from_fn(|i| scaled[i] + x_v[i] * self.inverse_shift), x_v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lu_solves_matrices_that_need_pivots() {
+        let a = [[0.0, 2.0, 1.0], [1.0, 0.0, 3.0], [4.0, 1.0, 0.0]];
+        let x = [1.0, -2.0, 0.5];
+        let b: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| a[i][j] * x[j]).sum());
+        let solved = Lu::new(a).solve(b);
+        for i in 0..3 {
+            assert!((solved[i] - x[i]).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn shifted_solver_inverts_the_full_matrix_over_the_complex_numbers() {
+        let a_q = [[-3.0, 1.0], [0.5, -7.0]];
+        let a_v = [[-100.0, 2.0], [3.0, -0.1]];
+        let s = Complex64::new(2.0, 1.5);
+        let x = [1.0, -1.0, 0.3, 2.0].map(|re| Complex64::new(re, 0.7 * re - 0.2));
+        let r_q = [s * x[0] - x[2], s * x[1] - x[3]];
+        let r_v: [Complex64; 2] = std::array::from_fn(|i| {
+            s * x[2 + i]
+                - (0..2)
+                    .map(|j| x[j] * a_q[i][j] + x[2 + j] * a_v[i][j])
+                    .sum::<Complex64>()
+        });
+        let (x_q, x_v) = ShiftedSolver::new(s, &a_q, &a_v).solve(r_q, r_v);
+        for i in 0..2 {
+            assert!((x_q[i] - x[i]).norm() < 1e-14 && (x_v[i] - x[2 + i]).norm() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Stiff integration of small hybrid second-order systems q̇ = v, v̇ = a(t, q, v).
+//!
+//! Sizes are constants, nothing is allocated and nothing dispatched dynamically within a step. `N` is the number of
+//! coordinates, `Z` that of quadratures (ż = g(t, q, v), carried along but never fed back), `S` that of sites whose
+//! branch may change.
+
+mod control;
+mod dense;
+mod driver;
+mod landing;
+mod linear;
+mod method;
+mod radau5;
+mod rodas5p;
+mod system;
+mod tableau;
+
+pub use control::Tolerances;
+pub use dense::Dense;
+pub use driver::{Counters, Failure, Observer, Options, Reason, integrate};
+pub use method::Method;
+pub use radau5::Radau5;
+pub use rodas5p::Rodas5p;
+pub use system::{Guard, Hybrid, Linearised, Rates, State, System};

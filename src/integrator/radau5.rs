@@ -1,0 +1,384 @@
+//! Radau IIA of order 5 (Hairer & Wanner, Solving ODEs II, IV.8): three implicit stages, simplified Newton on the
+//! transformed system, filtered error estimate.
+
+use num_complex::Complex64;
+
+use super::linear::ShiftedSolver;
+use super::method::{Attempt, Method};
+use super::{Dense, Linearised, Rates, State, System, Tolerances};
+
+const MAX_NEWTON: usize = 12;
+
+/// Coefficients of the method, all from closed forms.
+#[derive(Clone, Copy, Debug)]
+struct Coefficients {
+    /// Abscissae c₁, c₂, c₃ = 1.
+    c: [f64; 3],
+    /// Runge–Kutta matrix.
+    a: [[f64; 3]; 3],
+    /// Real eigenvalue of A⁻¹, and the complex pair α ± iβ.
+    gamma: f64,
+    alpha: f64,
+    beta: f64,
+    /// T of A⁻¹ T = T Λ, and its inverse.
+    t: [[f64; 3]; 3],
+    ti: [[f64; 3]; 3],
+    /// Weights of the error estimate.
+    e: [f64; 3],
+}
+
+impl Coefficients {
+    fn new() -> Self {
+        let s6 = 6f64.sqrt();
+        let c = [(4.0 - s6) / 10.0, (4.0 + s6) / 10.0, 1.0];
+        let a = [
+            [
+                (88.0 - 7.0 * s6) / 360.0,
+                (296.0 - 169.0 * s6) / 1800.0,
+                (-2.0 + 3.0 * s6) / 225.0,
+            ],
+            [
+                (296.0 + 169.0 * s6) / 1800.0,
+                (88.0 + 7.0 * s6) / 360.0,
+                (-2.0 - 3.0 * s6) / 225.0,
+            ],
+            [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
+        ];
+        // Characteristic polynomial of A⁻¹: λ³ − 9 λ² + 36 λ − 60.
+        let (cube9, cube3) = (81f64.cbrt(), 9f64.cbrt());
+        let gamma = 3.0 + cube9 - cube3;
+        let alpha = 3.0 - 0.5 * (cube9 - cube3);
+        let beta = 0.5 * 3f64.sqrt() * (cube9 + cube3);
+        // Columns of T: an eigenvector of A for 1/γ, then real and imaginary parts of one for 1/(α − iβ), both found from the
+        // null space of A − λ I by a cross product of two of its rows, scaled to a last component of 1 (and 1 + 0 i).
+        let vector = |lambda: Complex64| -> [Complex64; 3] {
+            let row = |i: usize| -> [Complex64; 3] {
+                std::array::from_fn(|j| Complex64::from(a[i][j]) - if i == j { lambda } else { 0.0.into() })
+            };
+            let (p, r) = (row(0), row(1));
+            let v = [
+                p[1] * r[2] - p[2] * r[1],
+                p[2] * r[0] - p[0] * r[2],
+                p[0] * r[1] - p[1] * r[0],
+            ];
+            v.map(|x| x / v[2])
+        };
+        let real = vector(Complex64::from(1.0 / gamma));
+        let pair = vector(Complex64::new(alpha, -beta).inv());
+        let t = std::array::from_fn(|i| [real[i].re, pair[i].re, pair[i].im]);
+        Self {
+            c,
+            a,
+            gamma,
+            alpha,
+            beta,
+            t,
+            ti: inverse3(&t),
+            e: [-(13.0 + 7.0 * s6) / 3.0, (-13.0 + 7.0 * s6) / 3.0, -1.0 / 3.0],
+        }
+    }
+}
+
+fn inverse3(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let minor = |i: usize, j: usize| {
+        let (r, s) = ((i + 1) % 3, (i + 2) % 3);
+        let (k, l) = ((j + 1) % 3, (j + 2) % 3);
+        m[r][k] * m[s][l] - m[r][l] * m[s][k]
+    };
+    let det: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+    std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / det))
+}
+
+/// Increments of the three stages over the state at the start of the step: coordinates, then rates.
+type Stages<const N: usize> = [([f64; N], [f64; N]); 3];
+
+/// Radau IIA with what it remembers of the last step: the stages, as a first guess of the next ones.
+pub struct Radau5<const N: usize, const Z: usize> {
+    coefficients: Coefficients,
+    last: Option<Dense<N, Z>>,
+    candidate: Option<Dense<N, Z>>,
+    fresh: bool,
+}
+
+fn transform<const N: usize>(m: &[[f64; 3]; 3], z: &Stages<N>) -> Stages<N> {
+    std::array::from_fn(|i| {
+        (
+            std::array::from_fn(|n| (0..3).map(|j| m[i][j] * z[j].0[n]).sum()),
+            std::array::from_fn(|n| (0..3).map(|j| m[i][j] * z[j].1[n]).sum()),
+        )
+    })
+}
+
+impl<const N: usize, const Z: usize> Radau5<N, Z> {
+    /// First guess of the stages: the last step's collocation polynomial, continued.
+    fn predict(&self, from: &State<N, Z>, t: f64, h: f64) -> Stages<N> {
+        let zero = ([0.0; N], [0.0; N]);
+        let Some(last) = &self.last else { return [zero; 3] };
+        std::array::from_fn(|i| {
+            let theta = (t + self.coefficients.c[i] * h - last.t0) / last.h;
+            if theta > 6.0 {
+                return zero;
+            }
+            let guess = last.at(theta);
+            (
+                std::array::from_fn(|n| guess.q[n] - from.q[n]),
+                std::array::from_fn(|n| guess.v[n] - from.v[n]),
+            )
+        })
+    }
+
+    /// Right-hand sides at the stages.
+    fn evaluate<Y: System<N, Z>>(
+        &self,
+        system: &Y,
+        mode: &Y::Mode,
+        t: f64,
+        h: f64,
+        from: &State<N, Z>,
+        z: &Stages<N>,
+    ) -> [(Rates<N, Z>, [f64; N]); 3] {
+        std::array::from_fn(|i| {
+            let q: [f64; N] = std::array::from_fn(|n| from.q[n] + z[i].0[n]);
+            let v: [f64; N] = std::array::from_fn(|n| from.v[n] + z[i].1[n]);
+            (system.rates(t + self.coefficients.c[i] * h, &q, &v, mode), v)
+        })
+    }
+}
+
+impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
+    /// The filtered estimate is of order 4 (Hairer & Wanner IV.8.20).
+    const ERROR_ORDER: f64 = 4.0;
+
+    fn new() -> Self {
+        Self {
+            coefficients: Coefficients::new(),
+            last: None,
+            candidate: None,
+            fresh: true,
+        }
+    }
+
+    fn restart(&mut self) {
+        self.last = None;
+        self.fresh = true;
+    }
+
+    fn kept(&mut self) {
+        self.last = self.candidate.take();
+        self.fresh = false;
+    }
+
+    fn attempt<Y: System<N, Z>>(
+        &mut self,
+        system: &Y,
+        mode: &Y::Mode,
+        lin: &Linearised<N, Z>,
+        t: f64,
+        from: &State<N, Z>,
+        h: f64,
+        tolerances: &Tolerances,
+    ) -> Attempt<N, Z> {
+        let k = self.coefficients;
+        let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
+        let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v);
+        let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
+        let mut rhs = 0;
+        let failed = |rhs| Attempt {
+            error: f64::NAN,
+            rhs,
+            dense: Dense {
+                t0: t,
+                h,
+                start: *from,
+                end: *from,
+                d: [*from; 3],
+            },
+        };
+
+        let mut z = self.predict(from, t, h);
+        let mut w = transform(&k.ti, &z);
+        // Newton is done when what is still missing is far below the tolerance, or at the noise of the numbers.
+        let goal = 1e-3;
+        let floor = {
+            let eps_q = from.q.map(|q| 4.0 * f64::EPSILON * q.abs());
+            let eps_v = from.v.map(|v| 4.0 * f64::EPSILON * v.abs());
+            tolerances.norm(&eps_q, &eps_v, from, from)
+        };
+        let (mut previous, mut contraction): (f64, f64) = (0.0, 0.0);
+        let mut converged = false;
+        for iteration in 0..MAX_NEWTON {
+            let f = self.evaluate(system, mode, t, h, from, &z);
+            rhs += 3;
+            let stages: Stages<N> = std::array::from_fn(|i| (f[i].1, f[i].0.a));
+            let tf = transform(&k.ti, &stages);
+            let (dq1, dv1) = real.solve(
+                std::array::from_fn(|n| tf[0].0[n] - gamma * w[0].0[n]),
+                std::array::from_fn(|n| tf[0].1[n] - gamma * w[0].1[n]),
+            );
+            let complex = |a: [f64; N], b: [f64; N], wa: [f64; N], wb: [f64; N]| -> [Complex64; N] {
+                std::array::from_fn(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
+            };
+            let (dq2, dv2) = pair.solve(
+                complex(tf[1].0, tf[2].0, w[1].0, w[2].0),
+                complex(tf[1].1, tf[2].1, w[1].1, w[2].1),
+            );
+            let dw: Stages<N> = [
+                (dq1, dv1),
+                (dq2.map(|x| x.re), dv2.map(|x| x.re)),
+                (dq2.map(|x| x.im), dv2.map(|x| x.im)),
+            ];
+            let size = (dw
+                .iter()
+                .map(|(q, v)| tolerances.norm(q, v, from, from).powi(2))
+                .sum::<f64>()
+                / 3.0)
+                .sqrt();
+            if !size.is_finite() {
+                return failed(rhs);
+            }
+            if iteration > 0 {
+                let rate = size / previous;
+                contraction = if iteration == 1 {
+                    rate
+                } else {
+                    (rate * contraction).sqrt()
+                };
+                if contraction >= 0.99 && size > floor.max(goal) {
+                    return failed(rhs);
+                }
+            }
+            previous = size;
+            for i in 0..3 {
+                for n in 0..N {
+                    w[i].0[n] += dw[i].0[n];
+                    w[i].1[n] += dw[i].1[n];
+                }
+            }
+            z = transform(&k.t, &w);
+            let remaining = if iteration == 0 {
+                size
+            } else {
+                size * contraction / (1.0 - contraction).max(0.01)
+            };
+            if size == 0.0 || size <= floor || (iteration > 0 && remaining <= goal) {
+                converged = true;
+                break;
+            }
+        }
+        if !converged {
+            return failed(rhs);
+        }
+
+        let stages = self.evaluate(system, mode, t, h, from, &z);
+        rhs += 3;
+        let quadrature = |weights: [f64; 3]| -> [f64; Z] {
+            std::array::from_fn(|m| h * (0..3).map(|j| weights[j] * stages[j].0.g[m]).sum::<f64>())
+        };
+        let offsets: [State<N, Z>; 3] = std::array::from_fn(|i| State {
+            q: z[i].0,
+            v: z[i].1,
+            z: quadrature(k.a[i]),
+        });
+        let plus = |a: &State<N, Z>, b: &State<N, Z>| State {
+            q: std::array::from_fn(|n| a.q[n] + b.q[n]),
+            v: std::array::from_fn(|n| a.v[n] + b.v[n]),
+            z: std::array::from_fn(|m| a.z[m] + b.z[m]),
+        };
+        let end = plus(from, &offsets[2]);
+        if !end.is_finite() {
+            return failed(rhs);
+        }
+
+        // Error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h); where that is too large on a fresh start, filtered a second time.
+        let ez: ([f64; N], [f64; N]) = (
+            std::array::from_fn(|n| (0..3).map(|j| k.e[j] * z[j].0[n]).sum::<f64>() / h),
+            std::array::from_fn(|n| (0..3).map(|j| k.e[j] * z[j].1[n]).sum::<f64>() / h),
+        );
+        let estimate = |v0: &[f64; N], a0: &[f64; N]| {
+            real.solve(
+                std::array::from_fn(|n| v0[n] + ez.0[n]),
+                std::array::from_fn(|n| a0[n] + ez.1[n]),
+            )
+        };
+        let (mut eq, mut ev) = estimate(&from.v, &lin.rates.a);
+        let mut error = tolerances.norm(&eq, &ev, from, &end);
+        if error >= 1.0 && self.fresh {
+            let q: [f64; N] = std::array::from_fn(|n| from.q[n] + eq[n]);
+            let v: [f64; N] = std::array::from_fn(|n| from.v[n] + ev[n]);
+            let shifted = system.rates(t, &q, &v, mode);
+            rhs += 1;
+            (eq, ev) = estimate(&v, &shifted.a);
+            error = tolerances.norm(&eq, &ev, from, &end);
+        }
+        let dense = collocation(t, h, from, end, &offsets, &k.c);
+        self.candidate = Some(dense);
+        Attempt { error, rhs, dense }
+    }
+}
+
+/// The cubic through the start and the three stages, in the common dense form (d₃ = 0).
+fn collocation<const N: usize, const Z: usize>(
+    t0: f64,
+    h: f64,
+    from: &State<N, Z>,
+    end: State<N, Z>,
+    offsets: &[State<N, Z>; 3],
+    c: &[f64; 3],
+) -> Dense<N, Z> {
+    // At c₁ and c₂: bump · (d₁ + c d₂) = offset − c · offset₃.
+    let rest = |i: usize, x: f64, last: f64| (x - c[i] * last) / (c[i] * (1.0 - c[i]));
+    let solve = |x: [f64; 3]| {
+        let (r1, r2) = (rest(0, x[0], x[2]), rest(1, x[1], x[2]));
+        let d2 = (r2 - r1) / (c[1] - c[0]);
+        [r1 - c[0] * d2, d2]
+    };
+    let q: [[f64; 2]; N] = std::array::from_fn(|n| solve([0, 1, 2].map(|i: usize| offsets[i].q[n])));
+    let v: [[f64; 2]; N] = std::array::from_fn(|n| solve([0, 1, 2].map(|i: usize| offsets[i].v[n])));
+    let z: [[f64; 2]; Z] = std::array::from_fn(|m| solve([0, 1, 2].map(|i: usize| offsets[i].z[m])));
+    let part = |k: usize| State {
+        q: q.map(|x| x[k]),
+        v: v.map(|x| x[k]),
+        z: z.map(|x| x[k]),
+    };
+    Dense {
+        t0,
+        h,
+        start: *from,
+        end,
+        d: [
+            part(0),
+            part(1),
+            State {
+                q: [0.0; N],
+                v: [0.0; N],
+                z: [0.0; Z],
+            },
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// T Λ T⁻¹ = A⁻¹, against the published eigenvalue 3.6378342527444962 (Hairer's radau5.f, 1/U1 with its closed form).
+    #[test]
+    fn transformation_diagonalises_the_inverse_of_a() {
+        let k = Coefficients::new();
+        assert!((k.gamma - 3.6378342527444957).abs() < 1e-14);
+        assert!((k.alpha - 2.6810828736277523).abs() < 1e-14);
+        assert!((k.beta - 3.0504301992474105).abs() < 1e-14);
+        let lambda = [[k.gamma, 0.0, 0.0], [0.0, k.alpha, -k.beta], [0.0, k.beta, k.alpha]];
+        let product = |x: &[[f64; 3]; 3], y: &[[f64; 3]; 3]| -> [[f64; 3]; 3] {
+            std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|m| x[i][m] * y[m][j]).sum()))
+        };
+        let inverse = product(&product(&k.t, &lambda), &k.ti);
+        let identity = product(&inverse, &k.a);
+        for (i, row) in identity.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((value - expected).abs() < 1e-13, "{i} {j}: {value}");
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Rodas5P: linearly implicit, L-stable, stiffly accurate, order 5(4) (Steinebach 2023).
+
+use super::linear::ShiftedSolver;
+use super::method::{Attempt, Method};
+use super::tableau::{A, C, D, GAMMA, H, NODES, STAGES};
+use super::{Dense, Linearised, State, System, Tolerances};
+
+/// Rodas5P has no memory.
+pub struct Rodas5p;
+
+#[inline(always)]
+fn axpy<const N: usize, const Z: usize>(y: &mut State<N, Z>, weight: f64, k: &State<N, Z>) {
+    for i in 0..N {
+        y.q[i] += weight * k.q[i];
+        y.v[i] += weight * k.v[i];
+    }
+    for i in 0..Z {
+        y.z[i] += weight * k.z[i];
+    }
+}
+
+impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p {
+    const ERROR_ORDER: f64 = 5.0;
+
+    fn new() -> Self {
+        Self
+    }
+
+    fn restart(&mut self) {}
+
+    fn kept(&mut self) {}
+
+    #[inline(always)]
+    fn attempt<Y: System<N, Z>>(
+        &mut self,
+        system: &Y,
+        mode: &Y::Mode,
+        lin: &Linearised<N, Z>,
+        t: f64,
+        from: &State<N, Z>,
+        h: f64,
+        tolerances: &Tolerances,
+    ) -> Attempt<N, Z> {
+        let shift = 1.0 / (h * GAMMA);
+        let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
+        let zero = State {
+            q: [0.0; N],
+            v: [0.0; N],
+            z: [0.0; Z],
+        };
+        let mut k = [zero; STAGES];
+        let mut stage = *from;
+        for i in 0..STAGES {
+            // Quadratures feed nothing back: their stage values are never needed, only their increments.
+            if (1..=5).contains(&i) {
+                stage.q = from.q;
+                stage.v = from.v;
+                for (j, increment) in k.iter().enumerate().take(i.min(5)) {
+                    for n in 0..N {
+                        stage.q[n] += A[i][j] * increment.q[n];
+                        stage.v[n] += A[i][j] * increment.v[n];
+                    }
+                }
+            } else if i > 5 {
+                for n in 0..N {
+                    stage.q[n] += k[i - 1].q[n];
+                    stage.v[n] += k[i - 1].v[n];
+                }
+            }
+            let rates = if i == 0 {
+                lin.rates
+            } else {
+                system.rates(t + NODES[i] * h, &stage.q, &stage.v, mode)
+            };
+            let (mut r_q, mut r_v, mut r_z) = (stage.v, rates.a, rates.g);
+            for (j, increment) in k.iter().enumerate().take(i) {
+                let weight = C[i][j] / h;
+                for n in 0..N {
+                    r_q[n] += weight * increment.q[n];
+                    r_v[n] += weight * increment.v[n];
+                }
+                for n in 0..Z {
+                    r_z[n] += weight * increment.z[n];
+                }
+            }
+            if D[i] != 0.0 {
+                for n in 0..N {
+                    r_v[n] += h * D[i] * lin.a_t[n];
+                }
+                for n in 0..Z {
+                    r_z[n] += h * D[i] * lin.g_t[n];
+                }
+            }
+            let (q, v) = solver.solve(r_q, r_v);
+            let mut z = r_z;
+            for m in 0..Z {
+                for n in 0..N {
+                    z[m] += lin.g_q[m][n] * q[n] + lin.g_v[m][n] * v[n];
+                }
+                z[m] *= h * GAMMA;
+            }
+            k[i] = State { q, v, z };
+        }
+        // Stiffly accurate: the last stage plus its increment is the result, and that increment the error.
+        let mut end = stage;
+        for n in 0..N {
+            end.q[n] += k[7].q[n];
+            end.v[n] += k[7].v[n];
+        }
+        for m in 0..Z {
+            end.z[m] = from.z[m] + (5..STAGES).map(|j| k[j].z[m]).sum::<f64>();
+            for j in 0..5 {
+                end.z[m] += A[5][j] * k[j].z[m];
+            }
+        }
+        let error = tolerances.norm(&k[7].q, &k[7].v, from, &end);
+        let error = if end.is_finite() { error } else { f64::NAN };
+        let d = H.map(|row| {
+            let mut sum = zero;
+            for (weight, increment) in row.iter().zip(&k) {
+                axpy(&mut sum, *weight, increment);
+            }
+            sum
+        });
+        Attempt {
+            error,
+            rhs: STAGES as u64 - 1,
+            dense: Dense {
+                t0: t,
+                h,
+                start: *from,
+                end,
+                d,
+            },
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What an integrator needs to know of a system.
+
+/// Coordinates, their rates, and quadratures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<const N: usize, const Z: usize> {
+    pub q: [f64; N],
+    pub v: [f64; N],
+    pub z: [f64; Z],
+}
+
+impl<const N: usize, const Z: usize> State<N, Z> {
+    pub fn is_finite(&self) -> bool {
+        self.q.iter().chain(&self.v).chain(&self.z).all(|x| x.is_finite())
+    }
+}
+
+/// Right-hand side: accelerations and rates of the quadratures.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates<const N: usize, const Z: usize> {
+    pub a: [f64; N],
+    pub g: [f64; Z],
+}
+
+/// The right-hand side with its exact derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Linearised<const N: usize, const Z: usize> {
+    pub rates: Rates<N, Z>,
+    /// ∂a/∂q, ∂a/∂v, ∂a/∂t.
+    pub a_q: [[f64; N]; N],
+    pub a_v: [[f64; N]; N],
+    pub a_t: [f64; N],
+    /// ∂g/∂q, ∂g/∂v, ∂g/∂t.
+    pub g_q: [[f64; N]; Z],
+    pub g_v: [[f64; N]; Z],
+    pub g_t: [f64; Z],
+}
+
+/// A smooth second-order system within one mode (one frozen set of branches).
+pub trait System<const N: usize, const Z: usize> {
+    type Mode: Copy + std::fmt::Debug;
+
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Rates<N, Z>;
+
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Linearised<N, Z>;
+}
+
+/// Whether a site's branch still holds.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Guard {
+    /// Not negative while the branch holds.
+    pub value: f64,
+    /// Rate of `value` where it is known (a gap); 0 otherwise. A dip between two steps shows as a change of its sign.
+    pub rate: f64,
+}
+
+/// A system whose modes change at events.
+pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
+    /// Next time after `t` at which the right-hand side jumps by itself; infinite if none.
+    fn next_corner(&self, t: f64) -> f64;
+
+    fn guards(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> [Guard; S];
+
+    /// How near to zero a guard must be for its event to be taken.
+    fn landing_tolerance(&self, site: usize, mode: &Self::Mode) -> f64;
+
+    /// The mode after the event at `site`.
+    fn switch(&self, site: usize, mode: &Self::Mode) -> Self::Mode;
+
+    /// The mode after a step, where it changes without any jump (a released contact that has left its partner).
+    fn relax(&self, q: &[f64; N], mode: &Self::Mode) -> Self::Mode;
+
+    /// The mode with the branches of `site` left to the law itself (no event there), and back.
+    fn with_natural(&self, site: usize, natural: bool, mode: &Self::Mode) -> Self::Mode;
+
+    /// A fresh reading of the mode at a state, for a start or after a step on natural branches.
+    fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Self::Mode;
+
+    /// First step after the event at `site`, if the event changes the time scale.
+    fn restart_step(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
+
+    /// Says in words why a state cannot be left (a singularity), if it cannot.
+    fn obstacle(&self, q: &[f64; N]) -> Option<String>;
+}

@@ -1,0 +1,142 @@
+//! Normal law: Hertz spring and STEP damper (thesis (2.38), (2.39), errata 7).
+
+use super::{NormalLaw, smoothstep};
+
+/// A force with its derivatives in penetration and penetration rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NormalForce {
+    /// F, in N (limit: N·m).
+    pub force: f64,
+    /// ∂F/∂δ.
+    pub d_delta: f64,
+    /// ∂F/∂δ̇.
+    pub d_rate: f64,
+}
+
+/// c(δ) = c_max σ(δ/δ_max) and dc/dδ: the damper, engaged over the first δ_max of penetration.
+#[inline(always)]
+pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
+    let (sigma, slope) = smoothstep(delta / law.transition_m);
+    (
+        law.damping_max_n_s_per_m * sigma,
+        law.damping_max_n_s_per_m * slope / law.transition_m,
+    )
+}
+
+/// k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would let go. Zero for δ ≤ 0.
+///
+/// `delta` in m (limit: rad), `rate` in m/s (rad/s).
+#[inline(always)]
+pub fn unclamped_normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
+    if delta <= 0.0 {
+        return NormalForce::default();
+    }
+    // One power only; its derivative is e times it, which stays finite at δ → 0 because e ≥ 1.
+    let power = law.stiffness_n_per_m_e * delta.powf(law.exponent - 1.0);
+    let (c, dc) = damping(law, delta);
+    NormalForce {
+        force: power * delta + c * rate,
+        d_delta: law.exponent * power + dc * rate,
+        d_rate: c,
+    }
+}
+
+/// F = max(0, k δᵉ + c(δ) δ̇), 0 for δ ≤ 0: contact cannot pull (thesis (2.38)).
+#[inline(always)]
+pub fn normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
+    let unclamped = unclamped_normal_force(law, delta, rate);
+    if unclamped.force > 0.0 {
+        unclamped
+    } else {
+        NormalForce::default()
+    }
+}
+
+/// Energy in the Hertz spring, k δᵉ⁺¹/(e + 1), in J; 0 for δ ≤ 0.
+pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
+    if delta <= 0.0 {
+        return 0.0;
+    }
+    law.stiffness_n_per_m_e * delta.powf(law.exponent + 1.0) / (law.exponent + 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OBJECT: NormalLaw = NormalLaw {
+        stiffness_n_per_m_e: 1e8,
+        exponent: 2.2,
+        damping_max_n_s_per_m: 1e6,
+        transition_m: 1e-5,
+    };
+
+    #[test]
+    fn errata_07_damper_reaches_c_max_at_delta_max() {
+        assert_eq!(damping(&OBJECT, 1e-5).0, 1e6);
+        assert_eq!(damping(&OBJECT, 3e-5).0, 1e6);
+        assert!((damping(&OBJECT, 5e-6).0 - 0.5e6).abs() < 1e-9);
+        // As printed, a = +2 c_max/δ_max³ would give 5 c_max at δ_max.
+        let printed = 2e6 + 3e6;
+        assert!(damping(&OBJECT, 1e-5).0 < printed / 4.0);
+    }
+
+    #[test]
+    fn spring_and_damper_match_the_closed_form() {
+        for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.9e-6, -1e-3), (2e-5, 1e-4)] {
+            let s: f64 = (delta / 1e-5f64).min(1.0);
+            let expected = 1e8 * f64::powf(delta, 2.2) + 1e6 * (3.0 * s * s - 2.0 * s * s * s) * rate;
+            let got = unclamped_normal_force(&OBJECT, delta, rate).force;
+            assert!(
+                (got - expected).abs() <= 1e-12 * expected.abs().max(1e-3),
+                "{delta} {rate}: {got} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn derivatives_match_central_differences() {
+        for (delta, rate) in [(1e-7, 2.0), (3e-6, 0.5), (9.0e-6, -1e-3), (2e-5, 1e-4)] {
+            let f = |d, r| unclamped_normal_force(&OBJECT, d, r).force;
+            let at = unclamped_normal_force(&OBJECT, delta, rate);
+            let (hd, hr) = (1e-5 * delta, 1e-5);
+            let d_delta = (f(delta + hd, rate) - f(delta - hd, rate)) / (2.0 * hd);
+            let d_rate = (f(delta, rate + hr) - f(delta, rate - hr)) / (2.0 * hr);
+            assert!((at.d_delta - d_delta).abs() < 1e-7 * d_delta.abs(), "{delta} {rate}");
+            assert!(
+                (at.d_rate - d_rate).abs() < 1e-7 * d_rate.abs().max(1.0),
+                "{delta} {rate}"
+            );
+        }
+    }
+
+    #[test]
+    fn contact_never_pulls_and_is_silent_outside() {
+        assert_eq!(normal_force(&OBJECT, -1e-6, 5.0), NormalForce::default());
+        assert_eq!(normal_force(&OBJECT, 0.0, 5.0), NormalForce::default());
+        assert_eq!(normal_force(&OBJECT, 5e-6, -1.0), NormalForce::default());
+        assert!(unclamped_normal_force(&OBJECT, 5e-6, -1.0).force < 0.0);
+    }
+
+    #[test]
+    fn exponent_one_is_linear_with_finite_slope_at_zero() {
+        let linear = NormalLaw {
+            exponent: 1.0,
+            ..OBJECT
+        };
+        let at = unclamped_normal_force(&linear, 1e-12, 0.0);
+        assert!((at.d_delta - 1e8).abs() < 1e-6);
+    }
+
+    #[test]
+    fn elastic_energy_is_the_integral_of_the_spring_force() {
+        let delta: f64 = 4e-6;
+        let n = 20_000;
+        let step = delta / n as f64;
+        // Midpoint rule.
+        let sum: f64 = (0..n)
+            .map(|i| OBJECT.stiffness_n_per_m_e * f64::powf((i as f64 + 0.5) * step, OBJECT.exponent) * step)
+            .sum();
+        assert!((sum / elastic_energy(&OBJECT, delta) - 1.0).abs() < 1e-8);
+    }
+}
