@@ -2,6 +2,31 @@
 //!
 //! Notation of the thesis (Fig. 2.2): ground links `l11` (driven) and `l21` (proximal phalanx) turn about the origin,
 //! `l12` is the coupler, `l22` the arm of the distal body and `t22` its phalanx, at `+φ22` from the arm.
+//!
+//! | file | job |
+//! |---|---|
+//! | `design` | the few free numbers of a design → link lengths (thesis B.2.2) |
+//! | `posture` | loop closure and assembly mode (thesis (2.1)) |
+//! | `grasp` | postures against a disc: contact, start, final |
+//! | `outline` | polygon outline of each body, and polygon moments |
+//! | `mass` | mass, centre of mass and inertia of each body |
+
+mod design;
+mod grasp;
+mod mass;
+mod outline;
+mod posture;
+
+pub use design::{
+    Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
+};
+pub use grasp::{
+    Circle, FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture,
+    start_posture,
+};
+pub use mass::{MassError, bodies, total_mass};
+pub use outline::{Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
+pub use posture::{Joints, Posture, PostureError, close, gamma, joint_a13, joints, posture_at, straight};
 
 /// Link lengths of one finger, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,77 @@
+//! Mass, centre of mass and inertia of each body: its outline, homogeneous, of one depth.
+
+use super::outline::{outlines, polygon_moments};
+use super::{Bodies, Body, Lengths};
+
+/// Why lengths have no bodies.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MassError {
+    #[error("{name} is {value}, but must be a finite number above 0: give another value")]
+    NotPositive { name: &'static str, value: f64 },
+    #[error(
+        "the distal body is no triangle: l22 = {:.4} mm and t22 = {:.4} mm at phi22 = {:.4} deg lie in line, but phi22 \
+         must keep away from 0 and 180 deg, or the scene must give its mass, centre and inertia",
+        .l22_m * 1e3, .t22_m * 1e3, .phi22_rad.to_degrees()
+    )]
+    DegenerateTriangle { phi22_rad: f64, l22_m: f64, t22_m: f64 },
+    #[error(
+        "body {name} comes out with mass {mass_kg} kg and inertia {inertia_kg_m2} kg m², but both must be finite and \
+         above 0: check lengths, density and depth"
+    )]
+    OutOfRange {
+        name: &'static str,
+        mass_kg: f64,
+        inertia_kg_m2: f64,
+    },
+}
+
+/// Mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid (1-model §1.3).
+///
+/// Density in kg/m³, depth in metres. Each body is in its own frame: origin at the preceding joint (O, O, A12, A22), x
+/// along the link, along the arm A22 → A13 for the distal body.
+pub fn bodies(lengths: &Lengths, density_kg_m3: f64, depth_m: f64) -> Result<Bodies, MassError> {
+    let positive = [
+        ("l11_m", lengths.l11_m),
+        ("l12_m", lengths.l12_m),
+        ("l21_m", lengths.l21_m),
+        ("l22_m", lengths.l22_m),
+        ("t22_m", lengths.t22_m),
+        ("half_width_m", lengths.half_width_m),
+        ("density_kg_m3", density_kg_m3),
+        ("depth_m", depth_m),
+    ];
+    if let Some(&(name, value)) = positive.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
+        return Err(MassError::NotPositive { name, value });
+    }
+    let outlines = outlines(lengths)?;
+    let areal = density_kg_m3 * depth_m;
+    Ok(Bodies {
+        l11: body("l11", &outlines.l11_m, areal)?,
+        l12: body("l12", &outlines.l12_m, areal)?,
+        l21: body("l21", &outlines.l21_m, areal)?,
+        l22: body("l22", &outlines.l22_m, areal)?,
+    })
+}
+
+/// Mass of all four bodies.
+pub fn total_mass(bodies: &Bodies) -> f64 {
+    bodies.l11.mass_kg + bodies.l12.mass_kg + bodies.l21.mass_kg + bodies.l22.mass_kg
+}
+
+fn body(name: &'static str, outline: &[[f64; 2]], areal_kg_m2: f64) -> Result<Body, MassError> {
+    let moments = polygon_moments(outline);
+    let (mass_kg, inertia_kg_m2) = (areal_kg_m2 * moments.area_m2, areal_kg_m2 * moments.second_moment_m4);
+    let good = |v: f64| v.is_finite() && v > 0.0;
+    if !(good(mass_kg) && good(inertia_kg_m2)) {
+        return Err(MassError::OutOfRange {
+            name,
+            mass_kg,
+            inertia_kg_m2,
+        });
+    }
+    Ok(Body {
+        mass_kg,
+        com_m: moments.centroid_m,
+        inertia_kg_m2,
+    })
+}
