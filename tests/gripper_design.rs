@@ -15,7 +15,7 @@ const DIGITS_M: f64 = 0.5e-7;
 
 #[test]
 fn design_95_has_the_lengths_of_the_thesis() {
-    // Lengths of design 95 in mm to four decimals: thesis §4.3 and an independent computation (t22: errata 16).
+    // Lengths of design 95 in mm to four decimals: thesis §4.3, digits from 1-model §1.8 (t22: errata 16).
     let l = lengths(&design_95()).unwrap();
     assert_near(l.l11_m, 15e-3, 1e-18);
     assert_near(l.l21_m, 24.4324e-3, DIGITS_M);

@@ -34,7 +34,7 @@ fn offset(point: [f64; 2], from: [f64; 2], direction: f64) -> f64 {
 
 #[test]
 fn design_95_starts_where_the_thesis_starts() {
-    // Experiment 95 starts at q11 = −49.999°, q21 = 40.001° (thesis §4.3), 25° open (Table 3.2).
+    // Experiment 95 starts at q11 = −49.999°, q21 = 40.001° (1-model §1.8), q_0 = 25° open (thesis Table 3.2).
     let start = start_posture(&finger_95(), disc(&design_95()), 25f64.to_radians()).unwrap();
     assert_near(start.q11_rad.to_degrees(), -49.999, 0.0005);
     assert_near(start.q21_rad.to_degrees(), 40.001, 0.0005);
