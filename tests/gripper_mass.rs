@@ -19,7 +19,8 @@ fn finger_95() -> Lengths {
 
 #[test]
 fn design_95_weighs_what_the_thesis_says() {
-    // Thesis Table 4.2, before the CAD variant: 4.28, 6.30, 5.86, 8.21 g; total 24.64 g (2-design §2.6).
+    // Thesis Table 4.2, simulated model: 4.28, 6.29, 5.86, 8.21 g, total 24.64 g. It cuts off l21, which is 6.2985 g, so
+    // 6.30 here (1-model §1.3).
     let b = bodies(&finger_95(), DENSITY, DEPTH).unwrap();
     assert_near(b.l11.mass_kg, 4.28e-3, 0.5e-5);
     assert_near(b.l21.mass_kg, 6.30e-3, 0.5e-5);
