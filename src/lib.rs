@@ -5,9 +5,11 @@
 //! of grippers.
 
 pub mod analytic;
+pub mod criteria;
 pub mod gripper;
 pub mod integrator;
 pub mod law;
+pub mod log;
 pub mod numeric;
 pub mod scene;
 pub mod trace;
