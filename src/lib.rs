@@ -11,5 +11,6 @@ pub mod integrator;
 pub mod law;
 pub mod log;
 pub mod numeric;
+pub mod report;
 pub mod scene;
 pub mod trace;
