@@ -10,6 +10,7 @@
 mod output;
 mod progress;
 mod run;
+mod seam;
 
 use std::process::ExitCode;
 

@@ -53,7 +53,8 @@ impl Sink for Progress {
         self.shown = true;
         // A terminal that cannot be written to is no reason to stop a simulation.
         let mut stderr = io::stderr().lock();
-        let _ = write!(stderr, "\r\x1b[K{}", line(sample.time_s, self.duration_s, elapsed)).and_then(|()| stderr.flush());
+        let _ =
+            write!(stderr, "\r\x1b[K{}", line(sample.time_s, self.duration_s, elapsed)).and_then(|()| stderr.flush());
         Ok(())
     }
 
