@@ -13,7 +13,7 @@ use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
 use synthetic::{SOURCE, lift_off, sample, scene, touch_down};
 
 enum Record {
-    Sample(Sample),
+    Sample(Box<Sample>),
     Event(Event),
 }
 
@@ -21,11 +21,11 @@ enum Record {
 fn run() -> Vec<Record> {
     let mut records = Vec::new();
     for i in 0..=200 {
-        records.push(Record::Sample(sample(1e-4 * i as f64)));
+        records.push(Record::Sample(Box::new(sample(1e-4 * i as f64))));
         if i == 50 {
             records.push(Record::Event(touch_down(5.00001e-3, Site::Proximal, 1.25)));
             for k in 1..=10 {
-                records.push(Record::Sample(sample(5.00001e-3 + 3e-10 * k as f64)));
+                records.push(Record::Sample(Box::new(sample(5.00001e-3 + 3e-10 * k as f64))));
             }
             records.push(Record::Event(lift_off(5.00002e-3, Site::Proximal, 3.5e-3)));
             records.push(Record::Event(touch_down(5.00003e-3, Site::Limit, 12.5)));

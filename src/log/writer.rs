@@ -17,6 +17,9 @@ use crate::trace::{Event, EventKind, Sample, Sink, SinkError, Site};
 /// Uncompressed size at which a chunk is closed, written and flushed: what a killed run loses at most.
 pub const CHUNK_BYTES: usize = 256 * 1024;
 
+/// The MCAP file itself: buffered, and never sought in.
+type Stream<W> = mcap::Writer<NoSeek<BufWriter<W>>>;
+
 /// How much a line on `/events` matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
@@ -24,12 +27,12 @@ pub enum Severity {
     Error,
 }
 
-/// Writes one run to an MCAP file, streaming: what it keeps in memory is one chunk, and some 200 bytes of index for every
+/// Writes one run to an MCAP file, streaming: what it keeps in memory is one chunk, and some 400 bytes of index for every
 /// chunk written. Nothing is ever sought in `W`, so a pipe will do.
 ///
 /// Dropping a writer finishes the log too, but swallows errors; [`Writer::finish`] reports them.
 pub struct Writer<W: Write> {
-    mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
+    mcap: Stream<W>,
     channels: Channels,
     /// Encoded message, reused.
     buffer: Vec<u8>,
@@ -72,7 +75,7 @@ impl<W: Write> Writer<W> {
             .map_err(|error| sink_error(name, error))
     }
 
-    fn start(out: W, run: &RunInfo<'_>) -> Result<(mcap::Writer<NoSeek<BufWriter<W>>>, Channels), McapError> {
+    fn start(out: W, run: &RunInfo<'_>) -> Result<(Stream<W>, Channels), McapError> {
         let mut mcap = WriteOptions::new()
             .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
@@ -241,10 +244,7 @@ impl<W: Write> Sink for Writer<W> {
 }
 
 /// Registers the schema of `M` (once, however many channels share it) and a channel of it.
-fn channel<M: Encode, W: Write>(
-    mcap: &mut mcap::Writer<NoSeek<BufWriter<W>>>,
-    topic: &str,
-) -> Result<Channel, McapError> {
+fn channel<M: Encode, W: Write>(mcap: &mut Stream<W>, topic: &str) -> Result<Channel, McapError> {
     let schema = match M::get_schema() {
         Some(schema) => mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
         None => 0,
