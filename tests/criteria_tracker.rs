@@ -4,7 +4,7 @@ mod synthetic;
 
 use phalanx::criteria::{Class, Criteria, EPSILON_RAD, FinalAngles, Tracker};
 use phalanx::trace::{Event, Sink, Site};
-use synthetic::{lift_off, posture, touch_down};
+use synthetic::{lift_off, posture, reload, touch_down};
 
 const TARGET: FinalAngles = FinalAngles {
     q11_rad: 0.036,
@@ -260,4 +260,21 @@ fn a_late_arrival_is_semi_unstable_or_unstable() {
     closing.events[1] = touch_down(16e-3, Site::Distal, 1.0);
     closing.times_s.push(16e-3 + 1e-9);
     assert_eq!(closing.watch(1e-4).class, Class::SemiUnstable);
+}
+
+#[test]
+fn a_contact_that_lets_go_without_parting_is_not_stable_until_pressed_again() {
+    let mut closing = arrives();
+    closing.events.push(lift_off(10.05e-3, Site::Distal, 0.3));
+    closing.events.push(reload(11.05e-3, Site::Distal));
+    closing.forces_n = |t| {
+        let released = (10.05e-3..=11.05e-3).contains(&t);
+        [
+            if t > 3e-3 { 20.0 } else { 0.0 },
+            if t > 5e-3 && !released { 8.0 } else { 0.0 },
+        ]
+    };
+    let criteria = closing.watch(1e-4);
+    near(criteria.tts_s, 11.05e-3, 1e-12);
+    near(Some(criteria.lost_s), 1e-3, 1e-9);
 }

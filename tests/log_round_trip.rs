@@ -10,7 +10,7 @@ use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
 use phalanx::trace::{Event, Sample, Sink, Site};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
-use synthetic::{SOURCE, lift_off, sample, scene, touch_down};
+use synthetic::{SOURCE, lift_off, reload, sample, scene, touch_down};
 
 enum Record {
     Sample(Box<Sample>),
@@ -29,6 +29,7 @@ fn run() -> Vec<Record> {
             }
             records.push(Record::Event(lift_off(5.00002e-3, Site::Proximal, 3.5e-3)));
             records.push(Record::Event(touch_down(5.00003e-3, Site::Limit, 12.5)));
+            records.push(Record::Event(reload(5.00003e-3, Site::Limit)));
             records.push(Record::Event(touch_down(5.00004e-3, Site::Distal, 0.75)));
         }
     }
@@ -230,30 +231,33 @@ fn events_come_as_text_and_as_figures() {
     let messages = read(&write(&scene(), &run()));
     let of = |topic: &'static str| messages.iter().filter(move |m| m.topic == topic);
     let impacts: Vec<_> = of("/impact/proximal").map(Decoded::numbers).collect();
-    let named = |values: [(&str, f64); 4]| values.map(|(name, value)| (name.to_string(), value)).to_vec();
+    let named = |values: [(&str, f64); 5]| values.map(|(name, value)| (name.to_string(), value)).to_vec();
     assert_eq!(
         impacts,
         [
             named([
                 ("timestamp", 5.00001e-3),
+                ("pressed", 1.0),
                 ("touch_down", 1.0),
                 ("approach_speed_m_s", 1.25),
                 ("impulse_n_s", 0.0)
             ]),
             named([
                 ("timestamp", 5.00002e-3),
+                ("pressed", 0.0),
                 ("touch_down", 0.0),
                 ("approach_speed_m_s", 0.0),
                 ("impulse_n_s", 3.5e-3)
             ]),
         ]
     );
-    let limit = of("/impact/limit").next().expect("one");
-    assert_eq!(limit.number("approach_speed_rad_s"), 12.5);
+    let limit: Vec<_> = of("/impact/limit").collect();
+    assert_eq!(limit[0].number("approach_speed_rad_s"), 12.5);
+    assert_eq!((limit[1].number("pressed"), limit[1].number("touch_down")), (1.0, 0.0));
     assert_eq!(of("/impact/distal").count(), 1);
 
     let events: Vec<_> = of("/events").collect();
-    assert_eq!(events.len(), 5);
+    assert_eq!(events.len(), 6);
     assert_eq!(events[0].message.descriptor().full_name(), "foxglove.Log");
     assert_eq!(events[0].text("name"), "proximal");
     assert_eq!(
@@ -269,8 +273,8 @@ fn events_come_as_text_and_as_figures() {
         stamp.get_field_by_name("nanos").expect("nanos").as_i32(),
         Some(5_000_010)
     );
-    assert_eq!(events[4].text("name"), "run");
-    assert_eq!(events[4].text("message"), "done");
+    assert_eq!(events[5].text("name"), "run");
+    assert_eq!(events[5].text("message"), "done");
 }
 
 #[test]

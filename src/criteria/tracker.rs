@@ -181,7 +181,7 @@ impl Tracker {
             Site::Limit => return,
         };
         match event.kind {
-            EventKind::TouchDown => state.touch_down(),
+            EventKind::TouchDown | EventKind::Reload => state.touch_down(),
             EventKind::LiftOff => state.lift_off(),
         }
     }

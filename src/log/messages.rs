@@ -61,10 +61,19 @@ pub struct Energy {
     pub balance_j: f64,
 }
 
-/// `/impact/proximal`, `/impact/distal`: a touch-down (with its approach speed) or a lift-off (with its impulse).
+/// `/impact/proximal`, `/impact/distal`: a change of contact.
+///
+/// | | `pressed` | `touch_down` | |
+/// |---|---|---|---|
+/// | touch-down | true | true | with its approach speed |
+/// | lift-off | false | false | with the impulse since the touch-down |
+/// | reload | true | false | the force returns before the surfaces have parted |
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct Impact {
     pub timestamp: f64,
+    /// Whether there is a force from here on.
+    pub pressed: bool,
+    /// Whether the surfaces meet here.
     pub touch_down: bool,
     pub approach_speed_m_s: f64,
     pub impulse_n_s: f64,
@@ -74,6 +83,7 @@ pub struct Impact {
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct LimitImpact {
     pub timestamp: f64,
+    pub pressed: bool,
     pub touch_down: bool,
     pub approach_speed_rad_s: f64,
     pub impulse_n_m_s: f64,
@@ -145,6 +155,7 @@ impl From<&Event> for Impact {
     fn from(event: &Event) -> Self {
         Impact {
             timestamp: event.time_s,
+            pressed: event.kind != EventKind::LiftOff,
             touch_down: event.kind == EventKind::TouchDown,
             approach_speed_m_s: event.approach_speed,
             impulse_n_s: event.impulse,
@@ -156,6 +167,7 @@ impl From<&Event> for LimitImpact {
     fn from(event: &Event) -> Self {
         LimitImpact {
             timestamp: event.time_s,
+            pressed: event.kind != EventKind::LiftOff,
             touch_down: event.kind == EventKind::TouchDown,
             approach_speed_rad_s: event.approach_speed,
             impulse_n_m_s: event.impulse,

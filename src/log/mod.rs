@@ -6,7 +6,7 @@
 //! | `/contact/proximal`, `/contact/distal` | [`Contact`] | gap, slip, forces, contact point; only with an object |
 //! | `/limit` | [`Limit`] | the joint limit; only when the scene has one |
 //! | `/energy` | [`Energy`] | energies, works and their balance |
-//! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs and lift-offs as figures |
+//! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
 //! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
 //! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
 //!

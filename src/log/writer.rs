@@ -278,6 +278,7 @@ fn event_text(event: &Event) -> String {
                 event.impulse
             )
         }
+        EventKind::Reload => format!("{site}: pressed again at {time_ms:.6} ms, before it had parted"),
     }
 }
 

@@ -9,6 +9,8 @@ use crate::trace::{Event, EventKind, Sample, Sink, SinkError, Site, SiteSummary}
 pub struct Tally {
     pub last: Option<Sample>,
     pub sites: [SiteSummary; 3],
+    /// Impulse of each site before its latest touch-down.
+    earlier: [f64; 3],
 }
 
 impl Sink for Tally {
@@ -31,12 +33,16 @@ impl Sink for Tally {
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         let site = &mut self.sites[event.site as usize];
+        let earlier = &mut self.earlier[event.site as usize];
         match event.kind {
             EventKind::TouchDown => {
                 site.first_s.get_or_insert(event.time_s);
                 site.touchdowns += 1;
+                *earlier = site.impulse_n_s;
             }
-            EventKind::LiftOff => site.impulse_n_s += event.impulse,
+            // Gathered since the touch-down, whatever was let go and pressed again in between.
+            EventKind::LiftOff => site.impulse_n_s = *earlier + event.impulse,
+            EventKind::Reload => {}
         }
         Ok(())
     }

@@ -168,3 +168,13 @@ pub fn lift_off(time_s: f64, site: Site, impulse: f64) -> Event {
         impulse,
     }
 }
+
+pub fn reload(time_s: f64, site: Site) -> Event {
+    Event {
+        time_s,
+        site,
+        kind: EventKind::Reload,
+        approach_speed: 0.0,
+        impulse: 0.0,
+    }
+}
