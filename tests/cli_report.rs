@@ -3,10 +3,10 @@
 mod synthetic;
 
 use phalanx::criteria::{Class, Criteria};
-use phalanx::report::{Failure, RunReport, Tally, json, text};
-use phalanx::trace::{Outcome, Sample, Sink, Site, SiteSummary, Work};
+use phalanx::report::{Failure, RunReport, json, text};
+use phalanx::trace::{Outcome, Sample, SiteSummary, Work};
 use serde_json::Value;
-use synthetic::{lift_off, posture, scene, touch_down};
+use synthetic::{posture, scene};
 
 fn last() -> Sample {
     posture(
@@ -173,45 +173,37 @@ fn what_is_not_known_is_null() {
 
 #[test]
 fn a_run_that_broke_off_reports_what_was_seen_of_it() {
-    let mut tally = Tally::default();
-    tally
-        .sample(&posture(0.0, (0.0, 0.0), (0.7, 0.0), [0.0; 2]))
-        .expect("never fails");
-    tally
-        .event(&touch_down(4e-3, Site::Proximal, 1.0))
-        .expect("never fails");
-    tally
-        .sample(&posture(4.1e-3, (0.0, 0.0), (0.7, 0.0), [99.0, 0.0]))
-        .expect("never fails");
-    tally
-        .event(&lift_off(4.2e-3, Site::Proximal, 1e-3))
-        .expect("never fails");
-    tally
-        .sample(&posture(4.5e-3, (0.25, 0.0), (0.7, 0.0), [0.0; 2]))
-        .expect("never fails");
     let failure = Failure {
         time_s: 4.6e-3,
         reason: "step budget of 10 used up".to_string(),
     };
-    let report = RunReport::failed(&scene(), "analytic", 0.5, failure, &tally);
+    let report = RunReport::failed(&scene(), "analytic", 0.5, failure, Some(&outcome()));
     let document = parsed(&report);
     assert_eq!(document["completed"], false);
     assert_eq!(document["error"]["time_s"], 4.6e-3);
     assert_eq!(document["error"]["reason"], "step budget of 10 used up");
-    assert_eq!(document["end_s"], 4.5e-3);
-    assert_eq!(document["steps"], Value::Null);
+    assert_eq!(document["steps"], 231);
     assert_eq!(document["criteria"], Value::Null);
-    assert_eq!(document["final"]["q11_rad"], 0.25);
-    let proximal = &document["contacts"]["proximal"];
-    assert_eq!(proximal["first_s"], 4e-3);
-    assert_eq!(proximal["touchdowns"], 1);
-    assert_eq!(proximal["peak_normal_n"], 99.0);
-    assert_eq!(proximal["impulse_n_s"], 1e-3);
+    assert_eq!(document["contacts"]["distal"]["touchdowns"], 2);
     let text = text(&report);
     assert!(
         text.contains("NOT COMPLETED: stopped at 4.6 ms of 20 ms: step budget of 10 used up"),
         "{text}"
     );
+}
+
+#[test]
+fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
+    let failure = Failure {
+        time_s: 4.6e-3,
+        reason: "cannot write the log run.mcap: no space left".to_string(),
+    };
+    let report = RunReport::failed(&scene(), "analytic", 0.5, failure, None);
+    let document = parsed(&report);
+    for key in ["steps", "final", "contacts", "criteria", "end_s", "energy", "work"] {
+        assert_eq!(document[key], Value::Null, "{key}");
+    }
+    assert!(text(&report).contains("NOT COMPLETED: stopped at 4.6 ms"));
 }
 
 #[test]

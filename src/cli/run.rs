@@ -7,14 +7,14 @@ use clap::{Args, ValueEnum};
 
 use super::output::{complain, print};
 use super::progress::Progress;
-use super::seam::{self, RunError};
+use super::seam;
 use super::{Failure, Status};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
 use crate::log::{self, FileWriter, RunInfo, Severity};
-use crate::report::{self, RunReport, Tally};
+use crate::report::{self, RunReport};
 use crate::scene::{Preset, Scene};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::{Event, RunError, Sample, Sink, SinkError, run_analytic};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria.
 #[derive(Debug, Args)]
@@ -85,12 +85,12 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
             None => None,
         },
         tracker: final_angles(&scene).map(Tracker::new),
-        tally: Tally::default(),
+        last_s: 0.0,
         progress: Progress::new(scene.duration_s),
     };
 
     let start = Instant::now();
-    let result = seam::simulate(&scene, &mut sinks);
+    let result = run_analytic(&scene, &mut sinks);
     let wall_s = start.elapsed().as_secs_f64();
     sinks.progress.clear();
 
@@ -101,19 +101,19 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
             (RunReport::completed(&scene, MODEL, wall_s, outcome, criteria), None)
         }
         Err(error) => {
-            let failure = report::Failure {
-                time_s: time_of(error, &sinks.tally),
-                reason: error.to_string(),
+            let (time_s, reason, so_far) = match error {
+                RunError::Simulation { failure, so_far } => {
+                    (failure.time_s, failure.reason.to_string(), Some(so_far.as_ref()))
+                }
+                RunError::Sink(error) => (sinks.last_s, error.to_string(), None),
             };
             let message = format!(
-                "the simulation stopped at {} of {}: {error}",
-                report::duration(failure.time_s),
+                "the simulation stopped at {} of {}: {reason}",
+                report::duration(time_s),
                 report::duration(scene.duration_s)
             );
-            (
-                RunReport::failed(&scene, MODEL, wall_s, failure, &sinks.tally),
-                Some(message),
-            )
+            let failure = report::Failure { time_s, reason };
+            (RunReport::failed(&scene, MODEL, wall_s, failure, so_far), Some(message))
         }
     };
     report.log = args.log.as_ref().map(|path| path.display().to_string());
@@ -176,20 +176,13 @@ fn final_angles(scene: &Scene) -> Option<FinalAngles> {
     }
 }
 
-fn time_of(error: &RunError, tally: &Tally) -> f64 {
-    match error {
-        RunError::Sink(_) => tally.last.map_or(0.0, |sample| sample.time_s),
-        RunError::Simulation { time_s, .. } => *time_s,
-    }
-}
-
 /// Says in the log how the run ended, and finishes it.
 fn finish_log(mut sinks: Sinks, report: &RunReport) -> Result<(), SinkError> {
     let Some(mut log) = sinks.log.take() else {
         return Ok(());
     };
     let (time_s, severity, text) = match &report.error {
-        None => (report.end_s, Severity::Info, "completed".to_string()),
+        None => (sinks.last_s, Severity::Info, "completed".to_string()),
         Some(error) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
     };
     log.note(time_s, severity, &text)?;
@@ -208,13 +201,14 @@ fn kept(report: &RunReport) -> String {
 struct Sinks {
     log: Option<FileWriter>,
     tracker: Option<Tracker>,
-    tally: Tally,
+    /// Time of the latest sample.
+    last_s: f64,
     progress: Progress,
 }
 
 impl Sink for Sinks {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.tally.sample(sample)?;
+        self.last_s = sample.time_s;
         self.progress.sample(sample)?;
         if let Some(tracker) = &mut self.tracker {
             tracker.sample(sample)?;
@@ -226,7 +220,6 @@ impl Sink for Sinks {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.tally.event(event)?;
         if let Some(tracker) = &mut self.tracker {
             tracker.event(event)?;
         }

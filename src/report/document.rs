@@ -4,12 +4,11 @@
 
 use serde::Serialize;
 
-use super::Tally;
 use crate::criteria::Criteria;
 use crate::scene::{Integrator, Method, Preset, Scene};
 use crate::trace::{ContactSample, Outcome, Sample, Site, SiteSummary, Work};
 
-/// One run.
+/// One run. All that is known only from the simulation is null if that could not even report how far it came.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
     /// Name of the scene.
@@ -18,17 +17,18 @@ pub struct RunReport {
     pub model: String,
     /// Length asked for; `end_s` says how far the run came.
     pub duration_s: f64,
-    /// Accepted steps; null if the run was not completed, as `work` is.
+    /// Accepted steps.
     pub steps: Option<u64>,
     /// Wall time of the simulation: the one figure that differs between two runs of the same scene.
     pub wall_s: f64,
     #[serde(rename = "final")]
     pub last: Option<Final>,
-    pub contacts: Contacts,
+    pub contacts: Option<Contacts>,
     /// Null without an object, without a grasp of it, or if the run was not completed.
     pub criteria: Option<Dynamics>,
     pub completed: bool,
-    pub end_s: f64,
+    /// Time reached.
+    pub end_s: Option<f64>,
     /// Null if the run was completed.
     pub error: Option<Failure>,
     pub energy: Option<Energies>,
@@ -136,66 +136,65 @@ impl RunReport {
         RunReport {
             criteria: criteria.map(Dynamics::from),
             completed: true,
-            steps: Some(outcome.work.steps),
-            work: Some(WorkReport::from(&outcome.work)),
-            ..RunReport::up_to(scene, model, wall_s, Some(&outcome.last), &outcome.sites)
+            error: None,
+            ..RunReport::up_to(scene, model, wall_s, Some(outcome))
         }
     }
 
-    /// A run that broke off: what is known of it up to then.
-    pub fn failed(scene: &Scene, model: &str, wall_s: f64, failure: Failure, tally: &Tally) -> Self {
+    /// A run that broke off, with what is known of it up to then.
+    pub fn failed(scene: &Scene, model: &str, wall_s: f64, failure: Failure, so_far: Option<&Outcome>) -> Self {
         RunReport {
             error: Some(failure),
-            ..RunReport::up_to(scene, model, wall_s, tally.last.as_ref(), &tally.sites)
+            ..RunReport::up_to(scene, model, wall_s, so_far)
         }
     }
 
-    fn up_to(scene: &Scene, model: &str, wall_s: f64, last: Option<&Sample>, sites: &[SiteSummary; 3]) -> Self {
+    fn up_to(scene: &Scene, model: &str, wall_s: f64, outcome: Option<&Outcome>) -> Self {
         RunReport {
             scene: scene.name.clone(),
             model: model.to_string(),
             duration_s: scene.duration_s,
-            steps: None,
+            steps: outcome.map(|outcome| outcome.work.steps),
             wall_s,
-            last: last.map(Final::from),
-            contacts: Contacts::new(sites, last),
+            last: outcome.map(|outcome| Final::from(&outcome.last)),
+            contacts: outcome.map(Contacts::from),
             criteria: None,
             completed: false,
-            end_s: last.map_or(0.0, |sample| sample.time_s),
+            end_s: outcome.map(|outcome| outcome.last.time_s),
             error: None,
-            energy: last.map(Energies::from),
-            work: None,
+            energy: outcome.map(|outcome| Energies::from(&outcome.last)),
+            work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
             integrator: IntegratorUsed::from(&scene.integrator),
             log: None,
         }
     }
 }
 
-impl Contacts {
-    fn new(sites: &[SiteSummary; 3], last: Option<&Sample>) -> Self {
-        let site = |site: Site| &sites[site as usize];
+impl From<&Outcome> for Contacts {
+    fn from(outcome: &Outcome) -> Self {
+        let limit = outcome.site(Site::Limit);
         Contacts {
-            proximal: PhalanxReport::new(site(Site::Proximal), last.map(|sample| &sample.proximal)),
-            distal: PhalanxReport::new(site(Site::Distal), last.map(|sample| &sample.distal)),
+            proximal: PhalanxReport::new(outcome.site(Site::Proximal), &outcome.last.proximal),
+            distal: PhalanxReport::new(outcome.site(Site::Distal), &outcome.last.distal),
             limit: LimitReport {
-                first_s: site(Site::Limit).first_s,
-                touchdowns: site(Site::Limit).touchdowns,
-                final_torque_n_m: last.map_or(0.0, |sample| sample.limit.torque_n_m),
-                peak_torque_n_m: site(Site::Limit).peak_normal_n,
-                max_penetration_rad: site(Site::Limit).max_penetration_m,
-                impulse_n_m_s: site(Site::Limit).impulse_n_s,
+                first_s: limit.first_s,
+                touchdowns: limit.touchdowns,
+                final_torque_n_m: outcome.last.limit.torque_n_m,
+                peak_torque_n_m: limit.peak_normal_n,
+                max_penetration_rad: limit.max_penetration_m,
+                impulse_n_m_s: limit.impulse_n_s,
             },
         }
     }
 }
 
 impl PhalanxReport {
-    fn new(site: &SiteSummary, last: Option<&ContactSample>) -> Self {
+    fn new(site: &SiteSummary, last: &ContactSample) -> Self {
         PhalanxReport {
             first_s: site.first_s,
             touchdowns: site.touchdowns,
-            final_normal_n: last.map_or(0.0, |contact| contact.normal_n),
-            final_tangential_n: last.map_or(0.0, |contact| contact.tangential_n),
+            final_normal_n: last.normal_n,
+            final_tangential_n: last.tangential_n,
             peak_normal_n: site.peak_normal_n,
             max_penetration_m: site.max_penetration_m,
             impulse_n_s: site.impulse_n_s,

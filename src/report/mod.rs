@@ -2,13 +2,11 @@
 
 mod document;
 mod table;
-mod tally;
 mod text;
 
 pub use document::{
     Contacts, Dynamics, Energies, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport, WorkReport,
 };
-pub use tally::Tally;
 pub use text::{duration, text};
 
 /// The report as one JSON document with a line end.

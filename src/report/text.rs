@@ -8,10 +8,12 @@ use super::table::{figure, table};
 /// The whole summary, with a line end.
 pub fn text(report: &RunReport) -> String {
     let mut sections = vec![heading(report)];
-    if let Some(last) = &report.last {
-        sections.push(final_state(last, report.end_s));
+    if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
+        sections.push(final_state(last, end_s));
     }
-    sections.push(contacts(&report.contacts));
+    if let Some(all) = &report.contacts {
+        sections.push(contacts(all));
+    }
     if let Some(energy) = &report.energy {
         sections.push(energies(energy));
     }
@@ -30,13 +32,7 @@ fn heading(report: &RunReport) -> String {
         "{}: {} model, {} (rtol {:e}, {} preset)",
         report.scene, report.model, integrator.method, integrator.rtol, integrator.preset
     );
-    let _ = writeln!(
-        text,
-        "{}{}; {} of wall time",
-        duration(report.end_s),
-        cost(report),
-        duration(report.wall_s)
-    );
+    let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
     if let Some(error) = &report.error {
         let _ = writeln!(
             text,
@@ -53,12 +49,16 @@ fn heading(report: &RunReport) -> String {
 }
 
 fn cost(report: &RunReport) -> String {
-    let (Some(steps), Some(work)) = (report.steps, &report.work) else {
+    let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, &report.work) else {
         return String::new();
     };
     format!(
-        " in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} events",
-        work.rejected_steps, work.rhs_evaluations, work.jacobian_evaluations, work.events
+        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} events; ",
+        duration(end_s),
+        work.rejected_steps,
+        work.rhs_evaluations,
+        work.jacobian_evaluations,
+        work.events
     )
 }
 
