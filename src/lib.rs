@@ -11,3 +11,4 @@ pub mod law;
 pub mod numeric;
 pub mod scene;
 pub mod trace;
+pub mod units;
