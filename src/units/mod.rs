@@ -11,5 +11,6 @@ mod parse;
 mod table;
 
 pub use format::format;
+pub(crate) use format::number;
 pub use parse::{QuantityError, parse};
 pub use table::{Dimension, Unit};

@@ -256,7 +256,7 @@ const ANGULAR_STIFFNESS: &[Unit] = &[
 
 const LINEAR_DAMPING: &[Unit] = &[
     unit("N*s/m", || linear_damping(Length::new::<meter>(1.0))),
-    unit("N*s/mm", || linear_damping(Length::new::<millimeter>(1.0))),
+    read_only("N*s/mm", || linear_damping(Length::new::<millimeter>(1.0))),
     read_only("kg/s", || (Mass::new::<kilogram>(1.0) / Time::new::<second>(1.0)).value),
 ];
 
