@@ -15,3 +15,4 @@ pub mod numeric;
 pub mod report;
 pub mod scene;
 pub mod trace;
+pub mod units;
