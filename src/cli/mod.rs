@@ -10,11 +10,13 @@
 mod output;
 mod progress;
 mod run;
-mod seam;
 
+use std::fmt::Display;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::scene::SceneError;
 
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
 #[derive(Debug, Parser)]
@@ -23,7 +25,7 @@ use clap::{Parser, Subcommand};
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Example:\n  phalanx run scenes/design95.toml --log design95.mcap\n\nExit status: 0 done; 1 a check failed; 2 bad \
+    after_help = "Example:\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit status: 0 done; 1 a check failed; 2 bad \
                   input; 3 the simulation could not be completed."
 )]
 struct Cli {
@@ -53,17 +55,29 @@ pub struct Failure {
 }
 
 impl Failure {
-    pub fn bad_input(message: impl ToString) -> Self {
+    /// Something the user gave is wrong.
+    pub fn bad_input(message: impl Display) -> Self {
         Failure {
-            message: message.to_string(),
+            message: format!("error: {message}"),
             status: Status::BadInput,
         }
     }
 
-    pub fn incomplete(message: impl ToString) -> Self {
+    /// A run, or the writing of its results, broke off.
+    pub fn incomplete(message: impl Display) -> Self {
         Failure {
-            message: message.to_string(),
+            message: format!("error: {message}"),
             status: Status::Incomplete,
+        }
+    }
+}
+
+impl From<SceneError> for Failure {
+    /// The scene's message shows the place in the file, and begins with `error:` itself.
+    fn from(error: SceneError) -> Self {
+        Failure {
+            message: error.to_string(),
+            status: Status::BadInput,
         }
     }
 }

@@ -15,7 +15,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints an error message to stderr, as far as that takes it.
+/// Prints a message to stderr, as far as that takes it.
 pub fn complain(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "phalanx: {message}");
+    let _ = writeln!(io::stderr().lock(), "{message}");
 }

@@ -7,20 +7,20 @@ use clap::{Args, ValueEnum};
 
 use super::output::{complain, print};
 use super::progress::Progress;
-use super::seam;
 use super::{Failure, Status};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
 use crate::log::{self, FileWriter, RunInfo, Severity};
 use crate::report::{self, RunReport};
-use crate::scene::{Preset, Scene};
+use crate::scene::{self, Integrator, Preset, Scene};
 use crate::trace::{Event, RunError, Sample, Sink, SinkError, run_analytic};
+use crate::units::{self, Dimension};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx run scenes/design95.toml\n  phalanx run scenes/design95.toml --log design95.mcap\n  \
-                  phalanx run scenes/design95.toml --duration \"30 ms\" --preset reference --json > run.json\n\nThe log \
+    after_help = "Examples:\n  phalanx run scenes/experiment-95.toml\n  phalanx run scenes/experiment-95.toml --log run.mcap\n  \
+                  phalanx run scenes/experiment-95.toml --duration \"30 ms\" --preset reference --json > run.json\n\nThe log \
                   opens in Foxglove, Rerun and PlotJuggler. Exit status: 0 done; 2 bad input; 3 the simulation could not be \
                   completed (the log up to there is kept)."
 )]
@@ -40,7 +40,7 @@ pub struct RunArgs {
     #[arg(long)]
     json: bool,
 
-    /// Integrator settings, instead of those of the scene
+    /// Integrator method and tolerances, instead of those of the scene
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
 
@@ -49,7 +49,7 @@ pub struct RunArgs {
     rtol: Option<f64>,
 
     /// Length of the run with its unit, such as "30 ms", instead of that of the scene
-    #[arg(long, value_name = "TIME", value_parser = seam::duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     duration: Option<f64>,
 }
 
@@ -132,11 +132,16 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 
 /// The scene with what the command line overrides.
 fn scene(args: &RunArgs) -> Result<Scene, Failure> {
-    let mut scene = seam::load(&args.scene).map_err(Failure::bad_input)?;
-    match args.preset {
-        Some(PresetArg::Engineering) => seam::apply_preset(&mut scene, Preset::Engineering),
-        Some(PresetArg::Reference) => seam::apply_preset(&mut scene, Preset::Reference),
-        None => {}
+    let mut scene = scene::load(&args.scene)?;
+    if let Some(preset) = args.preset {
+        let preset = match preset {
+            PresetArg::Engineering => Preset::Engineering,
+            PresetArg::Reference => Preset::Reference,
+        };
+        scene.integrator = Integrator {
+            max_steps: scene.integrator.max_steps,
+            ..Integrator::preset(preset)
+        };
     }
     if let Some(rtol) = args.rtol {
         scene.integrator.rtol = rtol;
@@ -234,5 +239,13 @@ fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
         _ => Err("expected a number between 0 and 1, such as 1e-6".to_string()),
+    }
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    match units::parse(text, Dimension::Time) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(_) => Err("a run must be longer than 0; expected a time such as \"30 ms\"".to_string()),
+        Err(error) => Err(error.to_string()),
     }
 }

@@ -32,14 +32,6 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         log,
         ..
     } = run.scene;
-    let preset = match integrator.preset {
-        Preset::Engineering => "engineering",
-        Preset::Reference => "reference",
-    };
-    let method = match integrator.method {
-        Method::Rodas5p => "rodas5p",
-        Method::RadauIIa5 => "radau_iia5",
-    };
     [
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
@@ -47,8 +39,8 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         ("scene", name.clone()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{duration_s:?}")),
-        ("integrator_preset", preset.to_string()),
-        ("integrator_method", method.to_string()),
+        ("integrator_preset", preset_name(integrator.preset).to_string()),
+        ("integrator_method", method_name(integrator.method).to_string()),
         ("integrator_rtol", format!("{:?}", integrator.rtol)),
         ("integrator_atol_angle_rad", format!("{:?}", integrator.atol_angle_rad)),
         (
@@ -61,4 +53,20 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     .into_iter()
     .map(|(key, value)| (key.to_string(), value))
     .collect()
+}
+
+/// The preset in the words of scene files.
+pub fn preset_name(preset: Preset) -> &'static str {
+    match preset {
+        Preset::Engineering => "engineering",
+        Preset::Reference => "reference",
+    }
+}
+
+/// The method in the words of scene files.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Rodas5p => "rodas5p",
+        Method::RadauIIa5 => "radau5",
+    }
 }

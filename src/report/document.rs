@@ -5,7 +5,8 @@
 use serde::Serialize;
 
 use crate::criteria::Criteria;
-use crate::scene::{Integrator, Method, Preset, Scene};
+use crate::log::{method_name, preset_name};
+use crate::scene::{Integrator, Scene};
 use crate::trace::{ContactSample, Outcome, Sample, Site, SiteSummary, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came.
@@ -257,14 +258,8 @@ impl From<&Work> for WorkReport {
 impl From<&Integrator> for IntegratorUsed {
     fn from(integrator: &Integrator) -> Self {
         IntegratorUsed {
-            preset: match integrator.preset {
-                Preset::Engineering => "engineering",
-                Preset::Reference => "reference",
-            },
-            method: match integrator.method {
-                Method::Rodas5p => "rodas5p",
-                Method::RadauIIa5 => "radau_iia5",
-            },
+            preset: preset_name(integrator.preset),
+            method: method_name(integrator.method),
             rtol: integrator.rtol,
             atol_angle_rad: integrator.atol_angle_rad,
             atol_rate_rad_s: integrator.atol_rate_rad_s,
