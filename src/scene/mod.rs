@@ -1,4 +1,32 @@
 //! Scene files: what a user writes, checked and resolved to SI with every default filled in.
+//!
+//! | file | job |
+//! |---|---|
+//! | `raw` | the file as it is written; source of the JSON Schema |
+//! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
+//! | `file`, `keys` | text → raw, unknown keys |
+//! | `check`, `error`, `suggest` | collecting and showing what is wrong |
+//! | `resolve`, `defaults` | raw → [`Scene`], physics checked |
+//! | `show` | [`Scene`] → a complete scene file |
+
+mod check;
+mod defaults;
+mod entry;
+mod error;
+mod file;
+mod keys;
+mod kinds;
+mod raw;
+mod resolve;
+mod schema;
+mod show;
+mod suggest;
+mod words;
+
+pub use error::{Problem, SceneError};
+pub use file::{load, parse};
+pub use schema::schema;
+pub use show::show;
 
 use crate::gripper::Finger;
 use crate::law::{ContactLaw, NormalLaw};

@@ -1,0 +1,145 @@
+//! Reading the values of a scene one by one while every problem is collected.
+
+use std::ops::Range;
+
+use super::entry::{Entry, Section};
+use super::error::Problem;
+use super::kinds::Kind;
+
+/// Which numbers are allowed.
+#[derive(Clone, Copy)]
+pub struct Bound {
+    pub allowed: fn(f64) -> bool,
+    pub text: &'static str,
+}
+
+pub const ANY: Bound = Bound {
+    allowed: |_| true,
+    text: "any finite number",
+};
+pub const POSITIVE: Bound = Bound {
+    allowed: |x| x > 0.0,
+    text: "above 0",
+};
+pub const NOT_NEGATIVE: Bound = Bound {
+    allowed: |x| x >= 0.0,
+    text: "0 or more",
+};
+
+/// Collects what is wrong.
+pub struct Checker<'a> {
+    pub text: &'a str,
+    problems: Vec<Problem>,
+    /// Keys that are missing are left unsaid where unknown ones were found: they may only be mistyped.
+    mistyped: bool,
+}
+
+impl<'a> Checker<'a> {
+    /// A checker of `text`, of which some problems may be known already.
+    pub fn new(text: &'a str, problems: Vec<Problem>) -> Self {
+        let mistyped = !problems.is_empty();
+        Checker {
+            text,
+            problems,
+            mistyped,
+        }
+    }
+
+    pub fn is_clean(&self) -> bool {
+        self.problems.is_empty()
+    }
+
+    /// All problems in the order of the file, each once.
+    pub fn into_problems(mut self) -> Vec<Problem> {
+        self.problems
+            .sort_by_key(|p| p.span.as_ref().map_or((usize::MAX, 0), |s| (s.start, s.end)));
+        self.problems.dedup();
+        self.problems
+    }
+
+    pub fn push(
+        &mut self,
+        span: Option<Range<usize>>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.problems.push(Problem {
+            span,
+            message: message.into(),
+            label: label.into(),
+            help: help.into(),
+        });
+    }
+
+    /// The value of a key; `None` if it is left out or (then that is noted) wrong.
+    pub fn get<K: Kind>(&mut self, key: &str, entry: &Entry<K>) -> Option<K::Value> {
+        let given = entry.given.as_ref()?;
+        K::read(key, given).map_err(|more| self.problems.extend(more)).ok()
+    }
+
+    /// The value of a key, or its default.
+    pub fn or<K: Kind>(&mut self, key: &str, entry: &Entry<K>, default: K::Value) -> K::Value {
+        self.get(key, entry).unwrap_or(default)
+    }
+
+    /// A number within bounds; `None` if it is left out or wrong.
+    pub fn number<K: Kind<Value = f64>>(&mut self, key: &str, entry: &Entry<K>, bound: Bound) -> Option<f64> {
+        let value = self.get(key, entry)?;
+        if (bound.allowed)(value) {
+            return Some(value);
+        }
+        let message = format!("`{key}` is {}, but must be {}", self.quoted(entry.span()), bound.text);
+        self.push(entry.span(), message, bound.text, "give another value");
+        None
+    }
+
+    /// A number within bounds, or its default.
+    pub fn number_or<K: Kind<Value = f64>>(&mut self, key: &str, entry: &Entry<K>, bound: Bound, default: f64) -> f64 {
+        self.number(key, entry, bound).unwrap_or(default)
+    }
+
+    /// A number within bounds that `section` must have.
+    pub fn required<K: Kind<Value = f64>, T>(
+        &mut self,
+        key: &str,
+        entry: &Entry<K>,
+        bound: Bound,
+        section: &Section<T>,
+        help: &str,
+    ) -> Option<f64> {
+        if !entry.is_given() {
+            self.missing(key, section, help);
+        }
+        self.number(key, entry, bound)
+    }
+
+    /// Notes that a section lacks a key.
+    pub fn missing<T>(&mut self, key: &str, section: &Section<T>, help: &str) {
+        if self.mistyped {
+            return;
+        }
+        let label = if section.is_given() { "in this section" } else { "" };
+        self.push(section.span.clone(), format!("`{key}` is missing"), label, help);
+    }
+
+    /// Refuses a key that would have no effect.
+    pub fn unused<K>(&mut self, key: &str, entry: &Entry<K>, why: &str) {
+        if entry.is_given() {
+            let message = format!("`{key}` has no effect {why}");
+            self.push(
+                entry.span(),
+                message,
+                "no effect",
+                "remove it, or change what it depends on",
+            );
+        }
+    }
+
+    /// The text at a place of the file, without quotes.
+    fn quoted(&self, span: Option<Range<usize>>) -> &'a str {
+        span.and_then(|s| self.text.get(s))
+            .unwrap_or("this")
+            .trim_matches(['"', '\''])
+    }
+}

@@ -1,0 +1,64 @@
+//! What holds when a scene does not say otherwise: thesis Table 3.2, and the settings of the integrator.
+
+use super::{Integrator, Method, Preset};
+use crate::law::NormalLaw;
+
+pub const DURATION_S: f64 = 0.020;
+/// The gripper hangs upside down: gravity pulls the object out of it.
+pub const GRAVITY_M_S2: [f64; 2] = [0.0, 9.81];
+pub const L11_M: f64 = 0.015;
+pub const HALF_WIDTH_M: f64 = 0.0025;
+pub const DENSITY_KG_M3: f64 = 1070.0;
+pub const DEPTH_M: f64 = 0.040;
+pub const OBJECT_RADIUS_M: f64 = 0.020;
+pub const V_STATIC_M_S: f64 = 0.1;
+pub const V_DYNAMIC_M_S: f64 = 0.2;
+/// q_0: how far before the proximal contact the finger starts, in degrees.
+pub const OFFSET_DEG: f64 = 25.0;
+pub const NUMERIC_RATE_HZ: f64 = 10e3;
+pub const MAX_STEPS: u64 = 10_000_000;
+
+/// μ_d = 0.7 μ_s; 0.56 for 0.8, to the last bit.
+pub fn mu_dynamic(mu_static: f64) -> f64 {
+    7.0 * mu_static / 10.0
+}
+
+/// Law of the object's contacts.
+pub const CONTACT: NormalLaw = NormalLaw {
+    stiffness_n_per_m_e: 1e8,
+    exponent: 2.2,
+    damping_max_n_s_per_m: 1e6,
+    transition_m: 1e-5,
+};
+
+/// Law of the joint limit, in rad for m.
+pub const LIMIT: NormalLaw = NormalLaw {
+    stiffness_n_per_m_e: 1e11,
+    exponent: 2.2,
+    damping_max_n_s_per_m: 1e9,
+    transition_m: 1e-5,
+};
+
+impl Integrator {
+    /// The settings a preset stands for.
+    pub const fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Engineering => Self {
+                preset,
+                method: Method::Rodas5p,
+                rtol: 1e-5,
+                atol_angle_rad: 1e-9,
+                atol_rate_rad_s: 1e-4,
+                max_steps: MAX_STEPS,
+            },
+            Preset::Reference => Self {
+                preset,
+                method: Method::RadauIIa5,
+                rtol: 1e-11,
+                atol_angle_rad: 1e-14,
+                atol_rate_rad_s: 1e-9,
+                max_steps: MAX_STEPS,
+            },
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! What is wrong with a scene file, and how that is shown.
+
+use std::fmt::{self, Write};
+use std::ops::Range;
+
+/// One thing wrong with a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Bytes of the file it is about; `None` where something is missing altogether.
+    pub span: Option<Range<usize>>,
+    /// What was found, and why it is wrong.
+    pub message: String,
+    /// Short remark under the offending text; may be empty.
+    pub label: String,
+    /// What is allowed, or what to do about it.
+    pub help: String,
+}
+
+/// Why there is no scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneError {
+    /// The file cannot be read.
+    Read { file: String, reason: String },
+    /// The file is not text.
+    NotUtf8 { file: String, line: usize, column: usize },
+    /// The file was read, but is no scene. Problems are in the order of the file.
+    Invalid {
+        file: String,
+        text: String,
+        problems: Vec<Problem>,
+    },
+}
+
+impl SceneError {
+    /// The problems found in the text; empty when it could not be read.
+    pub fn problems(&self) -> &[Problem] {
+        match self {
+            SceneError::Invalid { problems, .. } => problems,
+            _ => &[],
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SceneError::Read { file, reason } => write!(f, "error: cannot read scene `{file}`: {reason}"),
+            SceneError::NotUtf8 { file, line, column } => write!(
+                f,
+                "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene \
+                 is a TOML file"
+            ),
+            SceneError::Invalid { file, text, problems } => {
+                for (index, problem) in problems.iter().enumerate() {
+                    if index > 0 {
+                        f.write_str("\n\n")?;
+                    }
+                    f.write_str(&render(file, text, problem))?;
+                }
+                if problems.len() > 1 {
+                    write!(f, "\n\n{file}: {} problems", problems.len())?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Longest part of a source line that is shown, in characters.
+const WIDTH: usize = 120;
+
+/// One problem in the manner of rustc: message, place, source line with carets, help. Without a final newline.
+fn render(file: &str, text: &str, problem: &Problem) -> String {
+    let mut out = format!("error: {}", problem.message);
+    let Some(span) = &problem.span else {
+        let _ = write!(out, "\n --> {file}");
+        if !problem.help.is_empty() {
+            let _ = write!(out, "\n  = help: {}", problem.help);
+        }
+        return out;
+    };
+
+    let start = floor_boundary(text, span.start);
+    let end = floor_boundary(text, span.end.max(start));
+    let (line, column) = line_column(text, start);
+    let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
+    let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
+    let source: Vec<char> = text[line_start..line_end].trim_end_matches('\r').chars().collect();
+    let marked = text[start..end.min(line_end)].trim_end().chars().count().max(1);
+
+    // A long line is cut so that the mark stays in sight.
+    let from = (column - 1 + marked.min(WIDTH / 2)).saturating_sub(WIDTH);
+    let shown: String = source.iter().skip(from).take(WIDTH).map(|c| printable(*c)).collect();
+    let carets = marked.min(WIDTH.saturating_sub(column - 1 - from)).max(1);
+
+    let number = line.to_string();
+    let gutter = " ".repeat(number.len());
+    let _ = write!(
+        out,
+        "\n{gutter}--> {file}:{line}:{column}\n{gutter} |\n{number} | {shown}"
+    );
+    let _ = write!(
+        out,
+        "\n{gutter} | {}{}",
+        " ".repeat(column - 1 - from),
+        "^".repeat(carets)
+    );
+    if !problem.label.is_empty() {
+        let _ = write!(out, " {}", problem.label);
+    }
+    if !problem.help.is_empty() {
+        let _ = write!(out, "\n{gutter} = help: {}", problem.help);
+    }
+    out
+}
+
+/// Line and column from 1, the column in characters.
+pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = &text[..floor_boundary(text, offset)];
+    let line = before.matches('\n').count() + 1;
+    let column = before[before.rfind('\n').map_or(0, |i| i + 1)..].chars().count() + 1;
+    (line, column)
+}
+
+fn floor_boundary(text: &str, offset: usize) -> usize {
+    let mut at = offset.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// Every character takes one column, so that carets stay below what they mark.
+fn printable(c: char) -> char {
+    match c {
+        '\t' => ' ',
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(span: Option<Range<usize>>) -> Problem {
+        Problem {
+            span,
+            message: "wrong".into(),
+            label: "here".into(),
+            help: "mend it".into(),
+        }
+    }
+
+    #[test]
+    fn carets_stand_below_the_marked_characters() {
+        let text = "a = 1\n\tµ = \"2 mm\"\r\n";
+        let at = text.find('"').unwrap_or(0);
+        assert_eq!(
+            render("f.toml", text, &problem(Some(at..at + 6))),
+            "error: wrong\n --> f.toml:2:6\n  |\n2 |  µ = \"2 mm\"\n  |      ^^^^^^ here\n  = help: mend it"
+        );
+        assert_eq!(
+            render("f.toml", text, &problem(None)),
+            "error: wrong\n --> f.toml\n  = help: mend it"
+        );
+    }
+
+    #[test]
+    fn any_span_of_any_text_is_rendered() {
+        let long = format!("x = \"{}\"\n", "é".repeat(500));
+        for text in ["", "\n", "é", "a\nb", &long] {
+            for start in 0..text.len().min(40) + 2 {
+                for end in [start, start + 1, start + 700, usize::MAX] {
+                    assert!(render("f", text, &problem(Some(start..end))).contains('^'));
+                }
+            }
+        }
+        let shown = render("f", &long, &problem(Some(900..902)));
+        assert!(shown.lines().all(|l| l.chars().count() < WIDTH + 20), "{shown}");
+    }
+}

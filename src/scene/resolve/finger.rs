@@ -1,0 +1,295 @@
+//! The finger: lengths from a design or as given, and bodies from outlines, material and overrides.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
+
+use super::super::check::{Bound, Checker, POSITIVE};
+use super::super::defaults;
+use super::super::entry::Section;
+use super::super::raw::{RawBody, RawDesign, RawLengths, RawScene};
+use crate::gripper::{
+    self, Assembly, Bodies, Body, Design, DesignError, Finger, HEIGHT_RATIO, Lengths, MassError, ProximalLength,
+    TIP_CONTACT_MIN_RAD,
+};
+
+const PHI22: Bound = Bound {
+    allowed: |x| x > 0.0 && x < PI,
+    text: "between 0 and 180 deg, both excluded",
+};
+const FRACTION: Bound = Bound {
+    allowed: |x| (0.0..=1.0).contains(&x),
+    text: "from 0 to 1",
+};
+const TIP_CONTACT: Bound = Bound {
+    allowed: |x| x.abs() < FRAC_PI_2,
+    text: "between -90 and 90 deg, both excluded",
+};
+
+/// The finger as far as its lengths.
+pub struct Plan {
+    pub lengths: Option<Lengths>,
+    pub assembly: Assembly,
+    /// Base of the design; `None` for a finger given by its lengths.
+    pub base_m: Option<f64>,
+}
+
+/// Lengths from [design] or [lengths].
+pub fn plan(c: &mut Checker<'_>, raw: &RawScene, object_radius_m: f64) -> Plan {
+    let half_width_m = c.number_or("half_width", &raw.half_width, POSITIVE, defaults::HALF_WIDTH_M);
+    let assembly = c.or("assembly", &raw.assembly, Assembly::Reference);
+    let (mut lengths, mut base_m) = (None, None);
+    match (raw.design.is_given(), raw.lengths.is_given()) {
+        (true, true) => c.push(
+            raw.lengths.span.clone(),
+            "the finger is given twice, by [design] and by [lengths]",
+            "and here again",
+            "keep one of them: [design] for the few free numbers, [lengths] for all lengths",
+        ),
+        (false, false) => c.missing(
+            "[design] or [lengths]",
+            &raw.design,
+            "give the finger: [design] with base, l21_fraction, phi22 and arm_ratio, or [lengths] with l21, l22, t22 and \
+             phi22",
+        ),
+        (true, false) => {
+            let design = design(c, &raw.design, half_width_m, object_radius_m);
+            base_m = design.map(|d| d.base_m);
+            lengths = design.and_then(|d| {
+                let solved = gripper::lengths(&d);
+                solved.map_err(|e| refuse_design(c, &raw.design, &e)).ok()
+            });
+        }
+        (false, true) => lengths = given_lengths(c, &raw.lengths, half_width_m),
+    }
+    Plan {
+        lengths,
+        assembly,
+        base_m,
+    }
+}
+
+fn design(c: &mut Checker<'_>, raw: &Section<RawDesign>, half_width_m: f64, object_radius_m: f64) -> Option<Design> {
+    let base_m = c.required(
+        "design.base",
+        &raw.base,
+        POSITIVE,
+        raw,
+        "add the distance to the object: base = \"15.5 mm\"",
+    );
+    let l21 = match (raw.l21.is_given(), raw.l21_fraction.is_given()) {
+        (true, true) => {
+            c.push(
+                raw.l21_fraction.span(),
+                "the proximal phalanx is given twice, by `l21` and by `l21_fraction`",
+                "and here again",
+                "keep one of them",
+            );
+            None
+        }
+        (false, false) => {
+            let help = "give the proximal phalanx: l21_fraction = 1.0, or a length l21 = \"24 mm\"";
+            c.missing("design.l21_fraction", raw, help);
+            None
+        }
+        (true, false) => c.number("design.l21", &raw.l21, POSITIVE).map(ProximalLength::Length),
+        (false, true) => c
+            .number("design.l21_fraction", &raw.l21_fraction, FRACTION)
+            .map(ProximalLength::Fraction),
+    };
+    let phi22_rad = c.required(
+        "design.phi22",
+        &raw.phi22,
+        PHI22,
+        raw,
+        "add the tip's angle: phi22 = \"120 deg\"",
+    );
+    let arm_ratio = c.required(
+        "design.arm_ratio",
+        &raw.arm_ratio,
+        POSITIVE,
+        raw,
+        "add l22 / l11: arm_ratio = 0.5",
+    );
+    let l11_m = c.number_or("design.l11", &raw.l11, POSITIVE, defaults::L11_M);
+    let height_ratio = c.number_or("design.height_ratio", &raw.height_ratio, POSITIVE, HEIGHT_RATIO);
+    let tip_contact_min_rad = c.number_or(
+        "design.tip_contact_min",
+        &raw.tip_contact_min,
+        TIP_CONTACT,
+        TIP_CONTACT_MIN_RAD,
+    );
+    Some(Design {
+        base_m: base_m?,
+        l21: l21?,
+        phi22_rad: phi22_rad?,
+        arm_ratio: arm_ratio?,
+        l11_m,
+        half_width_m,
+        object_radius_m,
+        height_ratio,
+        tip_contact_min_rad,
+    })
+}
+
+fn refuse_design(c: &mut Checker<'_>, raw: &Section<RawDesign>, error: &DesignError) {
+    let place = match error {
+        DesignError::BaseTooSmall { .. } | DesignError::BaseTooLarge { .. } | DesignError::NoProximalRange { .. } => {
+            raw.base.span()
+        }
+        DesignError::ProximalOutOfRange { .. } | DesignError::TipNotPositive { .. } | DesignError::Fraction { .. } => {
+            raw.l21.span().or(raw.l21_fraction.span())
+        }
+        DesignError::Phi22 { .. } => raw.phi22.span(),
+        DesignError::TipContactMin { .. } => raw.tip_contact_min.span(),
+        _ => None,
+    };
+    geometry(
+        c,
+        place.or(raw.span.clone()),
+        "no finger has this design",
+        &error.to_string(),
+    );
+}
+
+fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f64) -> Option<Lengths> {
+    let l11_m = c.number_or("lengths.l11", &raw.l11, POSITIVE, defaults::L11_M);
+    let l12_m = c.number("lengths.l12", &raw.l12, POSITIVE);
+    let l21_m = c.required(
+        "lengths.l21",
+        &raw.l21,
+        POSITIVE,
+        raw,
+        "add the proximal phalanx: l21 = \"24 mm\"",
+    );
+    let l22_m = c.required(
+        "lengths.l22",
+        &raw.l22,
+        POSITIVE,
+        raw,
+        "add the arm of the distal body: l22 = \"7.5 mm\"",
+    );
+    let t22_m = c.required(
+        "lengths.t22",
+        &raw.t22,
+        POSITIVE,
+        raw,
+        "add the tip phalanx: t22 = \"13 mm\"",
+    );
+    let phi22_rad = c.required(
+        "lengths.phi22",
+        &raw.phi22,
+        PHI22,
+        raw,
+        "add the tip's angle: phi22 = \"120 deg\"",
+    );
+    let (l21_m, l22_m, t22_m, phi22_rad) = (l21_m?, l22_m?, t22_m?, phi22_rad?);
+    let l12_m = match raw.l12.is_given() {
+        true => l12_m?,
+        // Thesis (B.7): straight with l11 on the palm and l21 upright.
+        false => (l11_m - l22_m * phi22_rad.sin()).hypot(l21_m + l22_m * phi22_rad.cos()),
+    };
+    let lengths = Lengths {
+        l11_m,
+        l12_m,
+        l21_m,
+        l22_m,
+        t22_m,
+        phi22_rad,
+        half_width_m,
+    };
+    // Either assembly mode: both exist where one does.
+    match gripper::gamma(&lengths, Assembly::Reference) {
+        Ok(_) => Some(lengths),
+        Err(e) => {
+            let place = raw.l12.span().or(raw.span.clone());
+            geometry(c, place, "these lengths make no finger", &e.to_string());
+            None
+        }
+    }
+}
+
+/// Bodies from the outlines, with the scene's overrides.
+pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger> {
+    let density = c.number_or(
+        "material.density",
+        &raw.material.density,
+        POSITIVE,
+        defaults::DENSITY_KG_M3,
+    );
+    let depth = c.number_or("material.depth", &raw.material.depth, POSITIVE, defaults::DEPTH_M);
+    let overrides = [
+        Override::read(c, "bodies.l11", &raw.bodies.l11),
+        Override::read(c, "bodies.l12", &raw.bodies.l12),
+        Override::read(c, "bodies.l21", &raw.bodies.l21),
+        Override::read(c, "bodies.l22", &raw.bodies.l22),
+    ];
+    let lengths = plan.lengths?;
+    // The outline of a distal body that is given completely does not matter, not even if there is none.
+    let outlined = Lengths {
+        phi22_rad: if overrides[3].is_complete() {
+            FRAC_PI_2
+        } else {
+            lengths.phi22_rad
+        },
+        ..lengths
+    };
+    let outline = match gripper::bodies(&outlined, density, depth) {
+        Ok(bodies) => bodies,
+        Err(e) => {
+            let place = match e {
+                MassError::DegenerateTriangle { .. } => raw.lengths.phi22.span().or(raw.design.phi22.span()),
+                _ => raw.material.span.clone(),
+            };
+            geometry(c, place, "the links have no mass", &e.to_string());
+            return None;
+        }
+    };
+    let bodies = Bodies {
+        l11: overrides[0].apply(outline.l11),
+        l12: overrides[1].apply(outline.l12),
+        l21: overrides[2].apply(outline.l21),
+        l22: overrides[3].apply(outline.l22),
+    };
+    Some(Finger {
+        lengths,
+        bodies,
+        assembly: plan.assembly,
+    })
+}
+
+/// Mass properties a scene gives for one body.
+struct Override {
+    mass_kg: Option<f64>,
+    com_m: Option<[f64; 2]>,
+    inertia_kg_m2: Option<f64>,
+}
+
+impl Override {
+    fn read(c: &mut Checker<'_>, path: &str, raw: &Section<RawBody>) -> Self {
+        Override {
+            mass_kg: c.number(&format!("{path}.mass"), &raw.mass, POSITIVE),
+            com_m: c.get(&format!("{path}.com"), &raw.com),
+            inertia_kg_m2: c.number(&format!("{path}.inertia"), &raw.inertia, POSITIVE),
+        }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.mass_kg.is_some() && self.com_m.is_some() && self.inertia_kg_m2.is_some()
+    }
+
+    /// A mass without inertia keeps the outline's radius of gyration.
+    fn apply(&self, outline: Body) -> Body {
+        let mass_kg = self.mass_kg.unwrap_or(outline.mass_kg);
+        let scale = self.mass_kg.map_or(1.0, |m| m / outline.mass_kg);
+        Body {
+            mass_kg,
+            com_m: self.com_m.unwrap_or(outline.com_m),
+            inertia_kg_m2: self.inertia_kg_m2.unwrap_or(outline.inertia_kg_m2 * scale),
+        }
+    }
+}
+
+/// A refusal of the geometry, whose own message says what is allowed and the way out after its first colon.
+pub fn geometry(c: &mut Checker<'_>, span: Option<Range<usize>>, message: &str, error: &str) {
+    c.push(span, message, "", error);
+}

@@ -1,0 +1,191 @@
+//! Where the finger starts, and whether it can be there.
+
+use std::ops::Range;
+
+use super::super::check::{ANY, Checker};
+use super::super::raw::{RawInitial, RawScene};
+use super::super::{Disc, Initial, defaults};
+use super::finger::Plan;
+use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
+use crate::law::NormalLaw;
+use crate::units::{Dimension, format};
+
+/// Deepest overlap of a phalanx and the object a scene may start with.
+const MAX_PENETRATION_M: f64 = 1e-3;
+/// How far beyond the joint limit a start may be: a torque of about 0.01 N·m with the default law.
+const LIMIT_SLACK_RAD: f64 = 1e-6;
+
+/// Object and limit a start is judged by.
+type Sound = ((Finger, Option<Disc>), Option<NormalLaw>);
+
+/// Initial angles and rates; checked as far as the rest of the scene is `sound`.
+pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<Sound>) -> Option<Initial> {
+    let start = &raw.initial;
+    let q11 = c.number("initial.q11", &start.q11, ANY);
+    let q21 = c.number("initial.q21", &start.q21, ANY);
+    let offset = c.number_or("initial.offset", &start.offset, ANY, defaults::OFFSET_DEG.to_radians());
+    let qd11_rad_s = c.number_or("initial.qd11", &start.qd11, ANY, 0.0);
+    let qd21_rad_s = c.number_or("initial.qd21", &start.qd21, ANY, 0.0);
+
+    let ((finger, object), limit) = sound?;
+    let lengths = &finger.lengths;
+    let (q11_rad, q21_rad) = match (start.q11.is_given(), start.q21.is_given()) {
+        (true, false) => {
+            let help = "add the proximal phalanx: q21 = \"40 deg\"; or leave both out for a straight start";
+            c.missing("initial.q21", &raw.initial, help);
+            return None;
+        }
+        (true, true) => {
+            c.unused("initial.offset", &start.offset, "beside q11 and q21");
+            (q11?, q21?)
+        }
+        (false, given) => {
+            let q21_rad = match given {
+                true => {
+                    c.unused("initial.offset", &start.offset, "beside q21");
+                    q21?
+                }
+                false => before_contact(c, raw, plan, object, offset)?,
+            };
+            (straight(c, raw, plan, lengths, q21_rad)?, q21_rad)
+        }
+    };
+
+    let place = place(raw, start);
+    let posture = match gripper::close(lengths, plan.assembly, q11_rad, q21_rad) {
+        Ok(posture) => posture,
+        Err(e) => {
+            c.push(place, "the finger cannot be assembled at the start", "", e.to_string());
+            return None;
+        }
+    };
+    if limit.is_some() {
+        judge_limit(c, place.clone(), &posture, lengths);
+    }
+    if let Some(disc) = object {
+        judge_overlap(c, place, &posture, lengths, disc);
+    }
+    Some(Initial {
+        q11_rad,
+        q21_rad,
+        qd11_rad_s,
+        qd21_rad_s,
+    })
+}
+
+/// What stands for the start in messages.
+fn place(raw: &RawScene, start: &RawInitial) -> Option<Range<usize>> {
+    let given = start.q11.span().or(start.q21.span()).or(start.offset.span());
+    given
+        .or(raw.initial.span.clone())
+        .or(raw.object.centre.span())
+        .or(raw.design.base.span())
+}
+
+/// q21 = q_c21 − q_0 (2-design §2.1), for the object or else for the one the design is made for.
+fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Option<Disc>, offset: f64) -> Option<f64> {
+    let lengths = plan.lengths?;
+    let circle = match (object, plan.base_m) {
+        (Some(disc), _) => Circle {
+            radius_m: disc.radius_m,
+            centre_m: disc.centre_m,
+        },
+        (None, Some(base_m)) => {
+            let radius_m = c.number_or(
+                "object.radius",
+                &raw.object.radius,
+                super::super::check::POSITIVE,
+                defaults::OBJECT_RADIUS_M,
+            );
+            Circle {
+                radius_m,
+                centre_m: [-base_m, radius_m],
+            }
+        }
+        (None, None) => {
+            let help = "without object and [design] nothing says where to start: add [initial] q21 = \"40 deg\"";
+            c.missing("initial.q21", &raw.initial, help);
+            return None;
+        }
+    };
+    match gripper::contact_angle_proximal(lengths.half_width_m, circle) {
+        Ok(contact) => Some(contact - offset),
+        Err(e) => {
+            let place = raw.object.centre.span().or(place(raw, &raw.initial));
+            c.push(place, "the finger has no place to start from", "", e.to_string());
+            None
+        }
+    }
+}
+
+/// q11 of the straight finger.
+fn straight(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, lengths: &Lengths, q21_rad: f64) -> Option<f64> {
+    if plan.assembly == Assembly::Other {
+        c.push(
+            raw.assembly.span(),
+            "the other assembly mode has no straight configuration to start from",
+            "needs a start",
+            "give both angles: [initial] q11 = \"...\" and q21 = \"...\"",
+        );
+        return None;
+    }
+    match gripper::straight(lengths, q21_rad) {
+        Ok(posture) => Some(posture.q11_rad),
+        Err(e) => {
+            c.push(
+                place(raw, &raw.initial),
+                "the finger cannot be straight at the start",
+                "",
+                e.to_string(),
+            );
+            None
+        }
+    }
+}
+
+fn judge_limit(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Posture, lengths: &Lengths) {
+    let beyond = -lengths.phi22_rad - posture.q22_rad;
+    if beyond <= LIMIT_SLACK_RAD {
+        return;
+    }
+    let message = format!(
+        "the finger starts {:.4} deg beyond its joint limit: q22 is {:.4} deg, but must be at least -phi22 = {:.4} deg",
+        beyond.to_degrees(),
+        posture.q22_rad.to_degrees(),
+        -lengths.phi22_rad.to_degrees()
+    );
+    c.push(
+        place,
+        message,
+        "bends the tip backwards",
+        "turn l11 further closing (raise q11), give q21 alone for a straight start, or switch the limit off: [limit] \
+         enabled = false",
+    );
+}
+
+fn judge_overlap(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Posture, lengths: &Lengths, disc: Disc) {
+    let Joints { a22_m, tip_m, .. } = gripper::joints(lengths, posture);
+    let reach = disc.radius_m + lengths.half_width_m;
+    for (name, from, to) in [("proximal", [0.0, 0.0], a22_m), ("tip", a22_m, tip_m)] {
+        let depth = reach - distance(disc.centre_m, from, to);
+        if depth <= MAX_PENETRATION_M {
+            continue;
+        }
+        let message = format!(
+            "the {name} phalanx starts {:.3} mm inside the object, but at most {} is allowed",
+            depth * 1e3,
+            format(MAX_PENETRATION_M, Dimension::Length)
+        );
+        let help = "open the finger further (lower q21, raise offset), or move the object away";
+        c.push(place.clone(), message, "starts inside the object", help);
+    }
+}
+
+/// Distance of a point from a segment.
+fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let off = [point[0] - from[0], point[1] - from[1]];
+    let s = (off[0] * along[0] + off[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
+    let s = s.clamp(0.0, 1.0);
+    (off[0] - s * along[0]).hypot(off[1] - s * along[1])
+}

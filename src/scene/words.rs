@@ -1,0 +1,77 @@
+//! The words of a scene file and what they stand for.
+
+use super::kinds::Words;
+use super::{Interpolation, Method, Placement, Preset};
+use crate::gripper::Assembly;
+
+/// Kind of gripper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneKind {
+    Finger,
+}
+
+/// How the motor torque goes over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotorProfile {
+    Constant,
+    Ramp,
+    HalfSine,
+    Reversal,
+    Table,
+}
+
+/// Type of the spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpringType {
+    Constant,
+    Torsional,
+    None,
+}
+
+impl Words for SceneKind {
+    const WORDS: &'static [(&'static str, Self)] = &[("finger", SceneKind::Finger)];
+}
+
+impl Words for MotorProfile {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("constant", MotorProfile::Constant),
+        ("ramp", MotorProfile::Ramp),
+        ("half-sine", MotorProfile::HalfSine),
+        ("reversal", MotorProfile::Reversal),
+        ("table", MotorProfile::Table),
+    ];
+}
+
+impl Words for SpringType {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("constant", SpringType::Constant),
+        ("torsional", SpringType::Torsional),
+        ("none", SpringType::None),
+    ];
+}
+
+impl Words for Assembly {
+    const WORDS: &'static [(&'static str, Self)] = &[("reference", Assembly::Reference), ("other", Assembly::Other)];
+}
+
+impl Words for Interpolation {
+    const WORDS: &'static [(&'static str, Self)] = &[("linear", Interpolation::Linear), ("step", Interpolation::Step)];
+}
+
+impl Words for Placement {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("q22", Placement::Phalanges),
+        ("q12", Placement::DrivenCoupler),
+        ("q21-q11", Placement::GroundLinks),
+        ("q11+q12-(q21+q22)", Placement::CouplerDistal),
+    ];
+}
+
+impl Words for Preset {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("engineering", Preset::Engineering), ("reference", Preset::Reference)];
+}
+
+impl Words for Method {
+    const WORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
+}

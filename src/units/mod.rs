@@ -1,0 +1,16 @@
+//! Quantities as text: a number and its unit, to and from plain `f64` in SI.
+//!
+//! | file | job |
+//! |---|---|
+//! | `table` | the closed list of accepted units of every dimension, conversion factors from `uom` |
+//! | `parse` | `"480 N*mm"` → 0.48 |
+//! | `format` | 0.48 → `"480 N*mm"`, such that it parses back to the same bits |
+
+mod format;
+mod parse;
+mod table;
+
+pub use format::format;
+pub(crate) use format::number;
+pub use parse::{QuantityError, parse};
+pub use table::{Dimension, Unit};

@@ -1,0 +1,248 @@
+//! Text to SI: `"480 N*mm"` → 0.48.
+
+use super::Dimension;
+
+/// Why a text is not the wanted quantity. Messages name what was wrong, what is allowed and the way out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum QuantityError {
+    #[error("`{text}` does not begin with a number; {} is wanted, such as \"{}\"", .wanted.name(), .wanted.example())]
+    NotANumber { text: String, wanted: Dimension },
+    #[error("`{text}` has a decimal comma; write a decimal point, as in \"{}\"", .text.replacen(',', ".", 1))]
+    DecimalComma { text: String },
+    #[error("`{text}` is not a finite number")]
+    NotFinite { text: String },
+    #[error("`{text}` has no unit; {} is wanted: {}", .wanted.name(), .wanted.unit_list())]
+    MissingUnit { text: String, wanted: Dimension },
+    #[error("unknown unit `{unit}`; {} is wanted: {}", .wanted.name(), .wanted.unit_list())]
+    UnknownUnit { unit: String, wanted: Dimension },
+    #[error("{text} is {}; {} is wanted: {}", .found.name(), .wanted.name(), .wanted.unit_list())]
+    WrongDimension {
+        text: String,
+        found: Dimension,
+        wanted: Dimension,
+    },
+}
+
+/// Reads a quantity of dimension `wanted` and returns it in SI.
+///
+/// The number is a decimal with optional exponent. Units are those of [`Dimension::units`], case-sensitive; a product
+/// may be written with `*`, `·` or a space, a square as `^2` or `²`, micro as `u` or `µ`, degrees as `deg` or `°`.
+pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
+    let text = text.trim();
+    let (number, rest) = text.split_at(number_length(text));
+    if number.is_empty() {
+        let bare = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        return Err(if bare.starts_with("inf") || bare.starts_with("nan") {
+            QuantityError::NotFinite { text: text.into() }
+        } else {
+            let text = text.into();
+            QuantityError::NotANumber { text, wanted }
+        });
+    }
+    if rest.starts_with(',') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
+        return Err(QuantityError::DecimalComma { text: text.into() });
+    }
+    let Ok(value) = number.parse::<f64>() else {
+        let text = text.into();
+        return Err(QuantityError::NotANumber { text, wanted });
+    };
+    let name = canonical(rest);
+    if name.is_empty() {
+        let text = text.into();
+        return Err(QuantityError::MissingUnit { text, wanted });
+    }
+    let Some(unit) = wanted.units().iter().find(|u| u.name == name) else {
+        let found = Dimension::ALL
+            .into_iter()
+            .find(|d| d.units().iter().any(|u| u.name == name));
+        return Err(match found {
+            Some(found) => QuantityError::WrongDimension {
+                text: text.into(),
+                found,
+                wanted,
+            },
+            None => QuantityError::UnknownUnit {
+                unit: rest.trim().into(),
+                wanted,
+            },
+        });
+    };
+    let si = scale(value, (unit.factor)());
+    if si.is_finite() {
+        Ok(si)
+    } else {
+        Err(QuantityError::NotFinite { text: text.into() })
+    }
+}
+
+/// `value` units of `factor` SI units each. Submultiples divide by the exact whole number, so that 15 mm is the double
+/// nearest to 0.015.
+pub(super) fn scale(value: f64, factor: f64) -> f64 {
+    let per_si = factor.recip().round();
+    if factor < 1.0 && (per_si * factor - 1.0).abs() <= f64::EPSILON {
+        value / per_si
+    } else {
+        value * factor
+    }
+}
+
+/// Length in bytes of the number `text` begins with; 0 if it begins with none.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let sign = |at: usize| usize::from(matches!(bytes.get(at), Some(b'+' | b'-')));
+
+    let start = sign(0);
+    let whole = digits(start);
+    let mut end = start + whole;
+    let mut fraction = 0;
+    if bytes.get(end) == Some(&b'.') {
+        fraction = digits(end + 1);
+        end += 1 + fraction;
+    }
+    if whole + fraction == 0 {
+        return 0;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let exponent = end + 1 + sign(end + 1);
+        let count = digits(exponent.min(bytes.len()));
+        if count > 0 {
+            end = exponent + count;
+        }
+    }
+    end
+}
+
+/// The spelling used in the unit table.
+fn canonical(unit: &str) -> String {
+    let mut name = String::with_capacity(unit.len());
+    for c in unit.chars() {
+        match c {
+            '·' | '⋅' | '•' | '×' => name.push('*'),
+            'µ' | 'μ' => name.push('u'),
+            '°' => name.push_str("deg"),
+            '²' => name.push_str("^2"),
+            '³' => name.push_str("^3"),
+            c => name.push(c),
+        }
+    }
+    // A space is a product, unless it only sets off an operator.
+    let words: Vec<&str> = name.split_whitespace().collect();
+    let mut joined = String::with_capacity(name.len());
+    for word in words {
+        let operator = |c: char| matches!(c, '*' | '/' | '^');
+        if !joined.is_empty() && !joined.ends_with(operator) && !word.starts_with(operator) {
+            joined.push('*');
+        }
+        joined.push_str(word);
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Dimension::*;
+    use super::*;
+
+    fn ok(text: &str, dimension: Dimension) -> f64 {
+        parse(text, dimension).unwrap_or_else(|e| panic!("{text}: {e}"))
+    }
+
+    fn message(text: &str, dimension: Dimension) -> String {
+        parse(text, dimension).expect_err(text).to_string()
+    }
+
+    #[test]
+    fn quantities_of_every_dimension_convert_to_si() {
+        assert_eq!(ok("15 mm", Length), 0.015);
+        assert_eq!(ok("24.4324mm", Length), 0.0244324);
+        assert_eq!(ok("-3.5e-2 um", Length), -3.5e-8);
+        assert_eq!(ok("120 deg", Angle), 120f64.to_radians());
+        assert_eq!(ok("480 N*mm", Torque), 0.48);
+        assert_eq!(ok("132.6 N*mm", Torque), 0.1326);
+        assert_eq!(ok("10 ms", Time), 0.01);
+        assert_eq!(ok("9.81 m/s^2", Acceleration), 9.81);
+        assert_eq!(ok("1070 kg/m^3", Density), 1070.0);
+        assert_eq!(ok("4.28 g", Mass), 0.00428);
+        assert_eq!(ok("1e6 N*s/m", LinearDamping), 1e6);
+        assert_eq!(ok("0.3 N*m/rad", AngularStiffness), 0.3);
+        assert_eq!(ok("60 rad/s", AngularRate), 60.0);
+        assert_eq!(ok("0.1 m/s", Speed), 0.1);
+        assert_eq!(ok("1e9 N*m*s/rad", AngularDamping), 1e9);
+        assert_eq!(ok("10 kHz", Frequency), 1e4);
+        assert_eq!(ok("210 GPa", Pressure), 210e9);
+        assert!((ok("200 g*mm^2", Inertia) / 2e-7 - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn spellings_of_one_unit_agree() {
+        for text in [
+            "480 N*mm",
+            "480 N·mm",
+            "480 N mm",
+            "480N*mm",
+            " 480  N * mm ",
+            "480 N⋅mm",
+        ] {
+            assert_eq!(ok(text, Torque), 0.48, "{text}");
+        }
+        for text in ["10 um", "10 µm", "10 μm", "1e1 um", "+10. um", "1.0E+1um"] {
+            assert_eq!(ok(text, Length), 1e-5, "{text}");
+        }
+        assert_eq!(ok("90°", Angle), ok("90 deg", Angle));
+        assert_eq!(ok("9.81 m/s²", Acceleration), 9.81);
+        assert_eq!(ok("9.81 m / s ^ 2", Acceleration), 9.81);
+        assert_eq!(ok("1 °/s", AngularRate), ok("1 deg/s", AngularRate));
+    }
+
+    #[test]
+    fn every_listed_unit_is_accepted_and_every_example_parses() {
+        for dimension in Dimension::ALL {
+            ok(dimension.example(), dimension);
+            for unit in dimension.units() {
+                assert_eq!(ok(&format!("1 {}", unit.name), dimension), scale(1.0, (unit.factor)()));
+            }
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_value_what_is_allowed_and_the_way_out() {
+        assert_eq!(
+            message("30 ms", Length),
+            "30 ms is a time; a length is wanted: m, cm, mm, um"
+        );
+        assert_eq!(
+            message("15", Length),
+            "`15` has no unit; a length is wanted: m, cm, mm, um"
+        );
+        assert_eq!(
+            message("15 inch", Length),
+            "unknown unit `inch`; a length is wanted: m, cm, mm, um"
+        );
+        assert_eq!(
+            message("15 MM", Length),
+            "unknown unit `MM`; a length is wanted: m, cm, mm, um"
+        );
+        assert_eq!(
+            message("wide", Length),
+            "`wide` does not begin with a number; a length is wanted, such as \"15 mm\""
+        );
+        assert_eq!(
+            message("1,5 mm", Length),
+            "`1,5 mm` has a decimal comma; write a decimal point, as in \"1.5 mm\""
+        );
+        for text in ["inf mm", "NaN mm", "-infinity m", "1e999 m", "1e308 GPa"] {
+            let dimension = if text.ends_with("Pa") { Pressure } else { Length };
+            assert_eq!(message(text, dimension), format!("`{text}` is not a finite number"));
+        }
+    }
+
+    #[test]
+    fn odd_texts_are_refused_without_panic() {
+        for text in [
+            "", " ", "+", "-", ".", "e", "1e", "1e+", ".e5 mm", "--1 mm", "1 m m", "1 *", "1 /", "𝟙 mm", "1 °°", "1e5",
+        ] {
+            assert!(parse(text, Length).is_err(), "{text}");
+        }
+    }
+}
