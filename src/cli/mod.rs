@@ -57,28 +57,19 @@ pub struct Failure {
 impl Failure {
     /// Something the user gave is wrong.
     pub fn bad_input(message: impl Display) -> Self {
-        Failure {
-            message: format!("error: {message}"),
-            status: Status::BadInput,
-        }
+        Failure { message: format!("error: {message}"), status: Status::BadInput }
     }
 
     /// A run, or the writing of its results, broke off.
     pub fn incomplete(message: impl Display) -> Self {
-        Failure {
-            message: format!("error: {message}"),
-            status: Status::Incomplete,
-        }
+        Failure { message: format!("error: {message}"), status: Status::Incomplete }
     }
 }
 
 impl From<SceneError> for Failure {
     /// The scene's message shows the place in the file, and begins with `error:` itself.
     fn from(error: SceneError) -> Self {
-        Failure {
-            message: error.to_string(),
-            status: Status::BadInput,
-        }
+        Failure { message: error.to_string(), status: Status::BadInput }
     }
 }
 

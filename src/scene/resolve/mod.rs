@@ -22,13 +22,9 @@ use super::{LogRates, Scene};
 pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let SceneKind::Finger = c.or("kind", &raw.kind, SceneKind::Finger);
     let _ = c.get("description", &raw.description);
-    let name = c.get("name", &raw.name).unwrap_or_else(|| {
-        Path::new(file_name)
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    });
+    let name = c
+        .get("name", &raw.name)
+        .unwrap_or_else(|| Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy().into_owned());
     let duration_s = c.number_or("duration", &raw.duration, POSITIVE, defaults::DURATION_S);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
     let palm = c.or("palm", &raw.palm, true);
@@ -43,12 +39,7 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
     let integrator = run::integrator(&mut c, &raw.integrator);
     let log = LogRates {
-        numeric_hz: c.number_or(
-            "log.numeric_rate",
-            &raw.log.numeric_rate,
-            POSITIVE,
-            defaults::NUMERIC_RATE_HZ,
-        ),
+        numeric_hz: c.number_or("log.numeric_rate", &raw.log.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ),
     };
     // The start is judged only if what it stands on is sound.
     let sound = finger.zip(object).zip(limit);
