@@ -5,7 +5,7 @@ use super::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, kin
 use super::kinematics::{Singularity, directions, reference_gamma, singularity};
 use super::motor;
 use super::spring::SpringModel;
-use crate::gripper::Assembly;
+use crate::gripper::{Assembly, Site};
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{
     ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_coefficient, normal_force,
@@ -14,7 +14,6 @@ use crate::law::{
 use crate::numeric::plane::{angle_between, dot, rotate};
 use crate::numeric::{Dual, Real};
 use crate::scene::{Actuation, Disc, Scene};
-use crate::trace::Site;
 
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
@@ -54,6 +53,16 @@ pub struct Energies {
     pub gravity: f64,
     pub spring: f64,
     pub elastic: f64,
+}
+
+/// Passive joint angles and rates; q13 is the absolute orientation of l22.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passive {
+    pub q12: f64,
+    pub q22: f64,
+    pub q13: f64,
+    pub qd12: f64,
+    pub qd22: f64,
 }
 
 /// One site in one state.
@@ -251,6 +260,23 @@ impl Model {
             normal,
             tangential,
         })
+    }
+
+    /// Passive joints and their rates (2.2), (2.8).
+    pub fn passive(&self, q: [f64; 2], v: [f64; 2]) -> Passive {
+        let terms = self.terms(q);
+        let pose = &terms.pose;
+        let [_, _, qd3, qd4] = absolute_rates(&terms.rates, v);
+        let phi22 = self.dynamics.lengths.phi22_rad;
+        // Measured from the straight line, q22 stays continuous through the joint limit.
+        let q22 = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
+        Passive {
+            q12: angle_between(pose.e1, pose.e3),
+            q22,
+            q13: q[1] + q22,
+            qd12: qd3 - v[0],
+            qd22: qd4 - v[1],
+        }
     }
 
     /// Energies of a state.

@@ -2,10 +2,10 @@
 
 use super::model::{Mode, Model, QUADRATURES, SiteState};
 use super::motor;
+use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, System};
 use crate::law::{NormalLaw, unclamped_normal_force};
 use crate::numeric::plane::dot;
-use crate::trace::Site;
 
 /// Touch-down is landed on to within this fraction of δ_max.
 const LANDING_FRACTION: f64 = 1e-5;
@@ -13,8 +13,8 @@ const LANDING_FRACTION: f64 = 1e-5;
 /// Lift-off and reload are landed on to within this force: far below anything the finger feels (limit: torque).
 fn force_tolerance(site: Site) -> f64 {
     match site {
-        Site::Proximal | Site::Distal => 1e-7,
-        Site::Limit => 1e-10,
+        Site::Proximal | Site::Distal => 1e-6,
+        Site::Limit => 1e-6,
     }
 }
 
@@ -35,6 +35,12 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
             let quiet = Guard {
                 value: f64::INFINITY,
                 rate: 0.0,
+                interpolates: true,
+            };
+            let force_guard = |value| Guard {
+                value,
+                rate: 0.0,
+                interpolates: false,
             };
             if state == SiteState::Natural {
                 return quiet;
@@ -48,21 +54,20 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
                 SiteState::Free => Guard {
                     value: geometry.gap,
                     rate: gap_rate,
+                    interpolates: true,
                 },
-                SiteState::Active if delta > 0.0 => Guard {
-                    value: unclamped_normal_force(law, delta, rate).force,
-                    rate: 0.0,
-                },
+                SiteState::Active if delta > 0.0 => force_guard(unclamped_normal_force(law, delta, rate).force),
                 // Just landed and about to enter, or gone through zero without ever pulling.
-                SiteState::Active => Guard {
-                    value: if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) },
-                    rate: 0.0,
-                },
+                SiteState::Active => force_guard(if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) }),
                 // The margin keeps lift-off and reload from answering each other.
-                _ => Guard {
-                    value: 3.0 * force_tolerance(site) - unclamped_normal_force(law, delta, rate).force,
-                    rate: 0.0,
-                },
+                _ => {
+                    let force = unclamped_normal_force(law, delta, rate).force;
+                    Guard {
+                        value: 3.0 * force_tolerance(site) - force,
+                        rate: 0.0,
+                        interpolates: true,
+                    }
+                }
             }
         })
     }

@@ -138,14 +138,14 @@ pub fn proximal_range(design: &Design) -> Result<(f64, f64), DesignError> {
     let (r, phi_min) = (r_c + w, design.tip_contact_min_rad);
 
     let base_min = (w * (r_c + r)).sqrt(); // D > R
-    if !(base > base_min) {
+    if base <= base_min {
         return Err(DesignError::BaseTooSmall {
             base_m: base,
             min_m: base_min,
         });
     }
     let base_max = (r + r_c * phi_min.sin()) / phi_min.cos(); // q_c21 < 90° + φ_min
-    if !(base < base_max) {
+    if base >= base_max {
         return Err(DesignError::BaseTooLarge {
             base_m: base,
             max_m: base_max,
@@ -179,7 +179,7 @@ pub fn lengths(design: &Design) -> Result<Lengths, DesignError> {
     let t22_min = l21 - contact.length_m;
     let t22_max = height(design) - design.half_width_m - l21 * contact.q21_rad.sin();
     let t22 = 0.5 * (t22_min + t22_max);
-    if !(t22 > 0.0) {
+    if t22.is_nan() || t22 <= 0.0 {
         return Err(DesignError::TipNotPositive { t22_m: t22 });
     }
 
@@ -219,10 +219,9 @@ fn check(design: &Design) -> Result<(), DesignError> {
             phi22_rad: design.phi22_rad,
         });
     }
-    if !(design.tip_contact_min_rad.abs() < FRAC_PI_2) {
-        return Err(DesignError::TipContactMin {
-            value_rad: design.tip_contact_min_rad,
-        });
+    let value_rad = design.tip_contact_min_rad;
+    if value_rad.is_nan() || value_rad.abs() >= FRAC_PI_2 {
+        return Err(DesignError::TipContactMin { value_rad });
     }
     Ok(())
 }

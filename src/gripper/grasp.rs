@@ -123,21 +123,21 @@ pub fn start_posture(lengths: &Lengths, disc: Circle, opening_rad: f64) -> Resul
 pub fn final_posture(lengths: &Lengths, assembly: Assembly, disc: Circle) -> Result<FinalPosture, GraspError> {
     let contact = contact_proximal(lengths.half_width_m, disc)?;
     let (l21, t22, l_c21) = (lengths.l21_m, lengths.t22_m, contact.length_m);
-    // Not above rather than below: a NaN length is refused here as well.
-    if !(l_c21 <= l21 * (1.0 + SLACK)) {
+    if l_c21 > l21 * (1.0 + SLACK) {
         return Err(GraspError::ProximalTooShort {
             l21_m: l21,
             contact_m: l_c21,
         });
     }
     let l_c22 = (l21 - l_c21).max(0.0);
-    if !(l_c22 <= t22 * (1.0 + SLACK)) {
+    if l_c22 > t22 * (1.0 + SLACK) {
         return Err(GraspError::TipTooShort {
             t22_m: t22,
             contact_m: l_c22,
         });
     }
     let bend = 2.0 * l_c22.atan2(disc.radius_m + lengths.half_width_m);
+    // Lengths that are not numbers pass the comparisons above; `posture_at` refuses them.
     Ok(FinalPosture {
         posture: posture_at(lengths, assembly, contact.q21_rad, bend - lengths.phi22_rad)?,
         l_c21_m: l_c21,

@@ -16,6 +16,7 @@ mod grasp;
 mod mass;
 mod outline;
 mod posture;
+mod site;
 
 pub use design::{
     Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
@@ -27,6 +28,7 @@ pub use grasp::{
 pub use mass::{MassError, bodies, total_mass};
 pub use outline::{Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
 pub use posture::{Joints, Posture, PostureError, close, gamma, joint_a13, joints, posture_at, straight};
+pub use site::Site;
 
 /// Link lengths of one finger, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]

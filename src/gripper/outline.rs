@@ -50,7 +50,7 @@ pub fn tip_outline(lengths: &Lengths) -> Result<[[f64; 2]; 3], MassError> {
     let perimeter: f64 = opposite.iter().sum();
     let r_in = (l22 * t22 * s).abs() / perimeter;
     let longest = opposite.iter().copied().fold(0.0, f64::max);
-    if !(r_in > DEGENERATE * longest) {
+    if r_in.is_nan() || r_in <= DEGENERATE * longest {
         return Err(MassError::DegenerateTriangle {
             phi22_rad: phi,
             l22_m: l22,

@@ -6,8 +6,8 @@
 use super::{Assembly, Lengths};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// sin of the angle between two links below which they count as in line.
-const IN_LINE: f64 = 1e-9;
+/// sin of the angle between two links below which they count as in line: above √ε, as a height from rounded sides has.
+const IN_LINE: f64 = 1e-7;
 
 /// All joint angles of one posture.
 ///
@@ -59,7 +59,7 @@ pub enum PostureError {
     Stretched { l11_m: f64, l12_m: f64 },
     #[error(
         "l12 and l22 are in line at q11 = {:.4} deg, q21 = {:.4} deg, where the two assembly modes meet: the sine of \
-         their angle is {sine:e}, but must be at least 1e-9 in size, so change phi22, l12 or l22, or the angles",
+         their angle is {sine:e}, but must be at least 1e-7 in size, so change phi22, l12 or l22, or the angles",
         .q11_rad.to_degrees(), .q21_rad.to_degrees()
     )]
     InLine { q11_rad: f64, q21_rad: f64, sine: f64 },

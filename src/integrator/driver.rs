@@ -51,14 +51,18 @@ pub struct Failure {
 /// Watches an integration.
 pub trait Observer<const N: usize, const Z: usize, M> {
     /// An accepted step, taken in `mode`. `false` ends the integration.
-    fn step(&mut self, dense: &Dense<N, Z>, mode: &M) -> bool;
+    ///
+    /// `resolve` gives the state at a fraction of the step by a step of its own from the same start. Angles may be read off
+    /// the dense output; a stiff damper's force needs the rates of a proper end of step.
+    fn step(&mut self, dense: &Dense<N, Z>, mode: &M, resolve: &mut dyn FnMut(f64) -> State<N, Z>) -> bool;
 
     /// An event at `site`, at the end of the step just reported.
     fn event(&mut self, t: f64, state: &State<N, Z>, site: usize, mode: &M);
 }
 
 impl<const N: usize, const Z: usize, M> Observer<N, Z, M> for () {
-    fn step(&mut self, _: &Dense<N, Z>, _: &M) -> bool {
+    #[inline(always)]
+    fn step(&mut self, _: &Dense<N, Z>, _: &M, _: &mut dyn FnMut(f64) -> State<N, Z>) -> bool {
         true
     }
 
@@ -97,7 +101,7 @@ where
     let mut chatter = [(f64::NEG_INFINITY, 0u32); S];
     let fail = |time_s, reason| Err(Failure { time_s, reason });
 
-    while t < t_end {
+    'run: while t < t_end {
         if let Some(text) = system.obstacle(&state.q) {
             return (state, count, fail(t, Reason::Obstacle(text)));
         }
@@ -117,11 +121,12 @@ where
             attempt
         };
 
-        // A step whose error is acceptable.
+        // A step whose error is acceptable, cut short at the first event within it.
         let wanted = h;
         h = h.min(options.max_step_s);
         let (mut attempt, mut clipped);
-        loop {
+        let mut event = None;
+        'step: loop {
             // A step that would leave a sliver before the stop takes the sliver along.
             clipped = t + 1.0001 * h >= stop;
             let size = if clipped { stop - t } else { h };
@@ -129,16 +134,15 @@ where
                 return (state, count, fail(t, Reason::StepUnderflow { h_s: size }));
             }
             attempt = try_step(size, &mut count);
-            if attempt.error <= 1.0 {
-                break;
+            // Written so that a step that is not a number is refused too.
+            if !(attempt.error <= 1.0) {
+                count.rejected += 1;
+                h = controller.reject(size, attempt.error);
+                continue;
             }
-            count.rejected += 1;
-            h = controller.reject(size, attempt.error);
-        }
-
-        // Land on the first event within it.
-        let mut event = None;
-        if let Some(found) = first_crossing(system, &mode, &attempt.dense) {
+            let Some(found) = first_crossing(system, &mode, &attempt.dense) else {
+                break;
+            };
             let (mut low, mut high) = (0.0, attempt.dense.h);
             let mut target = found.theta * attempt.dense.h;
             let mut landed = None;
@@ -148,6 +152,10 @@ where
                 }
                 let trial = try_step(target, &mut count);
                 count.rejected += 1;
+                if !(trial.error <= 1.0) {
+                    h = controller.reject(target, trial.error);
+                    continue 'step;
+                }
                 let end = trial.dense.end;
                 let value = system.guards(t + target, &end.q, &end.v, &mode)[found.site].value;
                 let near = value.abs() <= system.landing_tolerance(found.site, &mode);
@@ -172,6 +180,7 @@ where
                     clipped = false;
                     attempt = trial;
                     event = crossed.then_some(found.site);
+                    break;
                 }
                 // The event is here and now: no time passes.
                 None => {
@@ -181,13 +190,30 @@ where
                     settle_chatter(system, &mut chatter, found.site, t, &mut mode);
                     method.restart();
                     controller.restart();
-                    continue;
+                    continue 'run;
                 }
             }
         }
 
         let dense = attempt.dense;
         method.kept();
+        let mut resolve = |theta: f64| {
+            let part = method.attempt(
+                system,
+                &mode,
+                &lin,
+                dense.t0,
+                &dense.start,
+                theta * dense.h,
+                &options.tolerances,
+            );
+            if part.error.is_finite() {
+                part.dense.end
+            } else {
+                dense.at(theta)
+            }
+        };
+        let going_on = observer.step(&dense, &mode, &mut resolve);
         count.steps += 1;
         t = if clipped { stop } else { dense.end_time() };
         state = dense.end;
@@ -197,10 +223,10 @@ where
         } else {
             grown
         };
-        if !observer.step(&dense, &mode) {
+        if !going_on {
             return (state, count, fail(t, Reason::Stopped));
         }
-        for (site, (_, repeats)) in chatter.iter_mut().enumerate() {
+        for (_, repeats) in chatter.iter_mut() {
             if *repeats > CHATTER_EVENTS {
                 *repeats = 0;
                 mode = system.read_mode(t, &state.q, &state.v);

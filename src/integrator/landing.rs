@@ -36,9 +36,10 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     let mut first: Option<Crossing> = None;
     for site in 0..S {
         let outside = |g: &[super::Guard; S]| g[site].value < 0.0;
-        let bracket = match &middle {
+        let inside = middle.as_ref().filter(|m| m[site].interpolates);
+        let bracket = match inside {
             Some(m) if outside(m) => Some((0.0, 0.5)),
-            _ if outside(&end) => Some((if middle.is_some() { 0.5 } else { 0.0 }, 1.0)),
+            _ if outside(&end) => Some((if inside.is_some() { 0.5 } else { 0.0 }, 1.0)),
             _ if start[site].rate < 0.0 && end[site].rate > 0.0 => {
                 let lowest = lowest_point(|theta| guards(theta)[site].rate);
                 (guards(lowest)[site].value < 0.0).then_some((0.0, lowest))

@@ -44,11 +44,12 @@ impl Coefficients {
             ],
             [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
         ];
-        // Characteristic polynomial of A⁻¹: λ³ − 9 λ² + 36 λ − 60.
-        let (cube9, cube3) = (81f64.cbrt(), 9f64.cbrt());
-        let gamma = 3.0 + cube9 - cube3;
-        let alpha = 3.0 - 0.5 * (cube9 - cube3);
-        let beta = 0.5 * 3f64.sqrt() * (cube9 + cube3);
+        // Eigenvalues of A: the roots of 60 μ³ − 36 μ² + 9 μ − 1, of which A⁻¹ has the reciprocals.
+        let (cube9, cube81) = (9f64.cbrt(), 81f64.cbrt());
+        let real_root = (6.0 + cube81 - cube9) / 30.0;
+        let pair_root = Complex64::new((12.0 - cube81 + cube9) / 60.0, (cube81 + cube9) * 3f64.sqrt() / 60.0);
+        let (gamma, pair_inverse) = (1.0 / real_root, pair_root.conj().inv());
+        let (alpha, beta) = (pair_inverse.re, pair_inverse.im);
         // Columns of T: an eigenvector of A for 1/γ, then real and imaginary parts of one for 1/(α − iβ), both found from the
         // null space of A − λ I by a cross product of two of its rows, scaled to a last component of 1 (and 1 + 0 i).
         let vector = |lambda: Complex64| -> [Complex64; 3] {
@@ -63,8 +64,8 @@ impl Coefficients {
             ];
             v.map(|x| x / v[2])
         };
-        let real = vector(Complex64::from(1.0 / gamma));
-        let pair = vector(Complex64::new(alpha, -beta).inv());
+        let real = vector(Complex64::from(real_root));
+        let pair = vector(pair_root);
         let t = std::array::from_fn(|i| [real[i].re, pair[i].re, pair[i].im]);
         Self {
             c,
@@ -198,7 +199,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         let mut z = self.predict(from, t, h);
         let mut w = transform(&k.ti, &z);
         // Newton is done when what is still missing is far below the tolerance, or at the noise of the numbers.
-        let goal = 1e-3;
+        let goal = 1e-5;
         let floor = {
             let eps_q = from.q.map(|q| 4.0 * f64::EPSILON * q.abs());
             let eps_v = from.v.map(|v| 4.0 * f64::EPSILON * v.abs());

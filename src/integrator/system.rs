@@ -51,6 +51,9 @@ pub struct Guard {
     pub value: f64,
     /// Rate of `value` where it is known (a gap); 0 otherwise. A dip between two steps shows as a change of its sign.
     pub rate: f64,
+    /// Whether `value` may be read off the dense output. A stiff damper's force may not: between the ends of a step the
+    /// interpolated rate is off the slow manifold, and the force is a huge multiple of it.
+    pub interpolates: bool,
 }
 
 /// A system whose modes change at events.

@@ -1,9 +1,12 @@
 //! What a simulation says, whichever model made it: samples, events, and the sinks that take them.
 
+mod analytic;
 mod outcome;
+mod recorder;
 mod sample;
 mod sink;
 
+pub use analytic::{RunError, run_analytic};
 pub use outcome::{Outcome, SiteSummary, Work};
 pub use sample::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
 pub use sink::{Sink, SinkError, Tee};

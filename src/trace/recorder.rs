@@ -1,0 +1,310 @@
+//! Turns the steps of the analytic model into samples, events and summary figures.
+
+use super::{
+    ContactSample, Energy, Event, EventKind, LimitSample, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work,
+};
+use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteReading, SiteState};
+use crate::integrator::{Dense, Hybrid, Observer, State};
+use crate::scene::Scene;
+
+type Point = State<2, QUADRATURES>;
+
+/// Steps whose force comes within this fraction of the peak so far are searched for a higher one.
+const SEARCH_FROM: f64 = 0.8;
+
+pub(super) struct Recorder<'a, S: Sink> {
+    model: &'a Model,
+    sink: &'a mut S,
+    interval_s: f64,
+    end_s: f64,
+    next: u64,
+    mode: Mode,
+    start_energy: Energies,
+    sites: [SiteSummary; 3],
+    /// Impulse of each site at its last touch-down.
+    impulse_before: [f64; 3],
+    last: Sample,
+    error: Option<SinkError>,
+}
+
+impl<'a, S: Sink> Recorder<'a, S> {
+    pub fn new(model: &'a Model, scene: &Scene, start: Point, sink: &'a mut S) -> Self {
+        let mode = model.read_mode(0.0, &start.q, &start.v);
+        let start_energy = model.energies(start.q, start.v);
+        Self {
+            model,
+            sink,
+            interval_s: 1.0 / scene.log.numeric_hz,
+            end_s: scene.duration_s,
+            next: 1,
+            mode,
+            start_energy,
+            sites: [SiteSummary::default(); 3],
+            impulse_before: [0.0; 3],
+            last: sample(model, 0.0, &start, &mode, &start_energy),
+            error: None,
+        }
+    }
+
+    /// Contacts that are there from the start, and the first sample.
+    pub fn begin(&mut self) -> Result<(), SinkError> {
+        for site in Site::ALL {
+            if self.mode[site as usize] == SiteState::Active {
+                let summary = &mut self.sites[site as usize];
+                (summary.first_s, summary.touchdowns) = (Some(0.0), 1);
+                let event = Event {
+                    time_s: 0.0,
+                    site,
+                    kind: EventKind::TouchDown,
+                    approach_speed: 0.0,
+                    impulse: 0.0,
+                };
+                self.sink.event(&event)?;
+            }
+        }
+        self.sink.sample(&self.last)
+    }
+
+    pub fn finish(self, end: &Point, work: Work) -> Result<Outcome, SinkError> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        let mut sites = self.sites;
+        for (summary, impulse) in sites.iter_mut().zip(end.z) {
+            summary.impulse_n_s = impulse;
+        }
+        Ok(Outcome {
+            last: self.last,
+            sites,
+            work,
+        })
+    }
+
+    fn emit(&mut self, t: f64, state: &Point, mode: &Mode) -> Result<(), SinkError> {
+        self.last = sample(self.model, t, state, mode, &self.start_energy);
+        self.sink.sample(&self.last)
+    }
+
+    /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
+    fn emit_step(
+        &mut self,
+        dense: &Dense<2, QUADRATURES>,
+        mode: &Mode,
+        resolve: &mut dyn FnMut(f64) -> Point,
+    ) -> Result<(), SinkError> {
+        let end = dense.end_time();
+        loop {
+            let t = self.next as f64 * self.interval_s;
+            if t >= end || t >= self.end_s {
+                break;
+            }
+            self.next += 1;
+            let theta = (t - dense.t0) / dense.h;
+            if theta > 0.0 {
+                let state = if mode.contains(&SiteState::Active) {
+                    resolve(theta)
+                } else {
+                    dense.at(theta)
+                };
+                self.emit(t, &state, mode)?;
+            }
+        }
+        let on_grid = self.next as f64 * self.interval_s == end;
+        if on_grid {
+            self.next += 1;
+        }
+        if on_grid || dense.h < self.interval_s || end >= self.end_s {
+            self.emit(end, &dense.end, mode)
+        } else {
+            self.last = sample(self.model, end, &dense.end, mode, &self.start_energy);
+            Ok(())
+        }
+    }
+
+    /// Largest force and penetration within one step.
+    fn search_peaks(&mut self, dense: &Dense<2, QUADRATURES>, mode: &Mode, resolve: &mut dyn FnMut(f64) -> Point) {
+        for site in Site::ALL {
+            let index = site as usize;
+            if !matches!(mode[index], SiteState::Active | SiteState::Natural) {
+                continue;
+            }
+            let model = self.model;
+            let read = |state: &Point| model.reading(state.q, state.v, site, mode[index]);
+            let (Some(start), Some(end)) = (read(&dense.start), read(&dense.end)) else {
+                continue;
+            };
+            let summary = &mut self.sites[index];
+            summary.max_penetration_m = summary.max_penetration_m.max(start.delta).max(end.delta);
+            if start.delta_rate > 0.0 && end.delta_rate < 0.0 {
+                let deepest = bisect(|theta| read(&dense.at(theta)).map_or(0.0, |r| r.delta_rate));
+                let delta = read(&dense.at(deepest)).map_or(0.0, |r| r.delta);
+                summary.max_penetration_m = summary.max_penetration_m.max(delta);
+            }
+            let highest = start.normal.max(end.normal);
+            if highest > SEARCH_FROM * summary.peak_normal_n {
+                let force =
+                    |theta: f64, resolve: &mut dyn FnMut(f64) -> Point| read(&resolve(theta)).map_or(0.0, |r| r.normal);
+                let peak = parabola_peak(start.normal, end.normal, |theta| force(theta, resolve));
+                summary.peak_normal_n = summary.peak_normal_n.max(peak);
+            }
+        }
+    }
+}
+
+impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
+    fn step(&mut self, dense: &Dense<2, QUADRATURES>, mode: &Mode, resolve: &mut dyn FnMut(f64) -> Point) -> bool {
+        self.mode = *mode;
+        self.search_peaks(dense, mode, resolve);
+        if let Err(error) = self.emit_step(dense, mode, resolve) {
+            self.error = Some(error);
+        }
+        self.error.is_none()
+    }
+
+    fn event(&mut self, t: f64, state: &Point, site: usize, mode: &Mode) {
+        let Some(reading) = self.model.reading(state.q, state.v, Site::ALL[site], mode[site]) else {
+            return;
+        };
+        let parted = !matches!(self.mode[site], SiteState::Released);
+        let kind = match mode[site] {
+            SiteState::Active if parted => EventKind::TouchDown,
+            SiteState::Active => EventKind::Reload,
+            _ => EventKind::LiftOff,
+        };
+        let summary = &mut self.sites[site];
+        let (mut approach_speed, mut impulse) = (0.0, 0.0);
+        match kind {
+            EventKind::TouchDown => {
+                approach_speed = reading.delta_rate;
+                summary.first_s.get_or_insert(t);
+                summary.touchdowns += 1;
+                self.impulse_before[site] = state.z[site];
+            }
+            EventKind::LiftOff => impulse = state.z[site] - self.impulse_before[site],
+            EventKind::Reload => {}
+        }
+        self.mode = *mode;
+        let event = Event {
+            time_s: t,
+            site: Site::ALL[site],
+            kind,
+            approach_speed,
+            impulse,
+        };
+        if let Err(error) = self.sink.event(&event) {
+            self.error.get_or_insert(error);
+        }
+    }
+}
+
+/// Where a rate that starts positive and ends negative is zero.
+fn bisect(rate: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if rate(middle) > 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Largest value of a smooth function on 0…1 by successive parabolas, given its ends.
+fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) -> f64 {
+    let mut points = [(0.0, at_start), (0.5, value(0.5)), (1.0, at_end)];
+    let highest = |p: &[(f64, f64); 3]| p.iter().map(|x| x.1).fold(f64::MIN, f64::max);
+    for _ in 0..3 {
+        let [(a, fa), (b, fb), (c, fc)] = points;
+        let (p, q) = ((b - a) * (fb - fc), (b - c) * (fb - fa));
+        let vertex = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q);
+        if !(vertex > a && vertex < c) || (vertex - b).abs() < 1e-4 {
+            break;
+        }
+        let at = value(vertex);
+        points = if vertex < b {
+            [(a, fa), (vertex, at), (b, fb)]
+        } else {
+            [(b, fb), (vertex, at), (c, fc)]
+        };
+        if at < fb {
+            // The middle point was higher: keep it in the middle.
+            points = if vertex < b {
+                [(vertex, at), (b, fb), (c, fc)]
+            } else {
+                [(a, fa), (b, fb), (vertex, at)]
+            };
+        }
+    }
+    highest(&points)
+}
+
+/// Everything about one state.
+fn sample(model: &Model, t: f64, state: &Point, mode: &Mode, start: &Energies) -> Sample {
+    let passive = model.passive(state.q, state.v);
+    let read = |site: Site| model.reading(state.q, state.v, site, mode[site as usize]);
+    let energies = model.energies(state.q, state.v);
+    let (contact_work, motor_work) = (state.z[3], state.z[4]);
+    let gained =
+        (energies.kinetic - start.kinetic) + (energies.gravity - start.gravity) + (energies.spring - start.spring);
+    Sample {
+        time_s: t,
+        q11_rad: state.q[0],
+        q21_rad: state.q[1],
+        q12_rad: passive.q12,
+        q22_rad: passive.q22,
+        q13_rad: passive.q13,
+        qd11_rad_s: state.v[0],
+        qd21_rad_s: state.v[1],
+        qd12_rad_s: passive.qd12,
+        qd22_rad_s: passive.qd22,
+        motor_torque_n_m: model.motor_torque(t),
+        proximal: contact_sample(read(Site::Proximal)),
+        distal: contact_sample(read(Site::Distal)),
+        limit: read(Site::Limit).map_or(
+            LimitSample {
+                gap_rad: f64::INFINITY,
+                gap_rate_rad_s: 0.0,
+                torque_n_m: 0.0,
+            },
+            |r| LimitSample {
+                gap_rad: -r.delta,
+                gap_rate_rad_s: -r.delta_rate,
+                torque_n_m: r.normal,
+            },
+        ),
+        energy: Energy {
+            kinetic_j: energies.kinetic,
+            gravity_j: energies.gravity,
+            spring_j: energies.spring,
+            elastic_j: energies.elastic,
+            dissipated_j: start.elastic - energies.elastic - contact_work,
+            motor_work_j: motor_work,
+            balance_j: gained - contact_work - motor_work,
+        },
+    }
+}
+
+fn contact_sample(reading: Option<SiteReading>) -> ContactSample {
+    match reading {
+        None => ContactSample {
+            gap_m: f64::INFINITY,
+            gap_rate_m_s: 0.0,
+            slip_m_s: 0.0,
+            normal_n: 0.0,
+            tangential_n: 0.0,
+            point_m: [0.0; 2],
+            normal: [0.0; 2],
+        },
+        Some(r) => ContactSample {
+            gap_m: -r.delta,
+            gap_rate_m_s: -r.delta_rate,
+            slip_m_s: r.slip,
+            normal_n: r.normal,
+            tangential_n: r.tangential,
+            point_m: r.geometry.point,
+            normal: r.geometry.normal,
+        },
+    }
+}
