@@ -5,6 +5,7 @@
 //! of grippers.
 
 pub mod analytic;
+pub mod cli;
 pub mod gripper;
 pub mod integrator;
 pub mod law;

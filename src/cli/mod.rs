@@ -1,0 +1,3 @@
+//! The command line: arguments in, text out, an exit status.
+
+pub mod scene;
