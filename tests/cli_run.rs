@@ -51,7 +51,7 @@ fn the_anchor_case_as_a_summary() {
     for part in [
         "experiment-95",
         "analytic",
-        "2.08878",
+        "2.0887",
         "65.0199",
         "4.501315",
         "6.883746",
@@ -176,4 +176,17 @@ fn a_free_swing_has_no_contacts_and_no_criteria() {
         .collect();
     topics.sort_unstable();
     assert_eq!(topics, ["/energy", "/events", "/state"]);
+}
+
+#[test]
+fn every_shipped_scene_runs_to_its_end() {
+    let mut scenes = 0;
+    for entry in fs::read_dir("scenes").expect("the scenes") {
+        let path = entry.expect("readable").path();
+        let output = phalanx(&["run", path.to_str().expect("text"), "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), stderr(&output));
+        assert_eq!(json(&output)["completed"], true, "{}", path.display());
+        scenes += 1;
+    }
+    assert!(scenes > 0);
 }

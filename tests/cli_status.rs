@@ -154,3 +154,13 @@ fn a_reader_that_leaves_is_no_error() {
         assert_eq!(message, "");
     }
 }
+
+#[test]
+fn the_scene_command_answers_with_the_same_statuses() {
+    let output = phalanx(&["scene", "check", ANCHOR]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let schema = phalanx(&["scene", "schema"]);
+    assert!(json(&schema).is_object());
+    let scene = write(&directory("cli_status_scene"), "bad.toml", "duration = \"20 mm\"\n");
+    assert_eq!(phalanx(&["scene", "check", &scene]).status.code(), Some(2));
+}
