@@ -10,6 +10,7 @@
 mod output;
 mod progress;
 mod run;
+pub mod scene;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -36,6 +37,9 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
+    /// Show and check scene files, and print their schema
+    #[command(subcommand)]
+    Scene(scene::SceneCommand),
 }
 
 /// How a command ended, see the [module](self).
@@ -78,6 +82,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Scene(command) => return scene::run(command),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

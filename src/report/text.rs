@@ -53,12 +53,13 @@ fn cost(report: &RunReport) -> String {
         return String::new();
     };
     format!(
-        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} events; ",
+        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} event{}; ",
         duration(end_s),
         work.rejected_steps,
         work.rhs_evaluations,
         work.jacobian_evaluations,
-        work.events
+        work.events,
+        if work.events == 1 { "" } else { "s" }
     )
 }
 

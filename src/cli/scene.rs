@@ -1,0 +1,101 @@
+//! `phalanx scene`: showing and checking scene files.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Subcommand;
+
+use crate::gripper::total_mass;
+use crate::scene::{self, Scene};
+
+/// Exit status of bad input.
+const BAD_INPUT: u8 = 2;
+
+/// Work with scene files.
+#[derive(Clone, Debug, Subcommand)]
+pub enum SceneCommand {
+    /// Print a scene with every default filled in, as a scene file
+    Show {
+        /// Scene file (TOML)
+        scene: PathBuf,
+    },
+    /// Check scene files; exit status 2 if one is wrong
+    Check {
+        /// Scene files (TOML)
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+    },
+    /// Print the JSON Schema of scene files, for editors
+    Schema,
+}
+
+/// What a command has to say.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    pub stdout: String,
+    pub stderr: String,
+    /// Whether all input was good.
+    pub good: bool,
+}
+
+/// Runs a command and prints its answer.
+pub fn run(command: &SceneCommand) -> ExitCode {
+    let answer = answer(command);
+    // A reader that has gone away (`| head`) is no failure.
+    let _ = io::stdout().write_all(answer.stdout.as_bytes());
+    let _ = io::stderr().write_all(answer.stderr.as_bytes());
+    if answer.good { ExitCode::SUCCESS } else { ExitCode::from(BAD_INPUT) }
+}
+
+/// The answer to a command.
+pub fn answer(command: &SceneCommand) -> Answer {
+    match command {
+        SceneCommand::Schema => Answer { stdout: scene::schema(), good: true, ..Answer::default() },
+        SceneCommand::Show { scene } => match scene::load(scene) {
+            Ok(scene) => Answer { stdout: scene::show(&scene), good: true, ..Answer::default() },
+            Err(error) => Answer { stderr: format!("{error}\n"), ..Answer::default() },
+        },
+        SceneCommand::Check { scenes } => check(scenes),
+    }
+}
+
+fn check(files: &[PathBuf]) -> Answer {
+    let mut answer = Answer { good: true, ..Answer::default() };
+    for file in files {
+        match scene::load(file) {
+            Ok(scene) => {
+                let _ = writeln!(answer.stdout, "{}: good: {}", file.display(), summary(&scene));
+            }
+            Err(error) => {
+                answer.good = false;
+                let _ = writeln!(answer.stderr, "{error}\n");
+            }
+        }
+    }
+    answer
+}
+
+/// One line on what a scene holds.
+fn summary(scene: &Scene) -> String {
+    let l = &scene.finger.lengths;
+    let object = match scene.object {
+        Some(disc) => format!("object {:.1} mm in radius", disc.radius_m * 1e3),
+        None => "no object".to_string(),
+    };
+    format!(
+        "l11 {:.2}, l12 {:.2}, l21 {:.2}, l22 {:.2}, t22 {:.2} mm, phi22 {:.1}°; {:.2} g; {object}; starts at q11 {:.2}°, \
+         q21 {:.2}°; {:.1} ms",
+        l.l11_m * 1e3,
+        l.l12_m * 1e3,
+        l.l21_m * 1e3,
+        l.l22_m * 1e3,
+        l.t22_m * 1e3,
+        l.phi22_rad.to_degrees(),
+        total_mass(&scene.finger.bodies) * 1e3,
+        scene.initial.q11_rad.to_degrees(),
+        scene.initial.q21_rad.to_degrees(),
+        scene.duration_s * 1e3,
+    )
+}
