@@ -23,7 +23,7 @@ pub const POSITIVE: Bound = Bound {
 };
 pub const NOT_NEGATIVE: Bound = Bound {
     allowed: |x| x >= 0.0,
-    text: "0 or more",
+    text: "at least 0",
 };
 
 /// Collects what is wrong.
@@ -90,7 +90,8 @@ impl<'a> Checker<'a> {
             return Some(value);
         }
         let message = format!("`{key}` is {}, but must be {}", self.quoted(entry.span()), bound.text);
-        self.push(entry.span(), message, bound.text, "give another value");
+        let help = format!("give a value {}", bound.text);
+        self.push(entry.span(), message, "not allowed", help);
         None
     }
 
@@ -119,8 +120,13 @@ impl<'a> Checker<'a> {
         if self.mistyped {
             return;
         }
+        let key = if key.starts_with('[') {
+            key.to_string()
+        } else {
+            format!("`{key}`")
+        };
         let label = if section.is_given() { "in this section" } else { "" };
-        self.push(section.span.clone(), format!("`{key}` is missing"), label, help);
+        self.push(section.span.clone(), format!("{key} is missing"), label, help);
     }
 
     /// Refuses a key that would have no effect.

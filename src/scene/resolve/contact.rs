@@ -9,7 +9,7 @@ use crate::law::{ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
 const EXPONENT: Bound = Bound {
     allowed: |x| x >= 1.0,
-    text: "1 or more",
+    text: "at least 1",
 };
 const POISSON: Bound = Bound {
     allowed: |x| x > -1.0 && x <= 0.5,
