@@ -6,10 +6,13 @@
 
 pub mod analytic;
 pub mod cli;
+pub mod criteria;
 pub mod gripper;
 pub mod integrator;
 pub mod law;
+pub mod log;
 pub mod numeric;
+pub mod report;
 pub mod scene;
 pub mod trace;
 pub mod units;

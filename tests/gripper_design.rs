@@ -49,16 +49,10 @@ fn l21_min_by_intersection(base: f64, errata_13: bool) -> f64 {
 #[test]
 fn errata_13_numerator_of_b3_starts_with_c22() {
     for base in [0.012, 0.0155, 0.019] {
-        let design = Design {
-            base_m: base,
-            ..design_95()
-        };
+        let design = Design { base_m: base, ..design_95() };
         let (min, _) = proximal_range(&design).unwrap();
         assert_near(min, l21_min_by_intersection(base, true), 1e-14);
-        assert!(
-            (min - l21_min_by_intersection(base, false)).abs() > 1e-4,
-            "the printed form differs"
-        );
+        assert!((min - l21_min_by_intersection(base, false)).abs() > 1e-4, "the printed form differs");
     }
 }
 
@@ -83,10 +77,7 @@ fn errata_14_t22_min_is_the_tangent_length_with_plus_base() {
 #[test]
 fn errata_14_l21_max_is_where_both_bounds_of_t22_meet() {
     for base in [0.012, 0.0155, 0.019, 0.0225] {
-        let design = Design {
-            base_m: base,
-            ..design_95()
-        };
+        let design = Design { base_m: base, ..design_95() };
         let (_, max) = proximal_range(&design).unwrap();
         let contact = contact_proximal(W, disc(&design)).unwrap();
         let t22 = 0.0375 - W - max * contact.q21_rad.sin(); // h = 37.5 mm: 0.9375 · 40 mm
@@ -118,10 +109,7 @@ fn errata_15_trajectories_span_26_to_75_degrees_with_thirds_only() {
     assert_near(lo, 26.03, 0.005);
     assert_near(hi, 74.63, 0.005);
     let (lo, hi) = trajectory_span_deg([0.0, 0.25, 0.5, 0.75]);
-    assert!(
-        (lo - 26.03).abs() > 0.5 || (hi - 74.63).abs() > 0.5,
-        "quarters as printed: {lo}° to {hi}°"
-    );
+    assert!((lo - 26.03).abs() > 0.5 || (hi - 74.63).abs() > 0.5, "quarters as printed: {lo}° to {hi}°");
 }
 
 #[test]
@@ -134,15 +122,9 @@ fn errata_16_t22_of_design_95_is_12_857_mm() {
 #[test]
 fn a_length_within_the_range_gives_the_same_finger_as_its_fraction() {
     let (min, max) = proximal_range(&design_95()).unwrap();
-    let by_length = Design {
-        l21: ProximalLength::Length(max),
-        ..design_95()
-    };
+    let by_length = Design { l21: ProximalLength::Length(max), ..design_95() };
     assert_eq!(lengths(&by_length), lengths(&design_95()));
-    let half = Design {
-        l21: ProximalLength::Fraction(0.5),
-        ..design_95()
-    };
+    let half = Design { l21: ProximalLength::Fraction(0.5), ..design_95() };
     assert_near(lengths(&half).unwrap().l21_m, 0.5 * (min + max), 1e-17);
 }
 
@@ -150,77 +132,20 @@ fn a_length_within_the_range_gives_the_same_finger_as_its_fraction() {
 fn every_refusal_says_the_value_and_what_is_allowed() {
     let d = design_95();
     let cases = [
-        (
-            Design { base_m: 0.010, ..d },
-            "base is 10.0000 mm, but must be above 10.3078 mm",
-        ),
-        (
-            Design { base_m: 0.025, ..d },
-            "base is 25.0000 mm, but must be below 24.3357 mm",
-        ),
-        (
-            Design {
-                l21: ProximalLength::Length(0.03),
-                ..d
-            },
-            "l21 is 30.000000 mm, but this base allows 17.604552",
-        ),
-        (
-            Design {
-                l21: ProximalLength::Length(0.01),
-                ..d
-            },
-            "l21 is 10.000000 mm, but this base allows 17.604552",
-        ),
-        (
-            Design {
-                l21: ProximalLength::Length(f64::NAN),
-                ..d
-            },
-            "l21 is NaN mm",
-        ),
-        (
-            Design {
-                l21: ProximalLength::Fraction(1.2),
-                ..d
-            },
-            "fraction of l21 is 1.2, but must lie within 0 and 1",
-        ),
-        (
-            Design { phi22_rad: PI, ..d },
-            "phi22 is 180.0000 deg, but must lie between 0 and 180 deg",
-        ),
-        (
-            Design {
-                phi22_rad: f64::NAN,
-                ..d
-            },
-            "phi22 is NaN deg",
-        ),
-        (
-            Design { arm_ratio: 0.0, ..d },
-            "arm_ratio is 0, but must be a finite number above 0",
-        ),
+        (Design { base_m: 0.010, ..d }, "base is 10.0000 mm, but must be above 10.3078 mm"),
+        (Design { base_m: 0.025, ..d }, "base is 25.0000 mm, but must be below 24.3357 mm"),
+        (Design { l21: ProximalLength::Length(0.03), ..d }, "l21 is 30.000000 mm, but this base allows 17.604552"),
+        (Design { l21: ProximalLength::Length(0.01), ..d }, "l21 is 10.000000 mm, but this base allows 17.604552"),
+        (Design { l21: ProximalLength::Length(f64::NAN), ..d }, "l21 is NaN mm"),
+        (Design { l21: ProximalLength::Fraction(1.2), ..d }, "fraction of l21 is 1.2, but must lie within 0 and 1"),
+        (Design { phi22_rad: PI, ..d }, "phi22 is 180.0000 deg, but must lie between 0 and 180 deg"),
+        (Design { phi22_rad: f64::NAN, ..d }, "phi22 is NaN deg"),
+        (Design { arm_ratio: 0.0, ..d }, "arm_ratio is 0, but must be a finite number above 0"),
         (Design { l11_m: -0.015, ..d }, "l11_m is -0.015"),
-        (
-            Design {
-                half_width_m: f64::INFINITY,
-                ..d
-            },
-            "half_width_m is inf",
-        ),
+        (Design { half_width_m: f64::INFINITY, ..d }, "half_width_m is inf"),
         (Design { base_m: f64::NAN, ..d }, "base_m is NaN"),
-        (
-            Design { height_ratio: 0.4, ..d },
-            "no l21 fits: it must be at least 17.6046 mm",
-        ),
-        (
-            Design {
-                tip_contact_min_rad: FRAC_PI_2,
-                ..d
-            },
-            "tip_contact_min is 90.0000 deg",
-        ),
+        (Design { height_ratio: 0.4, ..d }, "no l21 fits: it must be at least 17.6046 mm"),
+        (Design { tip_contact_min_rad: FRAC_PI_2, ..d }, "tip_contact_min is 90.0000 deg"),
     ];
     for (design, expected) in cases {
         let message = lengths(&design).unwrap_err().to_string();
@@ -233,10 +158,7 @@ fn a_design_whose_coupler_and_arm_start_in_line_is_refused() {
     // l22 points from A22 at A12 = (l11, 0) when tan φ22 = −l11/l21.
     let d = design_95();
     let l21 = lengths(&d).unwrap().l21_m;
-    let design = Design {
-        phi22_rad: PI - (d.l11_m / l21).atan(),
-        ..d
-    };
+    let design = Design { phi22_rad: PI - (d.l11_m / l21).atan(), ..d };
     let error = lengths(&design).unwrap_err();
     assert!(matches!(error, DesignError::Loop(_)), "{error}");
     assert!(error.to_string().contains("l12 and l22 are in line"), "{error}");

@@ -31,10 +31,7 @@ fn design_95_weighs_what_the_thesis_says() {
 
 #[test]
 fn errata_16_the_tip_of_12_6_mm_would_weigh_less_than_8_21_g() {
-    let short = Lengths {
-        t22_m: 12.6e-3,
-        ..finger_95()
-    };
+    let short = Lengths { t22_m: 12.6e-3, ..finger_95() };
     let b = bodies(&short, DENSITY, DEPTH).unwrap();
     assert!((b.l22.mass_kg - 8.21e-3).abs() > 5e-5, "{}", b.l22.mass_kg);
 }
@@ -42,9 +39,7 @@ fn errata_16_the_tip_of_12_6_mm_would_weigh_less_than_8_21_g() {
 #[test]
 fn errata_15_fingers_weigh_20_64_to_27_45_g() {
     // 2-design §2.6, by an independent computation; the thesis prints 20.6 and 27.5 g.
-    let masses = sweep(THIRDS)
-        .into_iter()
-        .map(|d| total_mass(&bodies(&lengths(&d).unwrap(), DENSITY, DEPTH).unwrap()));
+    let masses = sweep(THIRDS).into_iter().map(|d| total_mass(&bodies(&lengths(&d).unwrap(), DENSITY, DEPTH).unwrap()));
     let (lo, hi) = masses.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), m| (lo.min(m), hi.max(m)));
     assert_near(lo, 20.64e-3, 0.5e-5);
     assert_near(hi, 27.45e-3, 0.5e-5);
@@ -90,10 +85,7 @@ fn the_tip_body_has_the_closed_form_of_a_triangle() {
 #[test]
 fn every_side_of_the_tip_outline_is_w_outside_its_inner_side() {
     for phi_deg in [30.0f64, 90.0, 120.0, 170.0, -100.0] {
-        let l = Lengths {
-            phi22_rad: phi_deg.to_radians(),
-            ..finger_95()
-        };
+        let l = Lengths { phi22_rad: phi_deg.to_radians(), ..finger_95() };
         let (s, c) = l.phi22_rad.sin_cos();
         let mut inner = [[0.0, 0.0], [l.l22_m, 0.0], [l.t22_m * c, l.t22_m * s]];
         if s < 0.0 {
@@ -116,10 +108,7 @@ fn every_side_of_the_tip_outline_is_w_outside_its_inner_side() {
 fn a_polygon_with_many_corners_tends_to_its_circle() {
     // Regular n-gon in a unit circle: A = ½ n sin(2π/n), J = A (2 + cos(2π/n))/6; the circle's are π and π/2.
     let ngon = |n: usize| -> Vec<[f64; 2]> {
-        (0..n)
-            .map(|i| (TAU * i as f64 / n as f64).sin_cos())
-            .map(|(s, c)| [c, s])
-            .collect()
+        (0..n).map(|i| (TAU * i as f64 / n as f64).sin_cos()).map(|(s, c)| [c, s]).collect()
     };
     let m = polygon_moments(&ngon(7));
     let area = 3.5 * (TAU / 7.0).sin();
@@ -152,12 +141,7 @@ fn parallel_axis_theorem_holds_for_an_l_shape() {
 
 #[test]
 fn no_corners_no_moments() {
-    for corners in [
-        vec![],
-        vec![[1.0, 2.0]],
-        vec![[0.0, 0.0], [1.0, 1.0]],
-        vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]],
-    ] {
+    for corners in [vec![], vec![[1.0, 2.0]], vec![[0.0, 0.0], [1.0, 1.0]], vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]] {
         let m = polygon_moments(&corners);
         assert_eq!((m.area_m2, m.second_moment_m4), (0.0, 0.0));
         assert!(m.centroid_m.iter().all(|v| v.is_finite()));
@@ -167,25 +151,11 @@ fn no_corners_no_moments() {
 #[test]
 fn a_flat_distal_body_is_refused() {
     for phi22_rad in [0.0, PI, -PI] {
-        let error = bodies(
-            &Lengths {
-                phi22_rad,
-                ..finger_95()
-            },
-            DENSITY,
-            DEPTH,
-        )
-        .unwrap_err();
+        let error = bodies(&Lengths { phi22_rad, ..finger_95() }, DENSITY, DEPTH).unwrap_err();
         assert!(matches!(error, MassError::DegenerateTriangle { .. }), "{error}");
-        assert!(
-            error.to_string().contains("must keep away from 0 and 180 deg"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("must keep away from 0 and 180 deg"), "{error}");
     }
-    let nan = Lengths {
-        phi22_rad: f64::NAN,
-        ..finger_95()
-    };
+    let nan = Lengths { phi22_rad: f64::NAN, ..finger_95() };
     assert!(matches!(tip_outline(&nan), Err(MassError::DegenerateTriangle { .. })));
 }
 

@@ -19,10 +19,7 @@ fn finger_95() -> Lengths {
 fn gap(l: &Lengths, p: &Posture) -> f64 {
     let j = joints(l, p);
     let (s, c) = (p.q11_rad + p.q12_rad).sin_cos();
-    let (dx, dy) = (
-        j.a12_m[0] + l.l12_m * c - j.a13_m[0],
-        j.a12_m[1] + l.l12_m * s - j.a13_m[1],
-    );
+    let (dx, dy) = (j.a12_m[0] + l.l12_m * c - j.a13_m[0], j.a12_m[1] + l.l12_m * s - j.a13_m[1]);
     dx.hypot(dy) / (l.l11_m + l.l12_m + l.l21_m + l.l22_m)
 }
 
@@ -77,11 +74,7 @@ fn straight_with_another_coupler_takes_the_q11_nearest_to_the_right_angle() {
         let a13 = joints(&l, &p).a13_m;
         let mirrored = 2.0 * a13[1].atan2(a13[0]) - p.q11_rad;
         let away = |q: f64| ((q - (1.0 - FRAC_PI_2) + PI).rem_euclid(2.0 * PI) - PI).abs();
-        assert!(
-            away(p.q11_rad) < away(mirrored),
-            "l12 = {l12_m}: {} or {mirrored}",
-            p.q11_rad
-        );
+        assert!(away(p.q11_rad) < away(mirrored), "l12 = {l12_m}: {} or {mirrored}", p.q11_rad);
     }
 }
 
@@ -95,11 +88,7 @@ fn assembly_modes_mirror_a13_about_the_line_a12_a22() {
     let here = joints(&l, &close(&l, Assembly::Reference, q11, q21).unwrap());
     let there = joints(&l, &close(&l, Assembly::Other, q11, q21).unwrap());
     let line = (here.a22_m[1] - here.a12_m[1]).atan2(here.a22_m[0] - here.a12_m[0]);
-    assert_near(
-        offset(here.a13_m, here.a12_m, line),
-        -offset(there.a13_m, there.a12_m, line),
-        1e-16,
-    );
+    assert_near(offset(here.a13_m, here.a12_m, line), -offset(there.a13_m, there.a12_m, line), 1e-16);
     assert!(offset(here.a13_m, here.a12_m, line) * sign > 0.0);
     assert_near(joint_a13(&l, 1.0, q11, q21).unwrap()[0], there.a13_m[0], 1e-16);
 }
@@ -117,10 +106,7 @@ fn both_phalanges_touch_the_virtual_circle_at_the_end() {
         assert_near(offset(c, j.a22_m, tip), r, 1e-16);
         assert_near(tip, end.phi_c_rad + FRAC_PI_2, 1e-14);
         // Contacts: along each phalanx, and the tip's at φ_c on the circle.
-        let at = [
-            j.a22_m[0] + end.l_c22_m * tip.cos(),
-            j.a22_m[1] + end.l_c22_m * tip.sin(),
-        ];
+        let at = [j.a22_m[0] + end.l_c22_m * tip.cos(), j.a22_m[1] + end.l_c22_m * tip.sin()];
         assert_near(at[0], c[0] + r * end.phi_c_rad.cos(), 1e-16);
         assert_near(at[1], c[1] + r * end.phi_c_rad.sin(), 1e-16);
         assert_near(end.l_c22_m, l.l21_m - end.l_c21_m, 1e-16); // equal tangents, errata 14
@@ -133,10 +119,7 @@ fn both_phalanges_touch_the_virtual_circle_at_the_end() {
 
 #[test]
 fn a_shortest_proximal_phalanx_meets_the_disc_at_the_smallest_contact_angle() {
-    let design = Design {
-        l21: ProximalLength::Fraction(0.0),
-        ..design_95()
-    };
+    let design = Design { l21: ProximalLength::Fraction(0.0), ..design_95() };
     let end = final_posture(&lengths(&design).unwrap(), Assembly::Reference, disc(&design)).unwrap();
     assert_near(end.phi_c_rad.to_degrees(), 5.0, 1e-12);
 }
@@ -148,10 +131,7 @@ fn contact_turns_with_the_disc() {
     assert_near(here.q21_rad.to_degrees(), 65.0007, 0.00005);
     let (s, c) = 0.3f64.sin_cos();
     let [x, y] = disc(&design_95()).centre_m;
-    let turned = Circle {
-        radius_m: R_C,
-        centre_m: [c * x - s * y, s * x + c * y],
-    };
+    let turned = Circle { radius_m: R_C, centre_m: [c * x - s * y, s * x + c * y] };
     let there = contact_proximal(W, turned).unwrap();
     assert_near(there.q21_rad, here.q21_rad + 0.3, 1e-15);
     assert_near(there.length_m, here.length_m, 1e-16);
@@ -162,68 +142,31 @@ fn contact_turns_with_the_disc() {
 fn what_cannot_close_or_reach_is_refused_with_numbers() {
     let l = finger_95();
     let short = Lengths { l12_m: 0.002, ..l };
-    assert!(matches!(
-        gamma(&short, Assembly::Reference),
-        Err(PostureError::CannotClose { .. })
-    ));
+    assert!(matches!(gamma(&short, Assembly::Reference), Err(PostureError::CannotClose { .. })));
     // Stretched: l12 exactly closes the straight line O–A12–A13.
     let a13 = joints(&l, &straight(&l, FRAC_PI_2).unwrap()).a13_m;
-    let stretched = Lengths {
-        l12_m: (a13[0].hypot(a13[1]) - l.l11_m) * (1.0 + 1e-15),
-        ..l
-    };
+    let stretched = Lengths { l12_m: (a13[0].hypot(a13[1]) - l.l11_m) * (1.0 + 1e-15), ..l };
     let error = straight(&stretched, 1.0).unwrap_err();
     assert!(matches!(error, PostureError::Stretched { .. }), "{error}");
     // Ground links opposite each other: 39.4 mm apart, while l12 and l22 reach 29.9 mm.
     let error = close(&l, Assembly::Reference, 0.0, PI).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("must span 39.4324 mm, but reach only 14.8628 to 29.8628 mm"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("must span 39.4324 mm, but reach only 14.8628 to 29.8628 mm"), "{error}");
     let error = straight(&Lengths { l22_m: f64::NAN, ..l }, 1.0).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("l22_m is NaN, but must be a finite length above 0"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("l22_m is NaN, but must be a finite length above 0"), "{error}");
     assert!(close(&l, Assembly::Reference, f64::INFINITY, 0.0).is_err());
 
-    let far = Circle {
-        radius_m: R_C,
-        centre_m: [-0.05, 0.02],
-    };
+    let far = Circle { radius_m: R_C, centre_m: [-0.05, 0.02] };
     let error = final_posture(&l, Assembly::Reference, far).unwrap_err();
     assert!(matches!(error, GraspError::ProximalTooShort { .. }), "{error}");
     let stub = Lengths { t22_m: 0.005, ..l };
     let error = final_posture(&stub, Assembly::Reference, disc(&design_95())).unwrap_err();
     assert!(matches!(error, GraspError::TipTooShort { .. }), "{error}");
-    let error = contact_proximal(
-        W,
-        Circle {
-            radius_m: R_C,
-            centre_m: [-0.01, 0.02],
-        },
-    )
-    .unwrap_err();
+    let error = contact_proximal(W, Circle { radius_m: R_C, centre_m: [-0.01, 0.02] }).unwrap_err();
     assert!(
-        error
-            .to_string()
-            .contains("22.3607 mm from the ground joint, but must be more than 22.5000 mm"),
+        error.to_string().contains("22.3607 mm from the ground joint, but must be more than 22.5000 mm"),
         "{error}"
     );
-    assert!(
-        contact_proximal(
-            W,
-            Circle {
-                radius_m: f64::NAN,
-                centre_m: [-0.01, 0.02]
-            }
-        )
-        .is_err()
-    );
+    assert!(contact_proximal(W, Circle { radius_m: f64::NAN, centre_m: [-0.01, 0.02] }).is_err());
 }
 
 fn finger() -> impl Strategy<Value = Lengths> {

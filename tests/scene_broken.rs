@@ -47,10 +47,7 @@ fn every_message_says_where_and_what_to_do() {
         assert!(!error.problems().is_empty(), "{}", file.display());
         for problem in error.problems() {
             assert!(!problem.message.is_empty() && !problem.help.is_empty(), "{problem:?}");
-            assert!(
-                !problem.message.ends_with('.') && !problem.help.contains("  "),
-                "{problem:?}"
-            );
+            assert!(!problem.message.ends_with('.') && !problem.help.contains("  "), "{problem:?}");
         }
         assert!(messages.insert(error.to_string()), "{} repeats", file.display());
     }
@@ -71,8 +68,5 @@ fn files_that_cannot_be_read_are_refused() {
     fs::write(&path, b"name = \"a\"\n# caf\xe9\n").expect("write");
     let error = scene::load(&path).expect_err("not UTF-8");
     let _ = fs::remove_file(&path);
-    assert!(
-        matches!(error, SceneError::NotUtf8 { line: 2, column: 6, .. }),
-        "{error:?}"
-    );
+    assert!(matches!(error, SceneError::NotUtf8 { line: 2, column: 6, .. }), "{error:?}");
 }

@@ -24,36 +24,20 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!(scene.name, "test");
     let design = Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5);
     assert_eq!(Ok(scene.finger.lengths), gripper::lengths(&design));
-    assert_eq!(
-        gripper::bodies(&scene.finger.lengths, 1070.0, 0.04),
-        Ok(scene.finger.bodies)
-    );
+    assert_eq!(gripper::bodies(&scene.finger.lengths, 1070.0, 0.04), Ok(scene.finger.bodies));
     let object = scene.object.expect("object");
     assert_eq!((object.radius_m, object.centre_m), (0.02, [-0.0155, 0.02]));
     assert!(scene.palm);
-    let limit = NormalLaw {
-        stiffness_n_per_m_e: 1e11,
-        exponent: 2.2,
-        damping_max_n_s_per_m: 1e9,
-        transition_m: 1e-5,
-    };
+    let limit = NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
     assert_eq!(scene.limit, Some(limit));
-    let contact = NormalLaw {
-        stiffness_n_per_m_e: 1e8,
-        exponent: 2.2,
-        damping_max_n_s_per_m: 1e6,
-        transition_m: 1e-5,
-    };
+    let contact = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
     for law in [scene.contact.proximal, scene.contact.distal] {
         assert_eq!((law.normal, law.friction), (contact, None));
     }
     assert_eq!((scene.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
     assert_eq!(scene.actuation, Actuation::Constant { torque_n_m: 0.48 });
     let spring = scene.spring.expect("spring");
-    assert_eq!(
-        (spring.kind, spring.placement),
-        (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges)
-    );
+    assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
     assert_eq!(scene.log.numeric_hz, 1e4);
     assert_eq!((scene.initial.qd11_rad_s, scene.initial.qd21_rad_s), (0.0, 0.0));
@@ -67,11 +51,7 @@ fn documented_defaults_are_the_real_ones() {
             return;
         };
         for (key, property) in properties {
-            let here = if path.is_empty() {
-                key.clone()
-            } else {
-                format!("{path}.{key}")
-            };
+            let here = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
             if let Some(default) = property.get("default") {
                 found.push((here.clone(), default.to_string()));
             }
@@ -86,11 +66,9 @@ fn documented_defaults_are_the_real_ones() {
         // What the default only means together with another key.
         let (finger, drive, more) = match key.as_str() {
             k if k.starts_with("lengths") => (LENGTHS, DRIVE, ""),
-            "spring.preload" => (
-                FINGER,
-                "[motor]\ntorque = \"1 N*m\"\n[spring]\ntype = \"torsional\"\nstiffness = \"1 N*m/rad\"\n",
-                "",
-            ),
+            "spring.preload" => {
+                (FINGER, "[motor]\ntorque = \"1 N*m\"\n[spring]\ntype = \"torsional\"\nstiffness = \"1 N*m/rad\"\n", "")
+            }
             "motor.interpolation" => (
                 FINGER,
                 "[spring]\ntorque = \"1 N*m\"\n[motor]\nprofile = \"table\"\ntimes = [\"0 s\"]\ntorques = [\"1 N*m\"]\n",
@@ -130,11 +108,7 @@ fn documented_defaults_are_the_real_ones() {
 #[test]
 fn preset_is_the_base_that_single_keys_replace() {
     let scene = with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
-    let expected = Integrator {
-        rtol: 1e-9,
-        max_steps: 5,
-        ..Integrator::preset(Preset::Reference)
-    };
+    let expected = Integrator { rtol: 1e-9, max_steps: 5, ..Integrator::preset(Preset::Reference) };
     assert_eq!(scene.integrator, expected);
     assert_eq!(expected.method, Method::RadauIIa5);
 }
@@ -145,18 +119,9 @@ fn friction_of_one_contact_replaces_that_of_both() {
         "[contact.friction]\nmu_static = 0.8\nmu_dynamic = 0.7\nv_dynamic = \"0.3 m/s\"\n[contact.distal.friction]\n\
          mu_static = 0.4\n[contact.distal]\ndamping = \"5 N*s/m\"\n",
     );
-    let proximal = FrictionLaw {
-        mu_static: 0.8,
-        mu_dynamic: 0.7,
-        v_static_m_s: 0.1,
-        v_dynamic_m_s: 0.3,
-    };
+    let proximal = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3 };
     assert_eq!(scene.contact.proximal.friction, Some(proximal));
-    let distal = FrictionLaw {
-        mu_static: 0.4,
-        mu_dynamic: 0.28,
-        ..proximal
-    };
+    let distal = FrictionLaw { mu_static: 0.4, mu_dynamic: 0.28, ..proximal };
     assert_eq!(scene.contact.distal.friction, Some(distal));
     assert_eq!(scene.contact.proximal.normal.damping_max_n_s_per_m, 1e6);
     assert_eq!(scene.contact.distal.normal.damping_max_n_s_per_m, 5.0);
@@ -200,10 +165,7 @@ fn a_mass_alone_scales_the_inertia() {
     assert_eq!(bodies.l21.com_m, plain.l21.com_m);
     let scale = bodies.l21.mass_kg / plain.l21.mass_kg;
     assert!((bodies.l21.inertia_kg_m2 / plain.l21.inertia_kg_m2 / scale - 1.0).abs() < 1e-14);
-    assert_eq!(
-        (bodies.l22.mass_kg, bodies.l22.com_m),
-        (plain.l22.mass_kg, [1e-3, -2e-3])
-    );
+    assert_eq!((bodies.l22.mass_kg, bodies.l22.com_m), (plain.l22.mass_kg, [1e-3, -2e-3]));
     assert_eq!(bodies.l22.inertia_kg_m2, 5e-7);
 }
 
@@ -231,15 +193,9 @@ fn starts_are_straight_before_contact_straight_at_an_angle_or_as_given() {
     let near =
         |(a, b): (f64, f64), (c, d): (f64, f64)| assert!((a - c).abs() < 1e-9 && (b - d).abs() < 1e-9, "{a} {b}");
     let default = degrees(&with(""));
-    near(
-        degrees(&with("[initial]\noffset = \"20 deg\"\n")),
-        (default.0 + 5.0, default.1 + 5.0),
-    );
+    near(degrees(&with("[initial]\noffset = \"20 deg\"\n")), (default.0 + 5.0, default.1 + 5.0));
     near(degrees(&with("[initial]\nq21 = \"30 deg\"\n")), (-60.0, 30.0));
-    near(
-        degrees(&with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")),
-        (-50.0, 30.0),
-    );
+    near(degrees(&with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")), (-50.0, 30.0));
     // Without the object, where the design's object would be.
     near(degrees(&with("[object]\npresent = false\n")), default);
     let scene = with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");

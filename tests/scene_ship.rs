@@ -13,10 +13,7 @@ fn shipped() -> Vec<(String, String)> {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     files.sort();
-    files
-        .into_iter()
-        .map(|path| (path.display().to_string(), fs::read_to_string(&path).expect("text")))
-        .collect()
+    files.into_iter().map(|path| (path.display().to_string(), fs::read_to_string(&path).expect("text"))).collect()
 }
 
 fn parse(text: &str) -> Scene {

@@ -41,17 +41,9 @@ pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: [f64; 2], disc_radius: f64
         let offset = cross(capsule.axis, to_centre);
         let side = if offset.value() >= 0.0 { -1.0 } else { 1.0 };
         let normal = scale_by(perp(capsule.axis), side);
-        (
-            add(capsule.base, scale(capsule.axis, along)),
-            normal,
-            offset * -side - reach,
-        )
+        (add(capsule.base, scale(capsule.axis, along)), normal, offset * -side - reach)
     } else {
-        let point = if s <= 0.0 {
-            capsule.base
-        } else {
-            add(capsule.base, scale_by(capsule.axis, capsule.length))
-        };
+        let point = if s <= 0.0 { capsule.base } else { add(capsule.base, scale_by(capsule.axis, capsule.length)) };
         let away = sub(point, centre.map(T::constant));
         let distance = dot(away, away).sqrt();
         (point, scale(away, distance.recip()), distance - reach)
@@ -61,12 +53,7 @@ pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: [f64; 2], disc_radius: f64
 /// Contact of l21: a body turning about O at q̇21.
 #[inline(always)]
 pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, centre: [f64; 2], disc_radius: f64) -> Geometry<T> {
-    let capsule = Capsule {
-        base: [T::zero(); 2],
-        axis: pose.e2,
-        length: l21,
-        radius: w,
-    };
+    let capsule = Capsule { base: [T::zero(); 2], axis: pose.e2, length: l21, radius: w };
     let (foot, normal, gap) = nearest(&capsule, centre, disc_radius);
     let point = sub(foot, scale_by(normal, w));
     let lever = |direction| dot(perp(point), direction);
@@ -98,27 +85,13 @@ pub fn distal<T: Real>(
     disc_radius: f64,
 ) -> Geometry<T> {
     let base = scale_by(pose.e2, shape.l21);
-    let capsule = Capsule {
-        base,
-        axis: rotate(pose.e4, shape.phi22),
-        length: shape.t22,
-        radius: shape.w,
-    };
+    let capsule = Capsule { base, axis: rotate(pose.e4, shape.phi22), length: shape.t22, radius: shape.w };
     let (foot, normal, gap) = nearest(&capsule, centre, disc_radius);
     let point = sub(foot, scale_by(normal, shape.w));
     let arm = perp(sub(point, base));
     let row = |direction| {
         let turning = dot(arm, direction);
-        [
-            turning * rates.a4[0],
-            turning * rates.a4[1] + dot(perp(base), direction),
-        ]
+        [turning * rates.a4[0], turning * rates.a4[1] + dot(perp(base), direction)]
     };
-    Geometry {
-        gap,
-        normal_row: row(normal),
-        tangent_row: row(perp(normal)),
-        normal,
-        point,
-    }
+    Geometry { gap, normal_row: row(normal), tangent_row: row(perp(normal)), normal, point }
 }

@@ -161,10 +161,7 @@ pub fn absolute_rates<T: Real>(rates: &PassiveRates<T>, v: [T; 2]) -> [T; 4] {
 pub fn bias<T: Real>(terms: &Terms<T>, theta_dot: [T; 4]) -> [T; 2] {
     let w = theta_dot.map(|r| r.squared());
     let row = |k: &[T; 4]| (k[0] * w[0] + k[1] * w[1]) + (k[2] * w[2] + k[3] * w[3]);
-    [
-        row(&terms.quadratic[0]) + terms.gravity[0],
-        row(&terms.quadratic[1]) + terms.gravity[1],
-    ]
+    [row(&terms.quadratic[0]) + terms.gravity[0], row(&terms.quadratic[1]) + terms.gravity[1]]
 }
 
 /// Direct dynamic model (2.24): q̈_a = M⁻¹ (τ − c), `load` = τ − c.
@@ -172,18 +169,12 @@ pub fn bias<T: Real>(terms: &Terms<T>, theta_dot: [T; 4]) -> [T; 2] {
 pub fn solve_mass<T: Real>(mass: &[T; 3], load: [T; 2]) -> [T; 2] {
     let [a, b, d] = *mass;
     let inverse = (a * d - b * b).recip();
-    [
-        (d * load[0] - b * load[1]) * inverse,
-        (a * load[1] - b * load[0]) * inverse,
-    ]
+    [(d * load[0] - b * load[1]) * inverse, (a * load[1] - b * load[0]) * inverse]
 }
 
 /// Inverse dynamic model: the generalised torques M q̈_a + c that give the accelerations `qdd`.
 pub fn inverse_dynamics(dynamics: &Dynamics, q: [f64; 2], v: [f64; 2], qdd: [f64; 2]) -> [f64; 2] {
-    let terms = terms(
-        dynamics,
-        super::kinematics::directions(&dynamics.lengths, dynamics.gamma, q),
-    );
+    let terms = terms(dynamics, super::kinematics::directions(&dynamics.lengths, dynamics.gamma, q));
     let c = bias(&terms, absolute_rates(&terms.rates, v));
     let [a, b, d] = terms.mass;
     [a * qdd[0] + b * qdd[1] + c[0], b * qdd[0] + d * qdd[1] + c[1]]
@@ -200,10 +191,7 @@ pub fn gravity_energy(dynamics: &Dynamics, pose: &Directions<f64>) -> f64 {
         let (u, w) = (rotate(first, tree.moment_first), rotate(second, tree.moment_second));
         [u[0] + w[0], u[1] + w[1]]
     };
-    let (m1, m2) = (
-        moment(&dynamics.driven, pose.e1, pose.e3),
-        moment(&dynamics.proximal, pose.e2, pose.e4),
-    );
+    let (m1, m2) = (moment(&dynamics.driven, pose.e1, pose.e3), moment(&dynamics.proximal, pose.e2, pose.e4));
     -dot(dynamics.gravity, [m1[0] + m2[0], m1[1] + m2[1]])
 }
 
@@ -213,10 +201,5 @@ pub fn joints(lengths: &Lengths, pose: &Directions<f64>) -> [[f64; 2]; 4] {
     let a22 = scale_by(pose.e2, lengths.l21_m);
     let along = |from: [f64; 2], e: [f64; 2], l: f64| [from[0] + l * e[0], from[1] + l * e[1]];
     let (sin, cos) = lengths.phi22_rad.sin_cos();
-    [
-        a12,
-        a22,
-        along(a12, pose.e3, lengths.l12_m),
-        along(a22, rotate(pose.e4, [cos, sin]), lengths.t22_m),
-    ]
+    [a12, a22, along(a12, pose.e3, lengths.l12_m), along(a22, rotate(pose.e4, [cos, sin]), lengths.t22_m)]
 }

@@ -20,9 +20,9 @@ pub enum Singularity {
     Coincident,
 }
 
-/// |sin| of the angle between l12 and l22 below which a configuration counts as singular: passive rates are then more than
-/// a million times the driven ones.
-pub const SINGULAR_SINE: f64 = 1e-6;
+/// |sin| of the angle between l12 and l22 below which a configuration counts as singular: 0.006° from the fold, where
+/// passive rates are ten thousand times the driven ones. The finger does not come back from there in its assembly mode.
+pub const SINGULAR_SINE: f64 = 1e-4;
 
 /// Directions of the four links and what the closure needs of them.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,7 @@ pub struct Directions<T> {
 
 /// Direct geometric model (2.1), (2.2): link directions at q_a = (q11, q21) in assembly mode γ = ±1.
 ///
-/// Beyond the reach of the loop the result is not a number; [`singularity`] says which way it failed.
+/// Beyond the reach of the loop the result is not a number; [`nearest_singularity`] says which way it failed.
 #[inline(always)]
 pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Directions<T> {
     let (s1, c1) = q[0].sin_cos();
@@ -55,31 +55,20 @@ pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Direc
     Directions { e1, e2, e3, e4 }
 }
 
-/// Names the singularity at `q`, if there is one.
-pub fn singularity(lengths: &Lengths, gamma: f64, q: [f64; 2]) -> Option<Singularity> {
+/// Names the singularity that is nearest to `q`: where the loop is in trouble, this is which.
+pub fn nearest_singularity(lengths: &Lengths, q: [f64; 2]) -> Singularity {
     let e = |angle: f64| [angle.cos(), angle.sin()];
     let d = sub(scale_by(e(q[1]), lengths.l21_m), scale_by(e(q[0]), lengths.l11_m));
     let distance_m = dot(d, d).sqrt();
     if distance_m < SINGULAR_SINE * lengths.l12_m {
-        return Some(Singularity::Coincident);
-    }
-    let pose = directions(lengths, gamma, q);
-    let sine = cross(pose.e3, pose.e4);
-    if sine.abs() >= SINGULAR_SINE {
-        return None;
+        return Singularity::Coincident;
     }
     let (long, short) = (lengths.l12_m + lengths.l22_m, (lengths.l12_m - lengths.l22_m).abs());
-    Some(if (distance_m - long).abs() <= (distance_m - short).abs() {
-        Singularity::Stretched {
-            distance_m,
-            reach_m: long,
-        }
+    if (distance_m - long).abs() <= (distance_m - short).abs() {
+        Singularity::Stretched { distance_m, reach_m: long }
     } else {
-        Singularity::Folded {
-            distance_m,
-            reach_m: short,
-        }
-    })
+        Singularity::Folded { distance_m, reach_m: short }
+    }
 }
 
 /// The straight configuration with l21 at 90°: l22 at 90° − φ22, and l12, l11 as the loop has them.
@@ -94,12 +83,7 @@ pub fn straight(lengths: &Lengths) -> Directions<f64> {
     let alpha = (reach2 + lengths.l11_m.powi(2) - lengths.l12_m.powi(2)) / (2.0 * reach2);
     let beta = (lengths.l11_m.powi(2) / reach2 - alpha * alpha).max(0.0).sqrt();
     let a12 = sub(scale_by(a13, alpha), scale_by(perp(a13), beta));
-    Directions {
-        e1: scale_by(a12, 1.0 / lengths.l11_m),
-        e2,
-        e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m),
-        e4,
-    }
+    Directions { e1: scale_by(a12, 1.0 / lengths.l11_m), e2, e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m), e4 }
 }
 
 /// γ of (2.1) in the straight configuration: which side of the line A12→A22 the joint A13 lies on.
@@ -128,14 +112,8 @@ pub fn passive_rates<T: Real>(lengths: &Lengths, pose: &Directions<T>) -> Passiv
     let over3 = inverse_sine * (1.0 / lengths.l12_m);
     let over4 = inverse_sine * (1.0 / lengths.l22_m);
     PassiveRates {
-        a3: [
-            cross(e1, e4) * over3 * -lengths.l11_m,
-            cross(e2, e4) * over3 * lengths.l21_m,
-        ],
-        a4: [
-            cross(e1, e3) * over4 * -lengths.l11_m,
-            cross(e2, e3) * over4 * lengths.l21_m,
-        ],
+        a3: [cross(e1, e4) * over3 * -lengths.l11_m, cross(e2, e4) * over3 * lengths.l21_m],
+        a4: [cross(e1, e3) * over4 * -lengths.l11_m, cross(e2, e3) * over4 * lengths.l21_m],
         inverse_sine,
     }
 }
@@ -150,27 +128,11 @@ pub struct PassiveBias<T> {
 #[inline(always)]
 pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &PassiveRates<T>) -> PassiveBias<T> {
     let Directions { e1, e2, e3, e4 } = *pose;
-    let Lengths {
-        l11_m: l11,
-        l12_m: l12,
-        l21_m: l21,
-        l22_m: l22,
-        ..
-    } = *lengths;
+    let Lengths { l11_m: l11, l12_m: l12, l21_m: l21, l22_m: l22, .. } = *lengths;
     let i = rates.inverse_sine;
     let cos34 = dot(e3, e4);
     PassiveBias {
-        b3: [
-            dot(e1, e4) * i * (l11 / l12),
-            dot(e2, e4) * i * (-l21 / l12),
-            cos34 * i,
-            i * (-l22 / l12),
-        ],
-        b4: [
-            dot(e1, e3) * i * (l11 / l22),
-            dot(e2, e3) * i * (-l21 / l22),
-            i * (l12 / l22),
-            cos34 * -i,
-        ],
+        b3: [dot(e1, e4) * i * (l11 / l12), dot(e2, e4) * i * (-l21 / l12), cos34 * i, i * (-l22 / l12)],
+        b4: [dot(e1, e3) * i * (l11 / l22), dot(e2, e3) * i * (-l21 / l22), i * (l12 / l22), cos34 * -i],
     }
 }

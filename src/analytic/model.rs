@@ -2,7 +2,7 @@
 
 use super::contact::{self, Distal, Geometry};
 use super::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms};
-use super::kinematics::{Singularity, directions, reference_gamma, singularity};
+use super::kinematics::{Singularity, directions, nearest_singularity, reference_gamma};
 use super::motor;
 use super::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
@@ -95,12 +95,7 @@ impl Model {
             limit: scene.limit,
             object: scene.object,
             contacts: [scene.contact.proximal, scene.contact.distal],
-            distal: Distal {
-                l21: lengths.l21_m,
-                t22: lengths.t22_m,
-                w: lengths.half_width_m,
-                phi22: [cos, sin],
-            },
+            distal: Distal { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
         }
     }
 
@@ -111,10 +106,7 @@ impl Model {
     /// Position-dependent terms at q_a.
     #[inline(always)]
     pub(super) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
-        terms(
-            &self.dynamics,
-            directions(&self.dynamics.lengths, self.dynamics.gamma, q),
-        )
+        terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
     }
 
     /// Geometry of one site; `None` where the scene has no such contact.
@@ -124,13 +116,7 @@ impl Model {
         match site {
             Site::Proximal => {
                 let disc = self.object?;
-                Some(contact::proximal(
-                    pose,
-                    self.distal.l21,
-                    self.distal.w,
-                    disc.centre_m,
-                    disc.radius_m,
-                ))
+                Some(contact::proximal(pose, self.distal.l21, self.distal.w, disc.centre_m, disc.radius_m))
             }
             Site::Distal => {
                 let disc = self.object?;
@@ -142,13 +128,7 @@ impl Model {
                 let gap = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22));
                 let row = [rates.a4[0], rates.a4[1] - 1.0];
                 let none = [T::zero(); 2];
-                Some(Geometry {
-                    gap,
-                    normal_row: row,
-                    tangent_row: none,
-                    normal: none,
-                    point: none,
-                })
+                Some(Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none })
             }
         }
     }
@@ -233,33 +213,18 @@ impl Model {
     }
 
     /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
-    pub(crate) fn reading(&self, q: [f64; 2], v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
+    pub fn reading(&self, q: [f64; 2], v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
         self.reading_at(&self.terms(q), v, site, state)
     }
 
-    pub(crate) fn reading_at(
-        &self,
-        terms: &Terms<f64>,
-        v: [f64; 2],
-        site: Site,
-        state: SiteState,
-    ) -> Option<SiteReading> {
+    fn reading_at(&self, terms: &Terms<f64>, v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
         let geometry = self.geometry(terms, site)?;
         let law = self.normal_law(site)?;
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);
         let normal = self.branch(law, state, delta, delta_rate).force.max(0.0);
-        let tangential = self
-            .friction_law(site)
-            .map_or(0.0, |f| -friction_coefficient(f, slip).0 * normal);
-        Some(SiteReading {
-            geometry,
-            delta,
-            delta_rate,
-            slip,
-            normal,
-            tangential,
-        })
+        let tangential = self.friction_law(site).map_or(0.0, |f| -friction_coefficient(f, slip).0 * normal);
+        Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
     /// Passive joints and their rates (2.2), (2.8).
@@ -270,13 +235,7 @@ impl Model {
         let phi22 = self.dynamics.lengths.phi22_rad;
         // Measured from the straight line, q22 stays continuous through the joint limit.
         let q22 = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
-        Passive {
-            q12: angle_between(pose.e1, pose.e3),
-            q22,
-            q13: q[1] + q22,
-            qd12: qd3 - v[0],
-            qd22: qd4 - v[1],
-        }
+        Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
     }
 
     /// Energies of a state.
@@ -284,12 +243,7 @@ impl Model {
         let terms = self.terms(q);
         let elastic = Site::ALL
             .into_iter()
-            .filter_map(|site| {
-                Some(elastic_energy(
-                    self.normal_law(site)?,
-                    -self.geometry(&terms, site)?.gap,
-                ))
-            })
+            .filter_map(|site| Some(elastic_energy(self.normal_law(site)?, -self.geometry(&terms, site)?.gap)))
             .sum();
         Energies {
             kinetic: kinetic_energy(&terms.mass, v),
@@ -304,9 +258,9 @@ impl Model {
         motor::torque(&self.actuation, t).0
     }
 
-    /// The singularity at `q`, if it is in one.
-    pub fn singularity(&self, q: [f64; 2]) -> Option<Singularity> {
-        singularity(&self.dynamics.lengths, self.dynamics.gamma, q)
+    /// The singularity nearest to `q`.
+    pub fn singularity(&self, q: [f64; 2]) -> Singularity {
+        nearest_singularity(&self.dynamics.lengths, q)
     }
 }
 
@@ -326,19 +280,14 @@ impl System<2, QUADRATURES> for Model {
     fn linearise(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Linearised<2, QUADRATURES> {
         // Positions first, with two derivatives; rates only then, with four.
         let narrow = self.terms([Dual::<2>::variable(q[0], 0), Dual::variable(q[1], 1)]);
-        let sites = self
-            .touching(&narrow, mode)
-            .map(|site| site.map(|geometry| geometry.widen()));
+        let sites = self.touching(&narrow, mode).map(|site| site.map(|geometry| geometry.widen()));
         let wide = narrow.widen();
         let rate = [Dual::<4>::variable(v[0], 2), Dual::variable(v[1], 3)];
         let (torque, slope) = motor::torque(&self.actuation, t);
         let (a, g) = self.accelerations(Dual::constant(torque), &wide, &sites, mode, rate);
         let mass = narrow.mass.map(|m| m.value);
         Linearised {
-            rates: Rates {
-                a: a.map(|x| x.value),
-                g: g.map(|x| x.value),
-            },
+            rates: Rates { a: a.map(|x| x.value), g: g.map(|x| x.value) },
             a_q: a.map(|x| [x.grad[0], x.grad[1]]),
             a_v: a.map(|x| [x.grad[2], x.grad[3]]),
             a_t: solve_mass(&mass, [slope, 0.0]),

@@ -1,11 +1,13 @@
 //! Which branch of its law each contact is on, and where that changes.
 
+use super::dynamics::{absolute_rates, solve_mass};
+use super::kinematics::SINGULAR_SINE;
 use super::model::{Mode, Model, QUADRATURES, SiteState};
 use super::motor;
 use crate::gripper::Site;
-use crate::integrator::{Guard, Hybrid, System};
+use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{NormalLaw, unclamped_normal_force};
-use crate::numeric::plane::dot;
+use crate::numeric::plane::{cross, dot};
 
 /// Touch-down is landed on to within this fraction of δ_max.
 const LANDING_FRACTION: f64 = 1e-5;
@@ -28,20 +30,15 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
     }
 
     #[inline(always)]
-    fn guards(&self, _t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> [Guard; 3] {
+    fn watch(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Watch<3> {
         let terms = self.terms(*q);
-        Site::ALL.map(|site| {
+        let pose = &terms.pose;
+        let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
+        let [_, _, rate3, rate4] = absolute_rates(&terms.rates, *v);
+        let guards = Site::ALL.map(|site| {
             let state = mode[site as usize];
-            let quiet = Guard {
-                value: f64::INFINITY,
-                rate: 0.0,
-                interpolates: true,
-            };
-            let force_guard = |value| Guard {
-                value,
-                rate: 0.0,
-                interpolates: false,
-            };
+            let quiet = Guard { value: f64::INFINITY, rate: 0.0, interpolates: true, apart: true };
+            let force_guard = |value| Guard { value, rate: 0.0, interpolates: false, apart: false };
             if state == SiteState::Natural {
                 return quiet;
             }
@@ -51,11 +48,7 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
             let gap_rate = dot(geometry.normal_row, *v);
             let (delta, rate) = (-geometry.gap, -gap_rate);
             match state {
-                SiteState::Free => Guard {
-                    value: geometry.gap,
-                    rate: gap_rate,
-                    interpolates: true,
-                },
+                SiteState::Free => Guard { value: geometry.gap, rate: gap_rate, interpolates: true, apart: true },
                 SiteState::Active if delta > 0.0 => force_guard(unclamped_normal_force(law, delta, rate).force),
                 // Just landed and about to enter, or gone through zero without ever pulling.
                 SiteState::Active => force_guard(if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) }),
@@ -66,10 +59,16 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
                         value: 3.0 * force_tolerance(site) - force,
                         rate: 0.0,
                         interpolates: true,
+                        apart: delta < 0.0,
                     }
                 }
             }
-        })
+        });
+        Watch {
+            guards,
+            clearance: sine.abs() - SINGULAR_SINE,
+            clearance_rate: sine.signum() * cosine * (rate4 - rate3),
+        }
     }
 
     fn landing_tolerance(&self, site: usize, mode: &Mode) -> f64 {
@@ -90,23 +89,19 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
         next
     }
 
-    fn relax(&self, q: &[f64; 2], mode: &Mode) -> Mode {
+    fn relax(&self, guards: &[Guard; 3], mode: &Mode) -> Option<Mode> {
         let mut next = *mode;
-        if mode.contains(&SiteState::Released) {
-            let terms = self.terms(*q);
-            for site in Site::ALL {
-                let index = site as usize;
-                if mode[index] == SiteState::Released && self.geometry(&terms, site).is_some_and(|g| g.gap > 0.0) {
-                    next[index] = SiteState::Free;
-                }
+        for (state, guard) in next.iter_mut().zip(guards) {
+            if *state == SiteState::Released && guard.apart {
+                *state = SiteState::Free;
             }
         }
-        next
+        (next != *mode).then_some(next)
     }
 
-    fn with_natural(&self, site: usize, natural: bool, mode: &Mode) -> Mode {
+    fn with_natural(&self, site: usize, mode: &Mode) -> Mode {
         let mut next = *mode;
-        next[site] = if natural { SiteState::Natural } else { SiteState::Free };
+        next[site] = SiteState::Natural;
         next
     }
 
@@ -125,11 +120,7 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
                 touching[index] = Some((geometry.normal_row, rate));
             } else if delta > 0.0 {
                 let force = unclamped_normal_force(law, delta, rate).force;
-                mode[index] = if force >= 0.0 {
-                    SiteState::Active
-                } else {
-                    SiteState::Released
-                };
+                mode[index] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
             }
         }
         let free = self.rates(t, q, v, &mode).a;
@@ -152,12 +143,12 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
         let (geometry, law) = (self.geometry(&terms, which)?, self.normal_law(which)?);
         let row = geometry.normal_row;
         let speed = dot(row, *v).abs();
-        let mobility = dot(row, super::dynamics::solve_mass(&terms.mass, row));
+        let mobility = dot(row, solve_mass(&terms.mass, row));
         Some(RESTART_FRACTION * stopping_time(law, speed, 1.0 / mobility))
     }
 
-    fn obstacle(&self, q: &[f64; 2]) -> Option<String> {
-        self.singularity(*q).map(|s| format!("singular configuration: {s}"))
+    fn obstacle(&self, q: &[f64; 2]) -> String {
+        format!("singular configuration: {}", self.singularity(*q))
     }
 }
 

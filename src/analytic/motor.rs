@@ -48,9 +48,9 @@ pub fn next_corner(actuation: &Actuation, t: f64) -> f64 {
     let later = |corner: f64| if corner > t { corner } else { f64::INFINITY };
     match actuation {
         Actuation::Constant { .. } => f64::INFINITY,
-        Actuation::Table { points, .. } => points
-            .get(points.partition_point(|p| p.0 <= t))
-            .map_or(f64::INFINITY, |p| p.0),
+        Actuation::Table { points, .. } => {
+            points.get(points.partition_point(|p| p.0 <= t)).map_or(f64::INFINITY, |p| p.0)
+        }
         Actuation::Ramp { rise_s, .. } => later(*rise_s),
         Actuation::HalfSine { length_s, .. } => later(*length_s),
         Actuation::Reversal { at_s, .. } => later(*at_s),
@@ -64,14 +64,8 @@ mod tests {
     #[test]
     fn tables_interpolate_hold_and_announce_their_corners() {
         let points = vec![(0.0, 1.0), (1.0, 3.0), (2.0, -1.0)];
-        let linear = Actuation::Table {
-            points: points.clone(),
-            interpolation: Interpolation::Linear,
-        };
-        let step = Actuation::Table {
-            points,
-            interpolation: Interpolation::Step,
-        };
+        let linear = Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear };
+        let step = Actuation::Table { points, interpolation: Interpolation::Step };
         assert_eq!(torque(&linear, -1.0), (1.0, 0.0));
         assert_eq!(torque(&linear, 0.25), (1.5, 2.0));
         assert_eq!(torque(&linear, 1.5), (1.0, -4.0));
@@ -86,14 +80,8 @@ mod tests {
     #[test]
     fn named_profiles_have_the_slopes_they_say() {
         let profiles = [
-            Actuation::Ramp {
-                torque_n_m: 0.4,
-                rise_s: 2e-3,
-            },
-            Actuation::HalfSine {
-                torque_n_m: 0.4,
-                length_s: 5e-3,
-            },
+            Actuation::Ramp { torque_n_m: 0.4, rise_s: 2e-3 },
+            Actuation::HalfSine { torque_n_m: 0.4, length_s: 5e-3 },
         ];
         for profile in &profiles {
             for t in [3e-4, 1.7e-3, 4.9e-3, 6e-3] {
@@ -102,10 +90,7 @@ mod tests {
                 assert!((torque(profile, t).1 - slope).abs() < 1e-5 * (1.0 + slope.abs()));
             }
         }
-        let reversal = Actuation::Reversal {
-            torque_n_m: 0.4,
-            at_s: 1e-3,
-        };
+        let reversal = Actuation::Reversal { torque_n_m: 0.4, at_s: 1e-3 };
         assert_eq!((torque(&reversal, 9e-4).0, torque(&reversal, 1e-3).0), (0.4, -0.4));
     }
 }

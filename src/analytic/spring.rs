@@ -71,10 +71,7 @@ impl SpringModel {
                 let t = -self.closing_sign * torque_n_m;
                 [g0 * t, g1 * t]
             }
-            SpringKind::Torsional {
-                stiffness_n_m_per_rad,
-                preload_rad,
-            } => {
+            SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
                 let t = (self.extension(pose) + preload_rad) * (-self.closing_sign * stiffness_n_m_per_rad);
                 [g0 * t, g1 * t]
             }
@@ -86,10 +83,9 @@ impl SpringModel {
         let extension = self.extension(pose);
         match self.kind {
             SpringKind::Constant { torque_n_m } => torque_n_m * extension,
-            SpringKind::Torsional {
-                stiffness_n_m_per_rad,
-                preload_rad,
-            } => stiffness_n_m_per_rad * extension * (preload_rad + 0.5 * extension),
+            SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+                stiffness_n_m_per_rad * extension * (preload_rad + 0.5 * extension)
+            }
         }
     }
 }

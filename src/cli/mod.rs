@@ -1,3 +1,91 @@
-//! The command line: arguments in, text out, an exit status.
+//! The command line: arguments in, text or JSON out, an exit status.
+//!
+//! | status | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | ran, but a check failed |
+//! | 2 | bad input: arguments, scene, or a path that cannot be written |
+//! | 3 | the simulation could not be completed; the log up to there is kept and readable |
 
+mod output;
+mod progress;
+mod run;
 pub mod scene;
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::scene::SceneError;
+
+/// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
+#[derive(Debug, Parser)]
+#[command(
+    name = "phalanx",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = "Example:\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit status: 0 done; 1 a check failed; 2 bad \
+                  input; 3 the simulation could not be completed."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::RunArgs),
+    #[command(subcommand)]
+    Scene(scene::SceneCommand),
+}
+
+/// How a command ended, see the [module](self).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    Done = 0,
+    CheckFailed = 1,
+    BadInput = 2,
+    Incomplete = 3,
+}
+
+/// Why a command did not do what it was asked: what to print on stderr, and the exit status.
+#[derive(Debug)]
+pub struct Failure {
+    pub message: String,
+    pub status: Status,
+}
+
+impl Failure {
+    /// Something the user gave is wrong.
+    pub fn bad_input(message: impl Display) -> Self {
+        Failure { message: format!("error: {message}"), status: Status::BadInput }
+    }
+
+    /// A run, or the writing of its results, broke off.
+    pub fn incomplete(message: impl Display) -> Self {
+        Failure { message: format!("error: {message}"), status: Status::Incomplete }
+    }
+}
+
+impl From<SceneError> for Failure {
+    /// The scene's message shows the place in the file, and begins with `error:` itself.
+    fn from(error: SceneError) -> Self {
+        Failure { message: error.to_string(), status: Status::BadInput }
+    }
+}
+
+/// Runs the command that the process was started with.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Command::Run(args) => run::run(args),
+        Command::Scene(command) => scene::run(command),
+    };
+    let status = result.unwrap_or_else(|failure| {
+        output::complain(&failure.message);
+        failure.status
+    });
+    ExitCode::from(status as u8)
+}

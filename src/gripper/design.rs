@@ -114,10 +114,7 @@ pub enum DesignError {
 
 /// The disc a design is made for: radius r_c, centre (−base, r_c).
 pub fn disc(design: &Design) -> Circle {
-    Circle {
-        radius_m: design.object_radius_m,
-        centre_m: [-design.base_m, design.object_radius_m],
-    }
+    Circle { radius_m: design.object_radius_m, centre_m: [-design.base_m, design.object_radius_m] }
 }
 
 /// l22 = r_l l11.
@@ -139,17 +136,11 @@ pub fn proximal_range(design: &Design) -> Result<(f64, f64), DesignError> {
 
     let base_min = (w * (r_c + r)).sqrt(); // D > R
     if base <= base_min {
-        return Err(DesignError::BaseTooSmall {
-            base_m: base,
-            min_m: base_min,
-        });
+        return Err(DesignError::BaseTooSmall { base_m: base, min_m: base_min });
     }
     let base_max = (r + r_c * phi_min.sin()) / phi_min.cos(); // q_c21 < 90° + φ_min
     if base >= base_max {
-        return Err(DesignError::BaseTooLarge {
-            base_m: base,
-            max_m: base_max,
-        });
+        return Err(DesignError::BaseTooLarge { base_m: base, max_m: base_max });
     }
 
     let contact = contact_proximal(w, disc(design))?;
@@ -215,9 +206,7 @@ fn check(design: &Design) -> Result<(), DesignError> {
         return Err(DesignError::NotPositive { name, value });
     }
     if !(design.phi22_rad > 0.0 && design.phi22_rad < PI) {
-        return Err(DesignError::Phi22 {
-            phi22_rad: design.phi22_rad,
-        });
+        return Err(DesignError::Phi22 { phi22_rad: design.phi22_rad });
     }
     let value_rad = design.tip_contact_min_rad;
     if value_rad.is_nan() || value_rad.abs() >= FRAC_PI_2 {

@@ -42,11 +42,7 @@ pub struct FinalPosture {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GraspError {
     #[error("{name} of the grasp is {value}, but {allowed}: give another value")]
-    Number {
-        name: &'static str,
-        value: f64,
-        allowed: &'static str,
-    },
+    Number { name: &'static str, value: f64, allowed: &'static str },
     #[error(
         "the object's centre is {:.4} mm from the ground joint, but must be more than {:.4} mm (its radius and the half \
          width) away: move it, or make it smaller",
@@ -75,32 +71,16 @@ pub enum GraspError {
 /// of a design has (x_c, y_c) = (−base, r_c).
 pub fn contact_proximal(half_width_m: f64, disc: Circle) -> Result<ProximalContact, GraspError> {
     let [x, y] = disc.centre_m;
-    number(
-        "radius_m",
-        disc.radius_m,
-        disc.radius_m > 0.0,
-        "must be a finite length above 0",
-    )?;
-    number(
-        "half_width_m",
-        half_width_m,
-        half_width_m >= 0.0,
-        "must be a finite length, 0 or more",
-    )?;
+    number("radius_m", disc.radius_m, disc.radius_m > 0.0, "must be a finite length above 0")?;
+    number("half_width_m", half_width_m, half_width_m >= 0.0, "must be a finite length, 0 or more")?;
     number("centre_m x", x, true, "must be a finite length")?;
     number("centre_m y", y, true, "must be a finite length")?;
 
     let (r, d) = (disc.radius_m + half_width_m, x.hypot(y));
     if !(d > r && d.is_finite()) {
-        return Err(GraspError::TooNear {
-            distance_m: d,
-            min_m: r,
-        });
+        return Err(GraspError::TooNear { distance_m: d, min_m: r });
     }
-    Ok(ProximalContact {
-        q21_rad: y.atan2(x) - (r / d).asin(),
-        length_m: ((d - r) * (d + r)).sqrt(),
-    })
+    Ok(ProximalContact { q21_rad: y.atan2(x) - (r / d).asin(), length_m: ((d - r) * (d + r)).sqrt() })
 }
 
 /// q_c21 of [`contact_proximal`] alone.
@@ -124,17 +104,11 @@ pub fn final_posture(lengths: &Lengths, assembly: Assembly, disc: Circle) -> Res
     let contact = contact_proximal(lengths.half_width_m, disc)?;
     let (l21, t22, l_c21) = (lengths.l21_m, lengths.t22_m, contact.length_m);
     if l_c21 > l21 * (1.0 + SLACK) {
-        return Err(GraspError::ProximalTooShort {
-            l21_m: l21,
-            contact_m: l_c21,
-        });
+        return Err(GraspError::ProximalTooShort { l21_m: l21, contact_m: l_c21 });
     }
     let l_c22 = (l21 - l_c21).max(0.0);
     if l_c22 > t22 * (1.0 + SLACK) {
-        return Err(GraspError::TipTooShort {
-            t22_m: t22,
-            contact_m: l_c22,
-        });
+        return Err(GraspError::TipTooShort { t22_m: t22, contact_m: l_c22 });
     }
     let bend = 2.0 * l_c22.atan2(disc.radius_m + lengths.half_width_m);
     // Lengths that are not numbers pass the comparisons above; `posture_at` refuses them.
@@ -147,9 +121,5 @@ pub fn final_posture(lengths: &Lengths, assembly: Assembly, disc: Circle) -> Res
 }
 
 fn number(name: &'static str, value: f64, in_range: bool, allowed: &'static str) -> Result<(), GraspError> {
-    if value.is_finite() && in_range {
-        Ok(())
-    } else {
-        Err(GraspError::Number { name, value, allowed })
-    }
+    if value.is_finite() && in_range { Ok(()) } else { Err(GraspError::Number { name, value, allowed }) }
 }

@@ -18,11 +18,7 @@ pub enum MassError {
         "body {name} comes out with mass {mass_kg} kg and inertia {inertia_kg_m2} kg m², but both must be finite and \
          above 0: check lengths, density and depth"
     )]
-    OutOfRange {
-        name: &'static str,
-        mass_kg: f64,
-        inertia_kg_m2: f64,
-    },
+    OutOfRange { name: &'static str, mass_kg: f64, inertia_kg_m2: f64 },
 }
 
 /// Mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid (1-model §1.3).
@@ -63,15 +59,7 @@ fn body(name: &'static str, outline: &[[f64; 2]], areal_kg_m2: f64) -> Result<Bo
     let (mass_kg, inertia_kg_m2) = (areal_kg_m2 * moments.area_m2, areal_kg_m2 * moments.second_moment_m4);
     let good = |v: f64| v.is_finite() && v > 0.0;
     if !(good(mass_kg) && good(inertia_kg_m2)) {
-        return Err(MassError::OutOfRange {
-            name,
-            mass_kg,
-            inertia_kg_m2,
-        });
+        return Err(MassError::OutOfRange { name, mass_kg, inertia_kg_m2 });
     }
-    Ok(Body {
-        mass_kg,
-        com_m: moments.centroid_m,
-        inertia_kg_m2,
-    })
+    Ok(Body { mass_kg, com_m: moments.centroid_m, inertia_kg_m2 })
 }

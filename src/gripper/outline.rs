@@ -51,11 +51,7 @@ pub fn tip_outline(lengths: &Lengths) -> Result<[[f64; 2]; 3], MassError> {
     let r_in = (l22 * t22 * s).abs() / perimeter;
     let longest = opposite.iter().copied().fold(0.0, f64::max);
     if r_in.is_nan() || r_in <= DEGENERATE * longest {
-        return Err(MassError::DegenerateTriangle {
-            phi22_rad: phi,
-            l22_m: l22,
-            t22_m: t22,
-        });
+        return Err(MassError::DegenerateTriangle { phi22_rad: phi, l22_m: l22, t22_m: t22 });
     }
     let incentre = [0, 1].map(|k| (0..3).map(|i| opposite[i] * inner[i][k]).sum::<f64>() / perimeter);
     let ratio = (r_in + w) / r_in;
@@ -92,21 +88,11 @@ pub fn polygon_moments(corners: &[[f64; 2]]) -> PolygonMoments {
         sum[1] += c * (p[1] + q[1]);
     }
     if twice_area == 0.0 {
-        return PolygonMoments {
-            area_m2: 0.0,
-            centroid_m: first,
-            second_moment_m4: 0.0,
-        };
+        return PolygonMoments { area_m2: 0.0, centroid_m: first, second_moment_m4: 0.0 };
     }
     let centroid_m = [0, 1].map(|k| first[k] + sum[k] / (3.0 * twice_area));
-    let j: f64 = edges(corners, centroid_m)
-        .map(|(p, q, c)| c * (dot(p, p) + dot(p, q) + dot(q, q)))
-        .sum::<f64>();
-    PolygonMoments {
-        area_m2: 0.5 * twice_area,
-        centroid_m,
-        second_moment_m4: j / 12.0 * twice_area.signum(),
-    }
+    let j: f64 = edges(corners, centroid_m).map(|(p, q, c)| c * (dot(p, p) + dot(p, q) + dot(q, q))).sum::<f64>();
+    PolygonMoments { area_m2: 0.5 * twice_area, centroid_m, second_moment_m4: j / 12.0 * twice_area.signum() }
 }
 
 /// Edges of the polygon with corners taken from `origin`, each with its cross product.

@@ -35,22 +35,14 @@ pub struct Joints {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PostureError {
     #[error("{name} is {value}, but {allowed}: give another value")]
-    Number {
-        name: &'static str,
-        value: f64,
-        allowed: &'static str,
-    },
+    Number { name: &'static str, value: f64, allowed: &'static str },
     #[error(
         "the loop cannot close: {links} ({:.4} and {:.4} mm) must span {:.4} mm, but reach only {:.4} to {:.4} mm: \
          change their lengths, or the angles of the ground links",
         .lengths_m[0] * 1e3, .lengths_m[1] * 1e3, .span_m * 1e3,
         (.lengths_m[0] - .lengths_m[1]).abs() * 1e3, (.lengths_m[0] + .lengths_m[1]) * 1e3
     )]
-    CannotClose {
-        links: &'static str,
-        lengths_m: [f64; 2],
-        span_m: f64,
-    },
+    CannotClose { links: &'static str, lengths_m: [f64; 2], span_m: f64 },
     #[error(
         "l11 and l12 ({:.4} and {:.4} mm) are fully stretched (or folded) in the straight configuration, a dead point \
          of the driven link: change l12 (thesis (B.7) gives one that fits)",
@@ -141,12 +133,7 @@ pub fn posture_at(lengths: &Lengths, assembly: Assembly, q21_rad: f64, q22_rad: 
         if side(lengths, a12, a22, a13)? == gamma {
             let q11_rad = wrap(angle(a12) - (q21_rad - FRAC_PI_2)) + (q21_rad - FRAC_PI_2);
             let q12_rad = wrap(angle(minus(a13, a12)) - q11_rad);
-            return Ok(Posture {
-                q11_rad,
-                q21_rad,
-                q12_rad,
-                q22_rad,
-            });
+            return Ok(Posture { q11_rad, q21_rad, q12_rad, q22_rad });
         }
     }
     Err(PostureError::WrongAssembly { q21_rad, q22_rad })
@@ -191,11 +178,7 @@ fn elbow(reference_a13: [f64; 2]) -> f64 {
 fn side(lengths: &Lengths, a12: [f64; 2], a22: [f64; 2], a13: [f64; 2]) -> Result<f64, PostureError> {
     let sine = cross(minus(a12, a13), minus(a22, a13)) / (lengths.l12_m * lengths.l22_m);
     if sine.abs() < IN_LINE || sine.is_nan() {
-        return Err(PostureError::InLine {
-            q11_rad: angle(a12),
-            q21_rad: angle(a22),
-            sine,
-        });
+        return Err(PostureError::InLine { q11_rad: angle(a12), q21_rad: angle(a22), sine });
     }
     Ok(sine.signum()) // the triangle A13, A12, A22 has the orientation of A12, A22, A13
 }
@@ -211,11 +194,7 @@ fn apex(
     let [dx, dy] = minus(to, from);
     let d = dx.hypot(dy);
     if !(d <= a + b && d >= (a - b).abs() && d > f64::EPSILON * (a + b)) {
-        return Err(PostureError::CannotClose {
-            links,
-            lengths_m: [a, b],
-            span_m: d,
-        });
+        return Err(PostureError::CannotClose { links, lengths_m: [a, b], span_m: d });
     }
     let x = 0.5 * (d + (a - b) * (a + b) / d);
     let h = sign * ((a - x) * (a + x)).max(0.0).sqrt();
@@ -237,11 +216,7 @@ fn check(lengths: &Lengths) -> Result<(), PostureError> {
     let w = lengths.half_width_m;
     if !(w.is_finite() && w >= 0.0) {
         let allowed = "must be a finite length, 0 or more";
-        return Err(PostureError::Number {
-            name: "half_width_m",
-            value: w,
-            allowed,
-        });
+        return Err(PostureError::Number { name: "half_width_m", value: w, allowed });
     }
     finite("phi22_rad", lengths.phi22_rad)
 }
@@ -250,11 +225,7 @@ fn finite(name: &'static str, value: f64) -> Result<(), PostureError> {
     if value.is_finite() {
         Ok(())
     } else {
-        Err(PostureError::Number {
-            name,
-            value,
-            allowed: "must be a finite angle",
-        })
+        Err(PostureError::Number { name, value, allowed: "must be a finite angle" })
     }
 }
 

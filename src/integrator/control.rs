@@ -48,12 +48,7 @@ const LARGEST_CUT: f64 = 0.15;
 impl Controller {
     /// `order` is the order of the error estimate's leading term in h.
     pub fn new(order: f64) -> Self {
-        Self {
-            exponent: 1.0 / order,
-            last_error: None,
-            last_h: 0.0,
-            rejected: false,
-        }
+        Self { exponent: 1.0 / order, last_error: None, last_h: 0.0, rejected: false }
     }
 
     /// Forgets the past, as an event demands.
@@ -81,11 +76,7 @@ impl Controller {
     /// Next try after a step whose error was too large.
     pub fn reject(&mut self, h: f64, error: f64) -> f64 {
         self.rejected = true;
-        let factor = if error.is_finite() {
-            SAFETY * error.powf(-self.exponent)
-        } else {
-            LARGEST_CUT
-        };
+        let factor = if error.is_finite() { SAFETY * error.powf(-self.exponent) } else { LARGEST_CUT };
         h * factor.clamp(LARGEST_CUT, 0.9)
     }
 }

@@ -1,9 +1,12 @@
 //! The integration loop: steps, landings on events, mode changes, ends.
 
+use super::chatter::Chatter;
+use super::clock::Clock;
 use super::control::Controller;
-use super::landing::first_crossing;
-use super::method::{Attempt, Method};
-use super::{Dense, Hybrid, State, Tolerances};
+use super::landing::{Crossing, first_crossing, may_have_passed};
+use super::method::{Attempt, Method, Origin};
+use super::observer::{Observer, Step, StepTools};
+use super::{Hybrid, Linearised, State, Tolerances, Watch};
 
 /// How to integrate.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +33,7 @@ pub struct Counters {
 pub enum Reason {
     #[error("the step size fell to {h_s:.1e} s: the accuracy asked for cannot be reached here; loosen the tolerances")]
     StepUnderflow { h_s: f64 },
-    #[error("the right-hand side is not finite")]
+    #[error("the accelerations are not finite")]
     NotFinite,
     #[error("{0}")]
     Obstacle(String),
@@ -48,37 +51,29 @@ pub struct Failure {
     pub reason: Reason,
 }
 
-/// Watches an integration.
-pub trait Observer<const N: usize, const Z: usize, M> {
-    /// An accepted step, taken in `mode`. `false` ends the integration.
-    ///
-    /// `resolve` gives the state at a fraction of the step by a step of its own from the same start. Angles may be read off
-    /// the dense output; a stiff damper's force needs the rates of a proper end of step.
-    fn step(&mut self, dense: &Dense<N, Z>, mode: &M, resolve: &mut dyn FnMut(f64) -> State<N, Z>) -> bool;
-
-    /// An event at `site`, at the end of the step just reported.
-    fn event(&mut self, t: f64, state: &State<N, Z>, site: usize, mode: &M);
+/// How an integration ended.
+#[derive(Clone, Debug)]
+pub struct End<const N: usize, const Z: usize> {
+    pub time_s: f64,
+    pub state: State<N, Z>,
+    pub counters: Counters,
+    pub result: Result<(), Failure>,
 }
 
-impl<const N: usize, const Z: usize, M> Observer<N, Z, M> for () {
-    #[inline(always)]
-    fn step(&mut self, _: &Dense<N, Z>, _: &M, _: &mut dyn FnMut(f64) -> State<N, Z>) -> bool {
-        true
-    }
-
-    fn event(&mut self, _: f64, _: &State<N, Z>, _: usize, _: &M) {}
-}
-
-/// Events within this time of each other count as chatter…
-const CHATTER_S: f64 = 1e-9;
-/// …and after this many of them at one site, one step is left to the natural branches.
-const CHATTER_EVENTS: u32 = 6;
 /// First step of all, and after a jump of the right-hand side.
 const FIRST_STEP_S: f64 = 1e-8;
-const SMALLEST_STEP_S: f64 = 1e-21;
-const MAX_LANDINGS: usize = 8;
+/// Below this a step size has collapsed.
+const SMALLEST_STEP_S: f64 = 1e-22;
+/// Clearance below which an obstacle is approached by halves.
+const NEAR_OBSTACLE: f64 = 0.1;
+/// A step that may have passed an obstacle is cut to this fraction…
+const APPROACH_CUT: f64 = 0.25;
+/// …until it is shorter than this: then the obstacle is there.
+const NEAREST_APPROACH_S: f64 = 1e-11;
+/// Tries to land on one event.
+const MAX_LANDINGS: usize = 12;
 
-/// Integrates from `t0` to `t_end`, with every event located. Returns the final state and what it cost.
+/// Integrates from `t0` to `t_end` with every event located.
 pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     system: &Y,
     options: &Options,
@@ -86,184 +81,317 @@ pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     start: State<N, Z>,
     t_end: f64,
     observer: &mut O,
-) -> (State<N, Z>, Counters, Result<(), Failure>)
+) -> End<N, Z>
 where
     Y: Hybrid<N, Z, S>,
     K: Method<N, Z>,
     O: Observer<N, Z, Y::Mode>,
 {
-    let mut count = Counters::default();
-    let mut method = K::new();
-    let mut controller = Controller::new(K::ERROR_ORDER);
-    let (mut t, mut state) = (t0, start);
-    let mut mode = system.read_mode(t, &state.q, &state.v);
-    let mut h = FIRST_STEP_S.min(options.max_step_s);
-    let mut chatter = [(f64::NEG_INFINITY, 0u32); S];
-    let fail = |time_s, reason| Err(Failure { time_s, reason });
-
-    'run: while t < t_end {
-        if let Some(text) = system.obstacle(&state.q) {
-            return (state, count, fail(t, Reason::Obstacle(text)));
+    let mode = system.read_mode(t0, &start.q, &start.v);
+    let mut run = Run::<N, Z, S, Y, K> {
+        system,
+        options,
+        method: K::new(),
+        controller: Controller::new(K::ERROR_ORDER),
+        clock: Clock::at(t0),
+        state: start,
+        watch: system.watch(&start.q, &start.v, &mode),
+        mode,
+        h: FIRST_STEP_S,
+        chatter: Chatter::new(),
+        counters: Counters::default(),
+    };
+    let result = loop {
+        if run.clock.until(t_end) <= 0.0 {
+            break Ok(());
         }
-        if count.steps >= options.max_steps {
-            return (state, count, fail(t, Reason::Budget(options.max_steps)));
+        if let Err(reason) = run.advance(t_end, observer) {
+            break Err(Failure { time_s: run.clock.now(), reason });
         }
-        let lin = system.linearise(t, &state.q, &state.v, &mode);
-        count.jacobians += 1;
-        if !lin.rates.a.iter().all(|a| a.is_finite()) {
-            return (state, count, fail(t, Reason::NotFinite));
-        }
-        let corner = system.next_corner(t);
-        let stop = corner.min(t_end);
-        let mut try_step = |h: f64, count: &mut Counters| -> Attempt<N, Z> {
-            let attempt = method.attempt(system, &mode, &lin, t, &state, h, &options.tolerances);
-            count.rhs += attempt.rhs;
-            attempt
-        };
-
-        // A step whose error is acceptable, cut short at the first event within it.
-        let wanted = h;
-        h = h.min(options.max_step_s);
-        let (mut attempt, mut clipped);
-        let mut event = None;
-        'step: loop {
-            // A step that would leave a sliver before the stop takes the sliver along.
-            clipped = t + 1.0001 * h >= stop;
-            let size = if clipped { stop - t } else { h };
-            if size < SMALLEST_STEP_S || t + size == t {
-                return (state, count, fail(t, Reason::StepUnderflow { h_s: size }));
-            }
-            attempt = try_step(size, &mut count);
-            // Written so that a step that is not a number is refused too.
-            if !(attempt.error <= 1.0) {
-                count.rejected += 1;
-                h = controller.reject(size, attempt.error);
-                continue;
-            }
-            let Some(found) = first_crossing(system, &mode, &attempt.dense) else {
-                break;
-            };
-            let (mut low, mut high) = (0.0, attempt.dense.h);
-            let mut target = found.theta * attempt.dense.h;
-            let mut landed = None;
-            for _ in 0..MAX_LANDINGS {
-                if target < SMALLEST_STEP_S || t + target == t {
-                    break;
-                }
-                let trial = try_step(target, &mut count);
-                count.rejected += 1;
-                if !(trial.error <= 1.0) {
-                    h = controller.reject(target, trial.error);
-                    continue 'step;
-                }
-                let end = trial.dense.end;
-                let value = system.guards(t + target, &end.q, &end.v, &mode)[found.site].value;
-                let near = value.abs() <= system.landing_tolerance(found.site, &mode);
-                let crossed = near || value < 0.0;
-                if value < 0.0 {
-                    high = target
-                } else {
-                    low = target
-                }
-                // The landed step shows where the crossing is, if it is within it.
-                target = match first_crossing(system, &mode, &trial.dense) {
-                    Some(again) => again.theta * target,
-                    None => 0.5 * (low + high),
-                };
-                landed = Some((trial, crossed));
-                if near || high - low <= 4.0 * f64::EPSILON * high.max(t) {
-                    break;
-                }
-            }
-            match landed {
-                Some((trial, crossed)) => {
-                    clipped = false;
-                    attempt = trial;
-                    event = crossed.then_some(found.site);
-                    break;
-                }
-                // The event is here and now: no time passes.
-                None => {
-                    mode = system.switch(found.site, &mode);
-                    count.events += 1;
-                    observer.event(t, &state, found.site, &mode);
-                    settle_chatter(system, &mut chatter, found.site, t, &mut mode);
-                    method.restart();
-                    controller.restart();
-                    continue 'run;
-                }
-            }
-        }
-
-        let dense = attempt.dense;
-        method.kept();
-        let mut resolve = |theta: f64| {
-            let part = method.attempt(
-                system,
-                &mode,
-                &lin,
-                dense.t0,
-                &dense.start,
-                theta * dense.h,
-                &options.tolerances,
-            );
-            if part.error.is_finite() {
-                part.dense.end
-            } else {
-                dense.at(theta)
-            }
-        };
-        let going_on = observer.step(&dense, &mode, &mut resolve);
-        count.steps += 1;
-        t = if clipped { stop } else { dense.end_time() };
-        state = dense.end;
-        let grown = controller.accept(dense.h, attempt.error);
-        h = if clipped && event.is_none() {
-            wanted.max(grown)
-        } else {
-            grown
-        };
-        if !going_on {
-            return (state, count, fail(t, Reason::Stopped));
-        }
-        for (_, repeats) in chatter.iter_mut() {
-            if *repeats > CHATTER_EVENTS {
-                *repeats = 0;
-                mode = system.read_mode(t, &state.q, &state.v);
-            }
-        }
-        mode = system.relax(&state.q, &mode);
-        if let Some(site) = event {
-            mode = system.switch(site, &mode);
-            count.events += 1;
-            observer.event(t, &state, site, &mode);
-            settle_chatter(system, &mut chatter, site, t, &mut mode);
-            if let Some(first) = system.restart_step(site, &state.q, &state.v, &mode) {
-                h = first;
-            }
-            method.restart();
-            controller.restart();
-        } else if clipped && t == corner {
-            h = FIRST_STEP_S;
-            method.restart();
-            controller.restart();
-        }
-    }
-    (state, count, Ok(()))
+    };
+    End { time_s: run.clock.now(), state: run.state, counters: run.counters, result }
 }
 
-/// Counts events that follow each other without delay; too many, and the site is left to its natural branches for a step.
-fn settle_chatter<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
-    system: &Y,
-    chatter: &mut [(f64, u32); S],
-    site: usize,
-    t: f64,
-    mode: &mut Y::Mode,
-) {
-    let (last, repeats) = &mut chatter[site];
-    *repeats = if t - *last <= CHATTER_S { *repeats + 1 } else { 0 };
-    *last = t;
-    if *repeats > CHATTER_EVENTS {
-        *mode = system.with_natural(site, true, mode);
+/// An integration under way.
+struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K> {
+    system: &'a Y,
+    options: &'a Options,
+    method: K,
+    controller: Controller,
+    clock: Clock,
+    state: State<N, Z>,
+    /// Guards of `mode` at `state`.
+    watch: Watch<S>,
+    mode: Y::Mode,
+    h: f64,
+    chatter: Chatter<S>,
+    counters: Counters,
+}
+
+/// A step that may be taken.
+struct Accepted<const N: usize, const Z: usize> {
+    attempt: Attempt<N, Z>,
+    size: f64,
+    /// Size that was acceptable before the step was cut short, for the next one to start from.
+    resume: f64,
+    event: Option<usize>,
+    /// Whether it ends exactly at the stop.
+    stops: bool,
+}
+
+impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Method<N, Z>> Run<'_, N, Z, S, Y, K> {
+    /// One accepted step, or one event that takes no time.
+    fn advance<O: Observer<N, Z, Y::Mode>>(&mut self, t_end: f64, observer: &mut O) -> Result<(), Reason> {
+        // Written so that a clearance that is not a number counts as none.
+        if self.watch.clearance.partial_cmp(&0.0).is_none_or(|order| order.is_lt()) {
+            return Err(Reason::Obstacle(self.system.obstacle(&self.state.q)));
+        }
+        if self.counters.steps >= self.options.max_steps {
+            return Err(Reason::Budget(self.options.max_steps));
+        }
+        let t = self.clock.now();
+        let linearised = self.system.linearise(t, &self.state.q, &self.state.v, &self.mode);
+        self.counters.jacobians += 1;
+        if !linearised.rates.a.iter().all(|a| a.is_finite()) {
+            return Err(Reason::NotFinite);
+        }
+        let corner = self.system.next_corner(t);
+        let stop = corner.min(t_end);
+        let Some(accepted) = self.find_step(&linearised, stop)? else {
+            return Ok(self.take_event(observer));
+        };
+        self.take_step(&linearised, &accepted, stop, observer)?;
+        if let Some(site) = accepted.event {
+            self.apply_event(site, observer);
+        } else if accepted.stops && stop == corner {
+            self.h = FIRST_STEP_S;
+            self.forget();
+        }
+        Ok(())
+    }
+
+    /// A step whose error is acceptable, cut short at the first event within it; `None` if the event is here and now.
+    fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Option<Accepted<N, Z>>, Reason> {
+        let (state, mode) = (self.state, self.mode);
+        let origin = Origin {
+            system: self.system,
+            mode: &mode,
+            linearised,
+            tolerances: &self.options.tolerances,
+            t: self.clock.now(),
+            state: &state,
+        };
+        let wanted = self.h;
+        let mut h = wanted.min(self.options.max_step_s).min(self.approach_limit());
+        let left = self.clock.until(stop);
+        loop {
+            // A step that would leave a sliver before the stop takes the sliver along.
+            let stops = 1.0001 * h >= left;
+            let size = if stops { left } else { h };
+            if size < SMALLEST_STEP_S {
+                return Err(Reason::StepUnderflow { h_s: size });
+            }
+            let attempt = self.method.attempt(&origin, size);
+            self.counters.rhs += attempt.rhs;
+            if !attempt.is_acceptable() {
+                self.counters.rejected += 1;
+                h = self.controller.reject(size, attempt.error);
+                continue;
+            }
+            let watch = self.system.watch(&attempt.end.q, &attempt.end.v, &mode);
+            let clearance = |w: &Watch<S>| (w.clearance, w.clearance_rate);
+            if may_have_passed(clearance(&self.watch), clearance(&watch), size) {
+                if size < NEAREST_APPROACH_S {
+                    return Err(Reason::Obstacle(self.system.obstacle(&attempt.end.q)));
+                }
+                self.counters.rejected += 1;
+                h = APPROACH_CUT * size;
+                continue;
+            }
+            let (now, then) = (&self.watch.guards, &watch.guards);
+            let crossing = first_crossing(self.system, &mode, now, then, size, || self.method.dense());
+            let Some(crossing) = crossing else {
+                self.watch = watch;
+                let resume = if stops { wanted } else { size };
+                return Ok(Some(Accepted { attempt, size, resume, event: None, stops }));
+            };
+            match self.land(&origin, crossing, size) {
+                Landing::Done(accepted) => return Ok(Some(accepted)),
+                Landing::Refused { size, error } => h = self.controller.reject(size, error),
+                Landing::Now(site) => {
+                    self.mode = self.system.switch(site, &mode);
+                    self.chatter.last_site = Some(site);
+                    return Ok(None);
+                }
+            }
+        }
+    }
+
+    /// Longest step that still leaves half of a small and shrinking clearance.
+    fn approach_limit(&self) -> f64 {
+        let Watch { clearance, clearance_rate, .. } = self.watch;
+        if clearance < NEAR_OBSTACLE && clearance_rate < 0.0 {
+            (-0.5 * clearance / clearance_rate).max(NEAREST_APPROACH_S)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Repeats a step with the size that ends on the event, until it does.
+    fn land(&mut self, origin: &Origin<Y, N, Z>, crossing: Crossing, whole: f64) -> Landing<N, Z> {
+        let site = crossing.site;
+        let tolerance = self.system.landing_tolerance(site, origin.mode);
+        let (mut low, mut high) = (0.0, whole);
+        let mut target = crossing.theta * whole;
+        let mut landed = None;
+        for _ in 0..MAX_LANDINGS {
+            if target < SMALLEST_STEP_S {
+                break;
+            }
+            let attempt = self.method.attempt(origin, target);
+            self.counters.rhs += attempt.rhs;
+            self.counters.rejected += 1;
+            if !attempt.is_acceptable() {
+                return Landing::Refused { size: target, error: attempt.error };
+            }
+            let watch = self.system.watch(&attempt.end.q, &attempt.end.v, origin.mode);
+            let value = watch.guards[site].value;
+            let near = value.abs() <= tolerance;
+            let event = (near || value < 0.0).then_some(site);
+            if value < 0.0 {
+                high = target
+            } else {
+                low = target
+            }
+            landed = Some((Accepted { attempt, size: target, resume: whole, event, stops: false }, watch));
+            if near || high - low <= 4.0 * f64::EPSILON * high {
+                break;
+            }
+            // The landed step shows where the crossing is, if it is within it.
+            let again = first_crossing(origin.system, origin.mode, &self.watch.guards, &watch.guards, target, || {
+                self.method.dense()
+            });
+            target = again.map_or(0.5 * (low + high), |c| c.theta * target);
+        }
+        match landed {
+            Some((accepted, watch)) => {
+                self.watch = watch;
+                Landing::Done(accepted)
+            }
+            None => Landing::Now(site),
+        }
+    }
+
+    /// Moves to the end of an accepted step and tells the observer.
+    fn take_step<O: Observer<N, Z, Y::Mode>>(
+        &mut self,
+        linearised: &Linearised<N, Z>,
+        accepted: &Accepted<N, Z>,
+        stop: f64,
+        observer: &mut O,
+    ) -> Result<(), Reason> {
+        let (t0, start) = (self.clock.now(), self.state);
+        self.method.keep();
+        if accepted.stops {
+            self.clock = Clock::at(stop);
+        } else {
+            self.clock.advance(accepted.size);
+        }
+        self.state = accepted.attempt.end;
+        self.counters.steps += 1;
+        let grown = self.controller.accept(accepted.size, accepted.attempt.error);
+        self.h = if accepted.size < accepted.resume { grown.max(accepted.resume) } else { grown };
+
+        let step = Step { t0, t1: self.clock.now(), h: accepted.size, start: &start, end: &self.state };
+        let origin = Origin {
+            system: self.system,
+            mode: &self.mode,
+            linearised,
+            tolerances: &self.options.tolerances,
+            t: t0,
+            state: &start,
+        };
+        let mut tools = Tools { method: &mut self.method, origin, size: accepted.size, dense: None };
+        if !observer.step(&step, &self.mode, &mut tools) {
+            return Err(Reason::Stopped);
+        }
+        if self.chatter.over() {
+            self.mode = self.system.read_mode(self.clock.now(), &self.state.q, &self.state.v);
+            self.refresh_watch();
+        } else if let Some(mode) = self.system.relax(&self.watch.guards, &self.mode) {
+            self.mode = mode;
+            self.refresh_watch();
+        }
+        Ok(())
+    }
+
+    /// The event that [`find_step`](Self::find_step) found where it stood.
+    fn take_event<O: Observer<N, Z, Y::Mode>>(&mut self, observer: &mut O) {
+        if let Some(site) = self.chatter.last_site {
+            self.announce(site, observer);
+            self.forget();
+        }
+    }
+
+    /// Switches the mode at the end of a landed step.
+    fn apply_event<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, observer: &mut O) {
+        self.mode = self.system.switch(site, &self.mode);
+        self.announce(site, observer);
+        if let Some(first) = self.system.restart_step(site, &self.state.q, &self.state.v, &self.mode) {
+            self.h = self.h.min(first);
+        }
+        self.forget();
+    }
+
+    fn announce<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, observer: &mut O) {
+        self.counters.events += 1;
+        observer.event(self.clock.now(), &self.state, site, &self.mode);
+        if self.chatter.note(site, self.clock.now()) {
+            self.mode = self.system.with_natural(site, &self.mode);
+        }
+        self.refresh_watch();
+    }
+
+    fn refresh_watch(&mut self) {
+        self.watch = self.system.watch(&self.state.q, &self.state.v, &self.mode);
+    }
+
+    fn forget(&mut self) {
+        self.method.restart();
+        self.controller.restart();
+    }
+}
+
+/// How a landing went.
+enum Landing<const N: usize, const Z: usize> {
+    Done(Accepted<N, Z>),
+    /// A trial step was not accurate enough.
+    Refused {
+        size: f64,
+        error: f64,
+    },
+    /// The event is where the step starts.
+    Now(usize),
+}
+
+/// What an observer may ask of the step just taken.
+struct Tools<'a, Y: Hybrid<N, Z, S>, K, const N: usize, const Z: usize, const S: usize> {
+    method: &'a mut K,
+    origin: Origin<'a, Y, N, Z>,
+    size: f64,
+    dense: Option<super::Dense<N, Z>>,
+}
+
+impl<Y: Hybrid<N, Z, S>, K: Method<N, Z>, const N: usize, const Z: usize, const S: usize> StepTools<N, Z>
+    for Tools<'_, Y, K, N, Z, S>
+{
+    fn interpolate(&mut self, theta: f64) -> State<N, Z> {
+        self.dense.get_or_insert_with(|| self.method.dense()).at(theta)
+    }
+
+    fn resolve(&mut self, theta: f64) -> State<N, Z> {
+        let interpolated = self.interpolate(theta);
+        let attempt = self.method.attempt(&self.origin, theta * self.size);
+        if attempt.error.is_finite() { attempt.end } else { interpolated }
     }
 }

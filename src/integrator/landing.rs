@@ -1,6 +1,6 @@
 //! Finding where within a step a guard gives way.
 
-use super::{Dense, Hybrid};
+use super::{Dense, Guard, Hybrid};
 
 /// The earliest crossing of a step.
 #[derive(Clone, Copy, Debug)]
@@ -10,44 +10,42 @@ pub struct Crossing {
     pub theta: f64,
 }
 
-/// Steps longer than this are sampled inside as well, for guards whose rate is unknown.
-const SAMPLED_FROM_S: f64 = 1e-6;
-
-/// Looks for the first guard that is negative anywhere in the step.
+/// Looks for the first guard that is negative anywhere in a step of size `h`, given the guards at both of its ends.
 ///
-/// The end is always looked at; a gap whose rate turns from closing to opening is looked at where it is smallest; a long
-/// step is looked at half way too. So a link can neither step over a thin object nor graze it unseen.
+/// The end is always looked at; a gap that may have closed in between, as its rates at the ends tell, is looked at half way,
+/// and where it is smallest. So a link can neither step over a thin object nor graze it unseen.
 pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
     system: &Y,
     mode: &Y::Mode,
-    dense: &Dense<N, Z>,
+    start: &[Guard; S],
+    end: &[Guard; S],
+    h: f64,
+    dense: impl Fn() -> Dense<N, Z>,
 ) -> Option<Crossing> {
-    let guards = |theta: f64| {
+    let suspect = |site: usize| end[site].value < 0.0 || may_dip(&start[site], &end[site], h);
+    if !(0..S).any(suspect) {
+        return None;
+    }
+    let dense = dense();
+    let guard = |theta: f64, site: usize| {
         let state = dense.at(theta);
-        system.guards(dense.t0 + theta * dense.h, &state.q, &state.v, mode)
-    };
-    let start = system.guards(dense.t0, &dense.start.q, &dense.start.v, mode);
-    let end = system.guards(dense.end_time(), &dense.end.q, &dense.end.v, mode);
-    let middle = if dense.h > SAMPLED_FROM_S {
-        Some(guards(0.5))
-    } else {
-        None
+        system.watch(&state.q, &state.v, mode).guards[site]
     };
     let mut first: Option<Crossing> = None;
-    for site in 0..S {
-        let outside = |g: &[super::Guard; S]| g[site].value < 0.0;
-        let inside = middle.as_ref().filter(|m| m[site].interpolates);
-        let bracket = match inside {
-            Some(m) if outside(m) => Some((0.0, 0.5)),
-            _ if outside(&end) => Some((if inside.is_some() { 0.5 } else { 0.0 }, 1.0)),
-            _ if start[site].rate < 0.0 && end[site].rate > 0.0 => {
-                let lowest = lowest_point(|theta| guards(theta)[site].rate);
-                (guards(lowest)[site].value < 0.0).then_some((0.0, lowest))
-            }
-            _ => None,
+    for site in (0..S).filter(|site| suspect(*site)) {
+        let inside = if end[site].interpolates { guard(0.5, site).value } else { f64::INFINITY };
+        let bracket = if inside < 0.0 {
+            Some((0.0, 0.5))
+        } else if end[site].value < 0.0 {
+            Some((if end[site].interpolates { 0.5 } else { 0.0 }, 1.0))
+        } else if start[site].rate < 0.0 && end[site].rate > 0.0 {
+            let lowest = lowest_point(|theta| guard(theta, site).rate);
+            (guard(lowest, site).value < 0.0).then_some((0.0, lowest))
+        } else {
+            None
         };
         if let Some((low, high)) = bracket {
-            let theta = root(|theta| guards(theta)[site].value, low, high);
+            let theta = root(|theta| guard(theta, site).value, low, high);
             if first.is_none_or(|f| theta < f.theta) {
                 first = Some(Crossing { site, theta });
             }
@@ -56,16 +54,36 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     first
 }
 
+/// Whether a gap that is open at both ends could have closed in between: it could if it moved at twice the larger of its end
+/// rates throughout.
+fn may_dip(start: &Guard, end: &Guard, h: f64) -> bool {
+    start.interpolates
+        && start.value.is_finite()
+        && start.value.min(end.value) < 2.0 * h * start.rate.abs().max(end.rate.abs())
+}
+
+/// Whether a quantity with these end values and rates may have passed below zero within a step of size `h`: its cubic does.
+///
+/// A linkage that meets a fold of its loop bounces off it numerically, though in truth it snaps through: the rate jumps from
+/// closing to opening, and the cubic through both ends dips under the fold.
+pub fn may_have_passed(start: (f64, f64), end: (f64, f64), h: f64) -> bool {
+    const SAMPLES: usize = 16;
+    let ((y0, r0), (y1, r1)) = (start, end);
+    r0 < 0.0
+        && r1 > 0.0
+        && (1..SAMPLES).any(|i| {
+            let x = i as f64 / SAMPLES as f64;
+            let (up, down) = (x * x, (1.0 - x) * (1.0 - x));
+            down * ((1.0 + 2.0 * x) * y0 + x * h * r0) + up * ((3.0 - 2.0 * x) * y1 - (1.0 - x) * h * r1) < 0.0
+        })
+}
+
 /// Where a rate turns from negative to positive.
 fn lowest_point(rate: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..24 {
         let middle = 0.5 * (low + high);
-        if rate(middle) < 0.0 {
-            low = middle
-        } else {
-            high = middle
-        }
+        if rate(middle) < 0.0 { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -80,16 +98,9 @@ fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
         if high - low <= 4.0 * f64::EPSILON * high || at_high > -1e-300 {
             break;
         }
-        let guess = if iteration % 4 == 3 {
-            0.5 * (low + high)
-        } else {
-            low + (high - low) * at_low / (at_low - at_high)
-        };
-        let guess = if guess > low && guess < high {
-            guess
-        } else {
-            0.5 * (low + high)
-        };
+        let guess =
+            if iteration % 4 == 3 { 0.5 * (low + high) } else { low + (high - low) * at_low / (at_low - at_high) };
+        let guess = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
         let at = value(guess);
         if at < 0.0 {
             let progress = at / at_high;

@@ -96,11 +96,7 @@ impl<F: Field, const N: usize> ShiftedSolver<F, N> {
                 if i == j { off + shift } else { off }
             })
         });
-        Self {
-            inverse_shift,
-            a_q: *a_q,
-            lu: Lu::new(matrix),
-        }
+        Self { inverse_shift, a_q: *a_q, lu: Lu::new(matrix) }
     }
 
     /// (x_q, x_v).
@@ -142,10 +138,7 @@ mod tests {
         let x = [1.0, -1.0, 0.3, 2.0].map(|re| Complex64::new(re, 0.7 * re - 0.2));
         let r_q = [s * x[0] - x[2], s * x[1] - x[3]];
         let r_v: [Complex64; 2] = std::array::from_fn(|i| {
-            s * x[2 + i]
-                - (0..2)
-                    .map(|j| x[j] * a_q[i][j] + x[2 + j] * a_v[i][j])
-                    .sum::<Complex64>()
+            s * x[2 + i] - (0..2).map(|j| x[j] * a_q[i][j] + x[2 + j] * a_v[i][j]).sum::<Complex64>()
         });
         let (x_q, x_v) = ShiftedSolver::new(s, &a_q, &a_v).solve(r_q, r_v);
         for i in 0..2 {

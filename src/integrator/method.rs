@@ -1,14 +1,32 @@
-//! One step of a method.
+//! What a one-step method offers to the integration loop.
 
 use super::{Dense, Linearised, State, System, Tolerances};
 
 /// What one attempt at a step gave.
+#[derive(Clone, Copy, Debug)]
 pub struct Attempt<const N: usize, const Z: usize> {
-    /// Scaled error; 1 is just acceptable. Not finite if the step failed outright.
+    /// Scaled error; 1 is just acceptable. Not a number if the step failed outright.
     pub error: f64,
     /// Right-hand sides it took.
     pub rhs: u64,
-    pub dense: Dense<N, Z>,
+    pub end: State<N, Z>,
+}
+
+impl<const N: usize, const Z: usize> Attempt<N, Z> {
+    /// Whether the error is acceptable; a failed step is not.
+    pub fn is_acceptable(&self) -> bool {
+        self.error <= 1.0
+    }
+}
+
+/// Where a step starts: everything that stays the same when it is tried again with another size.
+pub struct Origin<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
+    pub system: &'a Y,
+    pub mode: &'a Y::Mode,
+    pub linearised: &'a Linearised<N, Z>,
+    pub tolerances: &'a Tolerances,
+    pub t: f64,
+    pub state: &'a State<N, Z>,
 }
 
 /// A one-step method.
@@ -22,17 +40,11 @@ pub trait Method<const N: usize, const Z: usize> {
     fn restart(&mut self);
 
     /// Tells the method that the last attempt was kept.
-    fn kept(&mut self);
+    fn keep(&mut self);
 
-    #[allow(clippy::too_many_arguments)]
-    fn attempt<Y: System<N, Z>>(
-        &mut self,
-        system: &Y,
-        mode: &Y::Mode,
-        linearised: &Linearised<N, Z>,
-        t: f64,
-        from: &State<N, Z>,
-        h: f64,
-        tolerances: &Tolerances,
-    ) -> Attempt<N, Z>;
+    /// Tries a step of size `h`.
+    fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z>;
+
+    /// Dense output of the last attempt.
+    fn dense(&self) -> Dense<N, Z>;
 }

@@ -4,12 +4,15 @@
 //! coordinates, `Z` that of quadratures (ż = g(t, q, v), carried along but never fed back), `S` that of sites whose
 //! branch may change.
 
+mod chatter;
+mod clock;
 mod control;
 mod dense;
 mod driver;
 mod landing;
 mod linear;
 mod method;
+mod observer;
 mod radau5;
 mod rodas5p;
 mod system;
@@ -17,8 +20,9 @@ mod tableau;
 
 pub use control::Tolerances;
 pub use dense::Dense;
-pub use driver::{Counters, Failure, Observer, Options, Reason, integrate};
-pub use method::Method;
+pub use driver::{Counters, End, Failure, Options, Reason, integrate};
+pub use method::{Attempt, Method, Origin};
+pub use observer::{Observer, Step, StepTools};
 pub use radau5::Radau5;
 pub use rodas5p::Rodas5p;
-pub use system::{Guard, Hybrid, Linearised, Rates, State, System};
+pub use system::{Guard, Hybrid, Linearised, Rates, State, System, Watch};

@@ -4,8 +4,8 @@
 use num_complex::Complex64;
 
 use super::linear::ShiftedSolver;
-use super::method::{Attempt, Method};
-use super::{Dense, Linearised, Rates, State, System, Tolerances};
+use super::method::{Attempt, Method, Origin};
+use super::{Dense, Rates, State, System};
 
 const MAX_NEWTON: usize = 12;
 
@@ -32,16 +32,8 @@ impl Coefficients {
         let s6 = 6f64.sqrt();
         let c = [(4.0 - s6) / 10.0, (4.0 + s6) / 10.0, 1.0];
         let a = [
-            [
-                (88.0 - 7.0 * s6) / 360.0,
-                (296.0 - 169.0 * s6) / 1800.0,
-                (-2.0 + 3.0 * s6) / 225.0,
-            ],
-            [
-                (296.0 + 169.0 * s6) / 1800.0,
-                (88.0 + 7.0 * s6) / 360.0,
-                (-2.0 - 3.0 * s6) / 225.0,
-            ],
+            [(88.0 - 7.0 * s6) / 360.0, (296.0 - 169.0 * s6) / 1800.0, (-2.0 + 3.0 * s6) / 225.0],
+            [(296.0 + 169.0 * s6) / 1800.0, (88.0 + 7.0 * s6) / 360.0, (-2.0 - 3.0 * s6) / 225.0],
             [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
         ];
         // Eigenvalues of A: the roots of 60 μ³ − 36 μ² + 9 μ − 1, of which A⁻¹ has the reciprocals.
@@ -57,11 +49,7 @@ impl Coefficients {
                 std::array::from_fn(|j| Complex64::from(a[i][j]) - if i == j { lambda } else { 0.0.into() })
             };
             let (p, r) = (row(0), row(1));
-            let v = [
-                p[1] * r[2] - p[2] * r[1],
-                p[2] * r[0] - p[0] * r[2],
-                p[0] * r[1] - p[1] * r[0],
-            ];
+            let v = [p[1] * r[2] - p[2] * r[1], p[2] * r[0] - p[0] * r[2], p[0] * r[1] - p[1] * r[0]];
             v.map(|x| x / v[2])
         };
         let real = vector(Complex64::from(real_root));
@@ -97,7 +85,7 @@ type Stages<const N: usize> = [([f64; N], [f64; N]); 3];
 pub struct Radau5<const N: usize, const Z: usize> {
     coefficients: Coefficients,
     last: Option<Dense<N, Z>>,
-    candidate: Option<Dense<N, Z>>,
+    candidate: Dense<N, Z>,
     fresh: bool,
 }
 
@@ -121,10 +109,7 @@ impl<const N: usize, const Z: usize> Radau5<N, Z> {
                 return zero;
             }
             let guess = last.at(theta);
-            (
-                std::array::from_fn(|n| guess.q[n] - from.q[n]),
-                std::array::from_fn(|n| guess.v[n] - from.v[n]),
-            )
+            (std::array::from_fn(|n| guess.q[n] - from.q[n]), std::array::from_fn(|n| guess.v[n] - from.v[n]))
         })
     }
 
@@ -151,12 +136,9 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
     const ERROR_ORDER: f64 = 4.0;
 
     fn new() -> Self {
-        Self {
-            coefficients: Coefficients::new(),
-            last: None,
-            candidate: None,
-            fresh: true,
-        }
+        let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
+        let candidate = Dense { t0: 0.0, h: 0.0, start: zero, end: zero, d: [zero; 3] };
+        Self { coefficients: Coefficients::new(), last: None, candidate, fresh: true }
     }
 
     fn restart(&mut self) {
@@ -164,37 +146,19 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         self.fresh = true;
     }
 
-    fn kept(&mut self) {
-        self.last = self.candidate.take();
+    fn keep(&mut self) {
+        self.last = Some(self.candidate);
         self.fresh = false;
     }
 
-    fn attempt<Y: System<N, Z>>(
-        &mut self,
-        system: &Y,
-        mode: &Y::Mode,
-        lin: &Linearised<N, Z>,
-        t: f64,
-        from: &State<N, Z>,
-        h: f64,
-        tolerances: &Tolerances,
-    ) -> Attempt<N, Z> {
+    fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+        let Origin { system, mode, linearised: lin, tolerances, t, state: from } = *origin;
         let k = self.coefficients;
         let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
         let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v);
         let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
         let mut rhs = 0;
-        let failed = |rhs| Attempt {
-            error: f64::NAN,
-            rhs,
-            dense: Dense {
-                t0: t,
-                h,
-                start: *from,
-                end: *from,
-                d: [*from; 3],
-            },
-        };
+        let failed = |rhs| Attempt { error: f64::NAN, rhs, end: *from };
 
         let mut z = self.predict(from, t, h);
         let mut w = transform(&k.ti, &z);
@@ -219,31 +183,17 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             let complex = |a: [f64; N], b: [f64; N], wa: [f64; N], wb: [f64; N]| -> [Complex64; N] {
                 std::array::from_fn(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
             };
-            let (dq2, dv2) = pair.solve(
-                complex(tf[1].0, tf[2].0, w[1].0, w[2].0),
-                complex(tf[1].1, tf[2].1, w[1].1, w[2].1),
-            );
-            let dw: Stages<N> = [
-                (dq1, dv1),
-                (dq2.map(|x| x.re), dv2.map(|x| x.re)),
-                (dq2.map(|x| x.im), dv2.map(|x| x.im)),
-            ];
-            let size = (dw
-                .iter()
-                .map(|(q, v)| tolerances.norm(q, v, from, from).powi(2))
-                .sum::<f64>()
-                / 3.0)
-                .sqrt();
+            let (dq2, dv2) =
+                pair.solve(complex(tf[1].0, tf[2].0, w[1].0, w[2].0), complex(tf[1].1, tf[2].1, w[1].1, w[2].1));
+            let dw: Stages<N> =
+                [(dq1, dv1), (dq2.map(|x| x.re), dv2.map(|x| x.re)), (dq2.map(|x| x.im), dv2.map(|x| x.im))];
+            let size = (dw.iter().map(|(q, v)| tolerances.norm(q, v, from, from).powi(2)).sum::<f64>() / 3.0).sqrt();
             if !size.is_finite() {
                 return failed(rhs);
             }
             if iteration > 0 {
                 let rate = size / previous;
-                contraction = if iteration == 1 {
-                    rate
-                } else {
-                    (rate * contraction).sqrt()
-                };
+                contraction = if iteration == 1 { rate } else { (rate * contraction).sqrt() };
                 if contraction >= 0.99 && size > floor.max(goal) {
                     return failed(rhs);
                 }
@@ -256,11 +206,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
                 }
             }
             z = transform(&k.t, &w);
-            let remaining = if iteration == 0 {
-                size
-            } else {
-                size * contraction / (1.0 - contraction).max(0.01)
-            };
+            let remaining = if iteration == 0 { size } else { size * contraction / (1.0 - contraction).max(0.01) };
             if size == 0.0 || size <= floor || (iteration > 0 && remaining <= goal) {
                 converged = true;
                 break;
@@ -275,11 +221,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         let quadrature = |weights: [f64; 3]| -> [f64; Z] {
             std::array::from_fn(|m| h * (0..3).map(|j| weights[j] * stages[j].0.g[m]).sum::<f64>())
         };
-        let offsets: [State<N, Z>; 3] = std::array::from_fn(|i| State {
-            q: z[i].0,
-            v: z[i].1,
-            z: quadrature(k.a[i]),
-        });
+        let offsets: [State<N, Z>; 3] = std::array::from_fn(|i| State { q: z[i].0, v: z[i].1, z: quadrature(k.a[i]) });
         let plus = |a: &State<N, Z>, b: &State<N, Z>| State {
             q: std::array::from_fn(|n| a.q[n] + b.q[n]),
             v: std::array::from_fn(|n| a.v[n] + b.v[n]),
@@ -296,10 +238,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             std::array::from_fn(|n| (0..3).map(|j| k.e[j] * z[j].1[n]).sum::<f64>() / h),
         );
         let estimate = |v0: &[f64; N], a0: &[f64; N]| {
-            real.solve(
-                std::array::from_fn(|n| v0[n] + ez.0[n]),
-                std::array::from_fn(|n| a0[n] + ez.1[n]),
-            )
+            real.solve(std::array::from_fn(|n| v0[n] + ez.0[n]), std::array::from_fn(|n| a0[n] + ez.1[n]))
         };
         let (mut eq, mut ev) = estimate(&from.v, &lin.rates.a);
         let mut error = tolerances.norm(&eq, &ev, from, &end);
@@ -311,9 +250,12 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             (eq, ev) = estimate(&v, &shifted.a);
             error = tolerances.norm(&eq, &ev, from, &end);
         }
-        let dense = collocation(t, h, from, end, &offsets, &k.c);
-        self.candidate = Some(dense);
-        Attempt { error, rhs, dense }
+        self.candidate = collocation(t, h, from, end, &offsets, &k.c);
+        Attempt { error, rhs, end }
+    }
+
+    fn dense(&self) -> Dense<N, Z> {
+        self.candidate
     }
 }
 
@@ -336,26 +278,8 @@ fn collocation<const N: usize, const Z: usize>(
     let q: [[f64; 2]; N] = std::array::from_fn(|n| solve([0, 1, 2].map(|i: usize| offsets[i].q[n])));
     let v: [[f64; 2]; N] = std::array::from_fn(|n| solve([0, 1, 2].map(|i: usize| offsets[i].v[n])));
     let z: [[f64; 2]; Z] = std::array::from_fn(|m| solve([0, 1, 2].map(|i: usize| offsets[i].z[m])));
-    let part = |k: usize| State {
-        q: q.map(|x| x[k]),
-        v: v.map(|x| x[k]),
-        z: z.map(|x| x[k]),
-    };
-    Dense {
-        t0,
-        h,
-        start: *from,
-        end,
-        d: [
-            part(0),
-            part(1),
-            State {
-                q: [0.0; N],
-                v: [0.0; N],
-                z: [0.0; Z],
-            },
-        ],
-    }
+    let part = |k: usize| State { q: q.map(|x| x[k]), v: v.map(|x| x[k]), z: z.map(|x| x[k]) };
+    Dense { t0, h, start: *from, end, d: [part(0), part(1), State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] }] }
 }
 
 #[cfg(test)]

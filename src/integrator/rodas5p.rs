@@ -1,12 +1,18 @@
 //! Rodas5P: linearly implicit, L-stable, stiffly accurate, order 5(4) (Steinebach 2023).
 
 use super::linear::ShiftedSolver;
-use super::method::{Attempt, Method};
+use super::method::{Attempt, Method, Origin};
 use super::tableau::{A, C, D, GAMMA, H, NODES, STAGES};
-use super::{Dense, Linearised, State, System, Tolerances};
+use super::{Dense, State, System};
 
-/// Rodas5P has no memory.
-pub struct Rodas5p;
+/// The stages of the last attempt, for its dense output; Rodas5P remembers nothing else.
+pub struct Rodas5p<const N: usize, const Z: usize> {
+    t0: f64,
+    h: f64,
+    start: State<N, Z>,
+    end: State<N, Z>,
+    k: [State<N, Z>; STAGES],
+}
 
 #[inline(always)]
 fn axpy<const N: usize, const Z: usize>(y: &mut State<N, Z>, weight: f64, k: &State<N, Z>) {
@@ -19,36 +25,24 @@ fn axpy<const N: usize, const Z: usize>(y: &mut State<N, Z>, weight: f64, k: &St
     }
 }
 
-impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p {
+impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
     const ERROR_ORDER: f64 = 5.0;
 
     fn new() -> Self {
-        Self
+        let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
+        Self { t0: 0.0, h: 0.0, start: zero, end: zero, k: [zero; STAGES] }
     }
 
     fn restart(&mut self) {}
 
-    fn kept(&mut self) {}
+    fn keep(&mut self) {}
 
     #[inline(always)]
-    fn attempt<Y: System<N, Z>>(
-        &mut self,
-        system: &Y,
-        mode: &Y::Mode,
-        lin: &Linearised<N, Z>,
-        t: f64,
-        from: &State<N, Z>,
-        h: f64,
-        tolerances: &Tolerances,
-    ) -> Attempt<N, Z> {
+    fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+        let Origin { system, mode, linearised: lin, tolerances, t, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
         let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
-        let zero = State {
-            q: [0.0; N],
-            v: [0.0; N],
-            z: [0.0; Z],
-        };
-        let mut k = [zero; STAGES];
+        let k = &mut self.k;
         let mut stage = *from;
         for i in 0..STAGES {
             // Quadratures feed nothing back: their stage values are never needed, only their increments.
@@ -67,11 +61,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p {
                     stage.v[n] += k[i - 1].v[n];
                 }
             }
-            let rates = if i == 0 {
-                lin.rates
-            } else {
-                system.rates(t + NODES[i] * h, &stage.q, &stage.v, mode)
-            };
+            let rates = if i == 0 { lin.rates } else { system.rates(t + NODES[i] * h, &stage.q, &stage.v, mode) };
             let (mut r_q, mut r_v, mut r_z) = (stage.v, rates.a, rates.g);
             for (j, increment) in k.iter().enumerate().take(i) {
                 let weight = C[i][j] / h;
@@ -115,23 +105,18 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p {
         }
         let error = tolerances.norm(&k[7].q, &k[7].v, from, &end);
         let error = if end.is_finite() { error } else { f64::NAN };
+        (self.t0, self.h, self.start, self.end) = (t, h, *from, end);
+        Attempt { error, rhs: STAGES as u64 - 1, end }
+    }
+
+    fn dense(&self) -> Dense<N, Z> {
         let d = H.map(|row| {
-            let mut sum = zero;
-            for (weight, increment) in row.iter().zip(&k) {
+            let mut sum = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
+            for (weight, increment) in row.iter().zip(&self.k) {
                 axpy(&mut sum, *weight, increment);
             }
             sum
         });
-        Attempt {
-            error,
-            rhs: STAGES as u64 - 1,
-            dense: Dense {
-                t0: t,
-                h,
-                start: *from,
-                end,
-                d,
-            },
-        }
+        Dense { t0: self.t0, h: self.h, start: self.start, end: self.end, d }
     }
 }

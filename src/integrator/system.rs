@@ -54,6 +54,18 @@ pub struct Guard {
     /// Whether `value` may be read off the dense output. A stiff damper's force may not: between the ends of a step the
     /// interpolated rate is off the slow manifold, and the force is a huge multiple of it.
     pub interpolates: bool,
+    /// Whether the surfaces are apart, whatever the branch.
+    pub apart: bool,
+}
+
+/// All guards in one state, and how far the state is from where the equations break down.
+#[derive(Clone, Copy, Debug)]
+pub struct Watch<const S: usize> {
+    pub guards: [Guard; S],
+    /// Not negative while the equations hold.
+    pub clearance: f64,
+    /// Rate of `clearance`.
+    pub clearance_rate: f64,
 }
 
 /// A system whose modes change at events.
@@ -61,7 +73,7 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// Next time after `t` at which the right-hand side jumps by itself; infinite if none.
     fn next_corner(&self, t: f64) -> f64;
 
-    fn guards(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> [Guard; S];
+    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<S>;
 
     /// How near to zero a guard must be for its event to be taken.
     fn landing_tolerance(&self, site: usize, mode: &Self::Mode) -> f64;
@@ -69,11 +81,12 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// The mode after the event at `site`.
     fn switch(&self, site: usize, mode: &Self::Mode) -> Self::Mode;
 
-    /// The mode after a step, where it changes without any jump (a released contact that has left its partner).
-    fn relax(&self, q: &[f64; N], mode: &Self::Mode) -> Self::Mode;
+    /// The mode after a step whose end has these guards, where it changes without any jump (a released contact that has
+    /// left its partner).
+    fn relax(&self, guards: &[Guard; S], mode: &Self::Mode) -> Option<Self::Mode>;
 
-    /// The mode with the branches of `site` left to the law itself (no event there), and back.
-    fn with_natural(&self, site: usize, natural: bool, mode: &Self::Mode) -> Self::Mode;
+    /// The mode with the branches of `site` left to the law itself: no event there.
+    fn with_natural(&self, site: usize, mode: &Self::Mode) -> Self::Mode;
 
     /// A fresh reading of the mode at a state, for a start or after a step on natural branches.
     fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Self::Mode;
@@ -81,6 +94,6 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// First step after the event at `site`, if the event changes the time scale.
     fn restart_step(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
 
-    /// Says in words why a state cannot be left (a singularity), if it cannot.
-    fn obstacle(&self, q: &[f64; N]) -> Option<String>;
+    /// Says in words what a state without clearance has run into.
+    fn obstacle(&self, q: &[f64; N]) -> String;
 }

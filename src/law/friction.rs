@@ -11,10 +11,7 @@ pub fn friction_coefficient(law: &FrictionLaw, v: f64) -> (f64, f64) {
     let speed = v.abs();
     if speed < law.v_static_m_s {
         let (sigma, slope) = smoothstep((v + law.v_static_m_s) / (2.0 * law.v_static_m_s));
-        (
-            law.mu_static * (2.0 * sigma - 1.0),
-            law.mu_static * slope / law.v_static_m_s,
-        )
+        (law.mu_static * (2.0 * sigma - 1.0), law.mu_static * slope / law.v_static_m_s)
     } else {
         let width = law.v_dynamic_m_s - law.v_static_m_s;
         let drop = law.mu_dynamic - law.mu_static;
@@ -27,12 +24,7 @@ pub fn friction_coefficient(law: &FrictionLaw, v: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    const LAW: FrictionLaw = FrictionLaw {
-        mu_static: 0.8,
-        mu_dynamic: 0.56,
-        v_static_m_s: 0.1,
-        v_dynamic_m_s: 0.2,
-    };
+    const LAW: FrictionLaw = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
 
     #[test]
     fn errata_08_branches_meet_and_the_law_is_odd() {

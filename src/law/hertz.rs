@@ -11,10 +11,7 @@ pub struct Material {
 ///
 /// A flat face has an infinite radius.
 pub fn hertz_stiffness(materials: [Material; 2], radii_m: [f64; 2]) -> f64 {
-    let compliance: f64 = materials
-        .iter()
-        .map(|m| (1.0 - m.poisson_ratio.powi(2)) / m.youngs_modulus_pa)
-        .sum();
+    let compliance: f64 = materials.iter().map(|m| (1.0 - m.poisson_ratio.powi(2)) / m.youngs_modulus_pa).sum();
     let curvature: f64 = radii_m.iter().map(|r| r.recip()).sum();
     4.0 / 3.0 / compliance / curvature.sqrt()
 }
@@ -26,10 +23,7 @@ mod tests {
     /// Steel sphere of 10 mm on a steel flat: δ = (9 F²/(16 E*² R))^{1/3} (Johnson, Contact Mechanics, (4.23)).
     #[test]
     fn errata_06_stiffness_agrees_with_johnson() {
-        let steel = Material {
-            youngs_modulus_pa: 210e9,
-            poisson_ratio: 0.3,
-        };
+        let steel = Material { youngs_modulus_pa: 210e9, poisson_ratio: 0.3 };
         let e_star = 210e9 / (2.0 * (1.0 - 0.09));
         let force: f64 = 100.0;
         let delta = (9.0 * force * force / (16.0 * e_star * e_star * 0.01)).cbrt();

@@ -17,10 +17,7 @@ pub struct NormalForce {
 #[inline(always)]
 pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     let (sigma, slope) = smoothstep(delta / law.transition_m);
-    (
-        law.damping_max_n_s_per_m * sigma,
-        law.damping_max_n_s_per_m * slope / law.transition_m,
-    )
+    (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
 }
 
 /// k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would let go. Zero for δ ≤ 0.
@@ -34,22 +31,14 @@ pub fn unclamped_normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalF
     // One power only; its derivative is e times it, which stays finite at δ → 0 because e ≥ 1.
     let power = law.stiffness_n_per_m_e * delta.powf(law.exponent - 1.0);
     let (c, dc) = damping(law, delta);
-    NormalForce {
-        force: power * delta + c * rate,
-        d_delta: law.exponent * power + dc * rate,
-        d_rate: c,
-    }
+    NormalForce { force: power * delta + c * rate, d_delta: law.exponent * power + dc * rate, d_rate: c }
 }
 
 /// F = max(0, k δᵉ + c(δ) δ̇), 0 for δ ≤ 0: contact cannot pull (thesis (2.38)).
 #[inline(always)]
 pub fn normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
     let unclamped = unclamped_normal_force(law, delta, rate);
-    if unclamped.force > 0.0 {
-        unclamped
-    } else {
-        NormalForce::default()
-    }
+    if unclamped.force > 0.0 { unclamped } else { NormalForce::default() }
 }
 
 /// Energy in the Hertz spring, k δᵉ⁺¹/(e + 1), in J; 0 for δ ≤ 0.
@@ -64,12 +53,8 @@ pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const OBJECT: NormalLaw = NormalLaw {
-        stiffness_n_per_m_e: 1e8,
-        exponent: 2.2,
-        damping_max_n_s_per_m: 1e6,
-        transition_m: 1e-5,
-    };
+    const OBJECT: NormalLaw =
+        NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
 
     #[test]
     fn errata_07_damper_reaches_c_max_at_delta_max() {
@@ -87,10 +72,7 @@ mod tests {
             let s: f64 = (delta / 1e-5f64).min(1.0);
             let expected = 1e8 * f64::powf(delta, 2.2) + 1e6 * (3.0 * s * s - 2.0 * s * s * s) * rate;
             let got = unclamped_normal_force(&OBJECT, delta, rate).force;
-            assert!(
-                (got - expected).abs() <= 1e-12 * expected.abs().max(1e-3),
-                "{delta} {rate}: {got} {expected}"
-            );
+            assert!((got - expected).abs() <= 1e-12 * expected.abs().max(1e-3), "{delta} {rate}: {got} {expected}");
         }
     }
 
@@ -103,10 +85,7 @@ mod tests {
             let d_delta = (f(delta + hd, rate) - f(delta - hd, rate)) / (2.0 * hd);
             let d_rate = (f(delta, rate + hr) - f(delta, rate - hr)) / (2.0 * hr);
             assert!((at.d_delta - d_delta).abs() < 1e-7 * d_delta.abs(), "{delta} {rate}");
-            assert!(
-                (at.d_rate - d_rate).abs() < 1e-7 * d_rate.abs().max(1.0),
-                "{delta} {rate}"
-            );
+            assert!((at.d_rate - d_rate).abs() < 1e-7 * d_rate.abs().max(1.0), "{delta} {rate}");
         }
     }
 
@@ -120,10 +99,7 @@ mod tests {
 
     #[test]
     fn exponent_one_is_linear_with_finite_slope_at_zero() {
-        let linear = NormalLaw {
-            exponent: 1.0,
-            ..OBJECT
-        };
+        let linear = NormalLaw { exponent: 1.0, ..OBJECT };
         let at = unclamped_normal_force(&linear, 1e-12, 0.0);
         assert!((at.d_delta - 1e8).abs() < 1e-6);
     }

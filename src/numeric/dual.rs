@@ -22,18 +22,12 @@ impl<const N: usize> Dual<N> {
 
     #[inline(always)]
     fn combine(self, other: Self, value: f64, a: f64, b: f64) -> Self {
-        Self {
-            value,
-            grad: std::array::from_fn(|i| a * self.grad[i] + b * other.grad[i]),
-        }
+        Self { value, grad: std::array::from_fn(|i| a * self.grad[i] + b * other.grad[i]) }
     }
 
     #[inline(always)]
     fn map(self, value: f64, f: impl Fn(f64) -> f64) -> Self {
-        Self {
-            value,
-            grad: self.grad.map(f),
-        }
+        Self { value, grad: self.grad.map(f) }
     }
 }
 
@@ -41,10 +35,7 @@ impl Dual<2> {
     /// The same number seen from a larger set of variables, of which its own come first.
     #[inline(always)]
     pub fn widen(self) -> Dual<4> {
-        Dual {
-            value: self.value,
-            grad: [self.grad[0], self.grad[1], 0.0, 0.0],
-        }
+        Dual { value: self.value, grad: [self.grad[0], self.grad[1], 0.0, 0.0] }
     }
 }
 
@@ -74,10 +65,7 @@ impl<const N: usize> Add for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            grad: std::array::from_fn(|i| self.grad[i] + other.grad[i]),
-        }
+        Self { value: self.value + other.value, grad: std::array::from_fn(|i| self.grad[i] + other.grad[i]) }
     }
 }
 
@@ -85,10 +73,7 @@ impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self {
-            value: self.value - other.value,
-            grad: std::array::from_fn(|i| self.grad[i] - other.grad[i]),
-        }
+        Self { value: self.value - other.value, grad: std::array::from_fn(|i| self.grad[i] - other.grad[i]) }
     }
 }
 
@@ -112,10 +97,7 @@ impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: f64) -> Self {
-        Self {
-            value: self.value + other,
-            grad: self.grad,
-        }
+        Self { value: self.value + other, grad: self.grad }
     }
 }
 
@@ -123,10 +105,7 @@ impl<const N: usize> Sub<f64> for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: f64) -> Self {
-        Self {
-            value: self.value - other,
-            grad: self.grad,
-        }
+        Self { value: self.value - other, grad: self.grad }
     }
 }
 

@@ -57,11 +57,7 @@ pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     let sin = cross(a, b);
     let cos = dot(a, b);
     let (s, c) = (sin.value(), cos.value());
-    let angle = if s.abs() < 2e-3 && c > 0.0 {
-        s * (1.0 + s * s * (1.0 / 6.0 + s * s * 0.075))
-    } else {
-        s.atan2(c)
-    };
+    let angle = if s.abs() < 2e-3 && c > 0.0 { s * (1.0 + s * s * (1.0 / 6.0 + s * s * 0.075)) } else { s.atan2(c) };
     sin.chain2(cos, angle, c, -s)
 }
 
@@ -71,15 +67,10 @@ mod tests {
 
     #[test]
     fn angle_between_agrees_with_atan2_across_the_switch() {
-        for angle in [
-            -3.0, -0.5, -2.1e-3, -1.9e-3, -1e-9, 0.0, 3e-8, 1.999e-3, 2.001e-3, 1.2, 3.1f64,
-        ] {
+        for angle in [-3.0, -0.5, -2.1e-3, -1.9e-3, -1e-9, 0.0, 3e-8, 1.999e-3, 2.001e-3, 1.2, 3.1f64] {
             let a: [f64; 2] = [0.3f64.cos(), 0.3f64.sin()];
             let b = [(0.3 + angle).cos(), (0.3 + angle).sin()];
-            assert!(
-                (angle_between(a, b) - angle).abs() < 4e-16 * (1.0 + angle.abs()),
-                "{angle}"
-            );
+            assert!((angle_between(a, b) - angle).abs() < 4e-16 * (1.0 + angle.abs()), "{angle}");
         }
     }
 }

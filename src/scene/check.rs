@@ -13,18 +13,9 @@ pub struct Bound {
     pub text: &'static str,
 }
 
-pub const ANY: Bound = Bound {
-    allowed: |_| true,
-    text: "any finite number",
-};
-pub const POSITIVE: Bound = Bound {
-    allowed: |x| x > 0.0,
-    text: "above 0",
-};
-pub const NOT_NEGATIVE: Bound = Bound {
-    allowed: |x| x >= 0.0,
-    text: "at least 0",
-};
+pub const ANY: Bound = Bound { allowed: |_| true, text: "any finite number" };
+pub const POSITIVE: Bound = Bound { allowed: |x| x > 0.0, text: "above 0" };
+pub const NOT_NEGATIVE: Bound = Bound { allowed: |x| x >= 0.0, text: "at least 0" };
 
 /// Collects what is wrong.
 pub struct Checker<'a> {
@@ -38,11 +29,7 @@ impl<'a> Checker<'a> {
     /// A checker of `text`, of which some problems may be known already.
     pub fn new(text: &'a str, problems: Vec<Problem>) -> Self {
         let mistyped = !problems.is_empty();
-        Checker {
-            text,
-            problems,
-            mistyped,
-        }
+        Checker { text, problems, mistyped }
     }
 
     pub fn is_clean(&self) -> bool {
@@ -51,8 +38,7 @@ impl<'a> Checker<'a> {
 
     /// All problems in the order of the file, each once.
     pub fn into_problems(mut self) -> Vec<Problem> {
-        self.problems
-            .sort_by_key(|p| p.span.as_ref().map_or((usize::MAX, 0), |s| (s.start, s.end)));
+        self.problems.sort_by_key(|p| p.span.as_ref().map_or((usize::MAX, 0), |s| (s.start, s.end)));
         self.problems.dedup();
         self.problems
     }
@@ -64,12 +50,7 @@ impl<'a> Checker<'a> {
         label: impl Into<String>,
         help: impl Into<String>,
     ) {
-        self.problems.push(Problem {
-            span,
-            message: message.into(),
-            label: label.into(),
-            help: help.into(),
-        });
+        self.problems.push(Problem { span, message: message.into(), label: label.into(), help: help.into() });
     }
 
     /// The value of a key; `None` if it is left out or (then that is noted) wrong.
@@ -120,11 +101,7 @@ impl<'a> Checker<'a> {
         if self.mistyped {
             return;
         }
-        let key = if key.starts_with('[') {
-            key.to_string()
-        } else {
-            format!("`{key}`")
-        };
+        let key = if key.starts_with('[') { key.to_string() } else { format!("`{key}`") };
         let label = if section.is_given() { "in this section" } else { "" };
         self.push(section.span.clone(), format!("{key} is missing"), label, help);
     }
@@ -133,19 +110,12 @@ impl<'a> Checker<'a> {
     pub fn unused<K>(&mut self, key: &str, entry: &Entry<K>, why: &str) {
         if entry.is_given() {
             let message = format!("`{key}` has no effect {why}");
-            self.push(
-                entry.span(),
-                message,
-                "no effect",
-                "remove it, or change what it depends on",
-            );
+            self.push(entry.span(), message, "no effect", "remove it, or change what it depends on");
         }
     }
 
     /// The text at a place of the file, without quotes.
     fn quoted(&self, span: Option<Range<usize>>) -> &'a str {
-        span.and_then(|s| self.text.get(s))
-            .unwrap_or("this")
-            .trim_matches(['"', '\''])
+        span.and_then(|s| self.text.get(s)).unwrap_or("this").trim_matches(['"', '\''])
     }
 }

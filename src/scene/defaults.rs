@@ -24,20 +24,12 @@ pub fn mu_dynamic(mu_static: f64) -> f64 {
 }
 
 /// Law of the object's contacts.
-pub const CONTACT: NormalLaw = NormalLaw {
-    stiffness_n_per_m_e: 1e8,
-    exponent: 2.2,
-    damping_max_n_s_per_m: 1e6,
-    transition_m: 1e-5,
-};
+pub const CONTACT: NormalLaw =
+    NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
 
 /// Law of the joint limit, in rad for m.
-pub const LIMIT: NormalLaw = NormalLaw {
-    stiffness_n_per_m_e: 1e11,
-    exponent: 2.2,
-    damping_max_n_s_per_m: 1e9,
-    transition_m: 1e-5,
-};
+pub const LIMIT: NormalLaw =
+    NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
 
 impl Integrator {
     /// The settings a preset stands for.

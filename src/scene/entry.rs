@@ -118,10 +118,7 @@ impl<K> Entry<K> {
 
 impl<K> Default for Entry<K> {
     fn default() -> Self {
-        Entry {
-            given: None,
-            kind: PhantomData,
-        }
+        Entry { given: None, kind: PhantomData }
     }
 }
 
@@ -133,10 +130,7 @@ impl<K> fmt::Debug for Entry<K> {
 
 impl<'de, K> Deserialize<'de> for Entry<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(Entry {
-            given: Some(Spanned::deserialize(deserializer)?),
-            kind: PhantomData,
-        })
+        Ok(Entry { given: Some(Spanned::deserialize(deserializer)?), kind: PhantomData })
     }
 }
 
@@ -178,10 +172,7 @@ impl<T> Deref for Section<T> {
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Section<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let table = Spanned::<T>::deserialize(deserializer)?;
-        Ok(Section {
-            span: Some(table.span()),
-            body: table.into_inner(),
-        })
+        Ok(Section { span: Some(table.span()), body: table.into_inner() })
     }
 }
 

@@ -24,11 +24,7 @@ pub enum SceneError {
     /// The file is not text.
     NotUtf8 { file: String, line: usize, column: usize },
     /// The file was read, but is no scene. Problems are in the order of the file.
-    Invalid {
-        file: String,
-        text: String,
-        problems: Vec<Problem>,
-    },
+    Invalid { file: String, text: String, problems: Vec<Problem> },
 }
 
 impl SceneError {
@@ -97,16 +93,8 @@ fn render(file: &str, text: &str, problem: &Problem) -> String {
 
     let number = line.to_string();
     let gutter = " ".repeat(number.len());
-    let _ = write!(
-        out,
-        "\n{gutter}--> {file}:{line}:{column}\n{gutter} |\n{number} | {shown}"
-    );
-    let _ = write!(
-        out,
-        "\n{gutter} | {}{}",
-        " ".repeat(column - 1 - from),
-        "^".repeat(carets)
-    );
+    let _ = write!(out, "\n{gutter}--> {file}:{line}:{column}\n{gutter} |\n{number} | {shown}");
+    let _ = write!(out, "\n{gutter} | {}{}", " ".repeat(column - 1 - from), "^".repeat(carets));
     if !problem.label.is_empty() {
         let _ = write!(out, " {}", problem.label);
     }
@@ -146,12 +134,7 @@ mod tests {
     use super::*;
 
     fn problem(span: Option<Range<usize>>) -> Problem {
-        Problem {
-            span,
-            message: "wrong".into(),
-            label: "here".into(),
-            help: "mend it".into(),
-        }
+        Problem { span, message: "wrong".into(), label: "here".into(), help: "mend it".into() }
     }
 
     #[test]
@@ -162,10 +145,7 @@ mod tests {
             render("f.toml", text, &problem(Some(at..at + 6))),
             "error: wrong\n --> f.toml:2:6\n  |\n2 |  µ = \"2 mm\"\n  |      ^^^^^^ here\n  = help: mend it"
         );
-        assert_eq!(
-            render("f.toml", text, &problem(None)),
-            "error: wrong\n --> f.toml\n  = help: mend it"
-        );
+        assert_eq!(render("f.toml", text, &problem(None)), "error: wrong\n --> f.toml\n  = help: mend it");
     }
 
     #[test]

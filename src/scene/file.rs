@@ -16,10 +16,7 @@ use super::{Scene, keys, resolve};
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     let path = path.as_ref();
     let file = path.display().to_string();
-    let read = |reason: &str| SceneError::Read {
-        file: file.clone(),
-        reason: reason.to_string(),
-    };
+    let read = |reason: &str| SceneError::Read { file: file.clone(), reason: reason.to_string() };
     if path.is_dir() {
         return Err(read("it is a directory; name a scene file (.toml) in it"));
     }
@@ -32,11 +29,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         let valid = e.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&e.as_bytes()[..valid]);
         let (line, column) = line_column(&before, before.len());
-        SceneError::NotUtf8 {
-            file: file.clone(),
-            line,
-            column,
-        }
+        SceneError::NotUtf8 { file: file.clone(), line, column }
     })?;
     parse(&text, &file)
 }

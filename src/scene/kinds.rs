@@ -82,12 +82,7 @@ impl<M: Measured> Kind for Pair<M> {
         let list = <List<M>>::read(key, value)?;
         <[f64; 2]>::try_from(list).map_err(|list| {
             let message = format!("`{key}` has {} values, but must have two, x and y", list.len());
-            vec![at(
-                value,
-                message,
-                "two values",
-                format!("write [\"{example}\", \"{example}\"]"),
-            )]
+            vec![at(value, message, "two values", format!("write [\"{example}\", \"{example}\"]"))]
         })
     }
 
@@ -220,11 +215,7 @@ impl Kind for Text {
         match value.get_ref() {
             Any::Text(text) if !text.trim().is_empty() => Ok(text.clone()),
             other => {
-                let found = if matches!(other, Any::Text(_)) {
-                    "empty"
-                } else {
-                    other.name()
-                };
+                let found = if matches!(other, Any::Text(_)) { "empty" } else { other.name() };
                 let message = format!("`{key}` is {found}, but must be a text");
                 let help = "write a text in quotes, or leave the key out".to_string();
                 Err(vec![at(value, message, "a text", help)])
@@ -277,10 +268,5 @@ impl<W: Words> Kind for Choice<W> {
 }
 
 fn at(value: &Spanned<Any>, message: String, label: impl Into<String>, help: String) -> Problem {
-    Problem {
-        span: Some(value.span()),
-        message,
-        label: label.into(),
-        help,
-    }
+    Problem { span: Some(value.span()), message, label: label.into(), help }
 }

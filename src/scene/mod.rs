@@ -116,10 +116,7 @@ pub enum SpringKind {
     /// Constant torque k_s.
     Constant { torque_n_m: f64 },
     /// Torque c_s (q_p + Δq_s): stiffness and preload angle, Δq_s from the straight configuration.
-    Torsional {
-        stiffness_n_m_per_rad: f64,
-        preload_rad: f64,
-    },
+    Torsional { stiffness_n_m_per_rad: f64, preload_rad: f64 },
 }
 
 /// The coordinate q_s the spring acts on (thesis §3.3.2.3).

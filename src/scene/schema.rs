@@ -12,9 +12,7 @@ pub fn schema() -> String {
 
 /// The same as a value. Tables are nested in place: no references to follow.
 pub(super) fn schema_value() -> Value {
-    let settings = SchemaSettings::draft07()
-        .for_deserialize()
-        .with(|s| s.inline_subschemas = true);
+    let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<RawScene>().to_value();
     unwrap_lines(&mut schema);
     schema

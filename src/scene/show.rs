@@ -49,11 +49,7 @@ fn finger(out: &mut Out, scene: &Scene) {
         ("bodies.l21", &bodies.l21),
         ("bodies.l22", &bodies.l22),
     ] {
-        let Body {
-            mass_kg,
-            com_m,
-            inertia_kg_m2,
-        } = body;
+        let Body { mass_kg, com_m, inertia_kg_m2 } = body;
         out.section(key);
         out.quantity("mass", *mass_kg, Dimension::Mass);
         out.quantities("com", com_m, Dimension::Length);
@@ -109,10 +105,7 @@ fn drive(out: &mut Out, scene: &Scene) {
                     out.text("type", "constant");
                     out.quantity("torque", torque_n_m, Dimension::Torque);
                 }
-                SpringKind::Torsional {
-                    stiffness_n_m_per_rad,
-                    preload_rad,
-                } => {
+                SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
                     out.text("type", "torsional");
                     out.quantity("stiffness", stiffness_n_m_per_rad, Dimension::AngularStiffness);
                     out.quantity("preload", preload_rad, Dimension::Angle);
@@ -145,12 +138,7 @@ fn contact(out: &mut Out, path: &str, law: &ContactLaw) {
     out.section(&format!("{path}.friction"));
     match &law.friction {
         None => out.float("mu_static", 0.0),
-        Some(FrictionLaw {
-            mu_static,
-            mu_dynamic,
-            v_static_m_s,
-            v_dynamic_m_s,
-        }) => {
+        Some(FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s }) => {
             out.float("mu_static", *mu_static);
             out.float("mu_dynamic", *mu_dynamic);
             out.quantity("v_static", *v_static_m_s, Dimension::Speed);
@@ -213,10 +201,7 @@ impl Out {
     }
 
     fn quantities(&mut self, key: &str, values: &[f64], dimension: Dimension) {
-        let texts: Vec<String> = values
-            .iter()
-            .map(|v| format!("\"{}\"", format(*v, dimension)))
-            .collect();
+        let texts: Vec<String> = values.iter().map(|v| format!("\"{}\"", format(*v, dimension))).collect();
         self.raw(key, format_args!("[{}]", texts.join(", ")));
     }
 }

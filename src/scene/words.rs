@@ -43,11 +43,8 @@ impl Words for MotorProfile {
 }
 
 impl Words for SpringType {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        ("constant", SpringType::Constant),
-        ("torsional", SpringType::Torsional),
-        ("none", SpringType::None),
-    ];
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("constant", SpringType::Constant), ("torsional", SpringType::Torsional), ("none", SpringType::None)];
 }
 
 impl Words for Assembly {

@@ -33,11 +33,7 @@ pub fn options(scene: &Scene) -> Options {
 /// The initial state of a scene.
 pub fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
     let start = &scene.initial;
-    State {
-        q: [start.q11_rad, start.q21_rad],
-        v: [start.qd11_rad_s, start.qd21_rad_s],
-        z: [0.0; QUADRATURES],
-    }
+    State { q: [start.q11_rad, start.q21_rad], v: [start.qd11_rad_s, start.qd21_rad_s], z: [0.0; QUADRATURES] }
 }
 
 /// Simulates `scene` with the analytic model.
@@ -49,10 +45,15 @@ pub fn run_analytic(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunE
     let (options, start) = (options(scene), initial_state(scene));
     let mut recorder = Recorder::new(&model, scene, start, sink);
     recorder.begin()?;
-    let (end, counters, result) = match scene.integrator.method {
-        Method::Rodas5p => {
-            integrate::<2, QUADRATURES, 3, _, Rodas5p, _>(&model, &options, 0.0, start, scene.duration_s, &mut recorder)
-        }
+    let end = match scene.integrator.method {
+        Method::Rodas5p => integrate::<2, QUADRATURES, 3, _, Rodas5p<2, QUADRATURES>, _>(
+            &model,
+            &options,
+            0.0,
+            start,
+            scene.duration_s,
+            &mut recorder,
+        ),
         Method::RadauIIa5 => integrate::<2, QUADRATURES, 3, _, Radau5<2, QUADRATURES>, _>(
             &model,
             &options,
@@ -62,13 +63,10 @@ pub fn run_analytic(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunE
             &mut recorder,
         ),
     };
-    let outcome = recorder.finish(&end, work(&counters))?;
-    match result {
+    let outcome = recorder.finish(&end.state, work(&end.counters))?;
+    match end.result {
         Ok(()) => Ok(outcome),
-        Err(failure) => Err(RunError::Simulation {
-            failure,
-            so_far: Box::new(outcome),
-        }),
+        Err(failure) => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
     }
 }
 

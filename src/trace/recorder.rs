@@ -4,7 +4,7 @@ use super::{
     ContactSample, Energy, Event, EventKind, LimitSample, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work,
 };
 use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteReading, SiteState};
-use crate::integrator::{Dense, Hybrid, Observer, State};
+use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::Scene;
 
 type Point = State<2, QUADRATURES>;
@@ -52,13 +52,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
             if self.mode[site as usize] == SiteState::Active {
                 let summary = &mut self.sites[site as usize];
                 (summary.first_s, summary.touchdowns) = (Some(0.0), 1);
-                let event = Event {
-                    time_s: 0.0,
-                    site,
-                    kind: EventKind::TouchDown,
-                    approach_speed: 0.0,
-                    impulse: 0.0,
-                };
+                let event = Event { time_s: 0.0, site, kind: EventKind::TouchDown, approach_speed: 0.0, impulse: 0.0 };
                 self.sink.event(&event)?;
             }
         }
@@ -73,11 +67,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
         for (summary, impulse) in sites.iter_mut().zip(end.z) {
             summary.impulse_n_s = impulse;
         }
-        Ok(Outcome {
-            last: self.last,
-            sites,
-            work,
-        })
+        Ok(Outcome { last: self.last, sites, work })
     }
 
     fn emit(&mut self, t: f64, state: &Point, mode: &Mode) -> Result<(), SinkError> {
@@ -88,24 +78,21 @@ impl<'a, S: Sink> Recorder<'a, S> {
     /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
     fn emit_step(
         &mut self,
-        dense: &Dense<2, QUADRATURES>,
+        step: &Step<2, QUADRATURES>,
         mode: &Mode,
-        resolve: &mut dyn FnMut(f64) -> Point,
+        tools: &mut dyn StepTools<2, QUADRATURES>,
     ) -> Result<(), SinkError> {
-        let end = dense.end_time();
+        let end = step.t1;
         loop {
             let t = self.next as f64 * self.interval_s;
             if t >= end || t >= self.end_s {
                 break;
             }
             self.next += 1;
-            let theta = (t - dense.t0) / dense.h;
+            let theta = (t - step.t0) / step.h;
             if theta > 0.0 {
-                let state = if mode.contains(&SiteState::Active) {
-                    resolve(theta)
-                } else {
-                    dense.at(theta)
-                };
+                let state =
+                    if mode.contains(&SiteState::Active) { tools.resolve(theta) } else { tools.interpolate(theta) };
                 self.emit(t, &state, mode)?;
             }
         }
@@ -113,16 +100,16 @@ impl<'a, S: Sink> Recorder<'a, S> {
         if on_grid {
             self.next += 1;
         }
-        if on_grid || dense.h < self.interval_s || end >= self.end_s {
-            self.emit(end, &dense.end, mode)
+        if on_grid || step.h < self.interval_s || end >= self.end_s {
+            self.emit(end, step.end, mode)
         } else {
-            self.last = sample(self.model, end, &dense.end, mode, &self.start_energy);
+            self.last = sample(self.model, end, step.end, mode, &self.start_energy);
             Ok(())
         }
     }
 
     /// Largest force and penetration within one step.
-    fn search_peaks(&mut self, dense: &Dense<2, QUADRATURES>, mode: &Mode, resolve: &mut dyn FnMut(f64) -> Point) {
+    fn search_peaks(&mut self, step: &Step<2, QUADRATURES>, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) {
         for site in Site::ALL {
             let index = site as usize;
             if !matches!(mode[index], SiteState::Active | SiteState::Natural) {
@@ -130,21 +117,22 @@ impl<'a, S: Sink> Recorder<'a, S> {
             }
             let model = self.model;
             let read = |state: &Point| model.reading(state.q, state.v, site, mode[index]);
-            let (Some(start), Some(end)) = (read(&dense.start), read(&dense.end)) else {
+            let (Some(start), Some(end)) = (read(step.start), read(step.end)) else {
                 continue;
             };
             let summary = &mut self.sites[index];
             summary.max_penetration_m = summary.max_penetration_m.max(start.delta).max(end.delta);
             if start.delta_rate > 0.0 && end.delta_rate < 0.0 {
-                let deepest = bisect(|theta| read(&dense.at(theta)).map_or(0.0, |r| r.delta_rate));
-                let delta = read(&dense.at(deepest)).map_or(0.0, |r| r.delta);
+                let deepest = bisect(|theta| read(&tools.interpolate(theta)).map_or(0.0, |r| r.delta_rate));
+                let delta = read(&tools.interpolate(deepest)).map_or(0.0, |r| r.delta);
                 summary.max_penetration_m = summary.max_penetration_m.max(delta);
             }
             let highest = start.normal.max(end.normal);
             if highest > SEARCH_FROM * summary.peak_normal_n {
-                let force =
-                    |theta: f64, resolve: &mut dyn FnMut(f64) -> Point| read(&resolve(theta)).map_or(0.0, |r| r.normal);
-                let peak = parabola_peak(start.normal, end.normal, |theta| force(theta, resolve));
+                let force = |theta: f64, tools: &mut dyn StepTools<2, QUADRATURES>| {
+                    read(&tools.resolve(theta)).map_or(0.0, |r| r.normal)
+                };
+                let peak = parabola_peak(start.normal, end.normal, |theta| force(theta, tools));
                 summary.peak_normal_n = summary.peak_normal_n.max(peak);
             }
         }
@@ -152,10 +140,10 @@ impl<'a, S: Sink> Recorder<'a, S> {
 }
 
 impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
-    fn step(&mut self, dense: &Dense<2, QUADRATURES>, mode: &Mode, resolve: &mut dyn FnMut(f64) -> Point) -> bool {
+    fn step(&mut self, step: &Step<2, QUADRATURES>, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) -> bool {
         self.mode = *mode;
-        self.search_peaks(dense, mode, resolve);
-        if let Err(error) = self.emit_step(dense, mode, resolve) {
+        self.search_peaks(step, mode, tools);
+        if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
         self.error.is_none()
@@ -184,13 +172,7 @@ impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
             EventKind::Reload => {}
         }
         self.mode = *mode;
-        let event = Event {
-            time_s: t,
-            site: Site::ALL[site],
-            kind,
-            approach_speed,
-            impulse,
-        };
+        let event = Event { time_s: t, site: Site::ALL[site], kind, approach_speed, impulse };
         if let Err(error) = self.sink.event(&event) {
             self.error.get_or_insert(error);
         }
@@ -198,15 +180,11 @@ impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
 }
 
 /// Where a rate that starts positive and ends negative is zero.
-fn bisect(rate: impl Fn(f64) -> f64) -> f64 {
+fn bisect(mut rate: impl FnMut(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
-        if rate(middle) > 0.0 {
-            low = middle
-        } else {
-            high = middle
-        }
+        if rate(middle) > 0.0 { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -223,18 +201,10 @@ fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) 
             break;
         }
         let at = value(vertex);
-        points = if vertex < b {
-            [(a, fa), (vertex, at), (b, fb)]
-        } else {
-            [(b, fb), (vertex, at), (c, fc)]
-        };
+        points = if vertex < b { [(a, fa), (vertex, at), (b, fb)] } else { [(b, fb), (vertex, at), (c, fc)] };
         if at < fb {
             // The middle point was higher: keep it in the middle.
-            points = if vertex < b {
-                [(vertex, at), (b, fb), (c, fc)]
-            } else {
-                [(a, fa), (b, fb), (vertex, at)]
-            };
+            points = if vertex < b { [(vertex, at), (b, fb), (c, fc)] } else { [(a, fa), (b, fb), (vertex, at)] };
         }
     }
     highest(&points)
@@ -263,16 +233,8 @@ fn sample(model: &Model, t: f64, state: &Point, mode: &Mode, start: &Energies) -
         proximal: contact_sample(read(Site::Proximal)),
         distal: contact_sample(read(Site::Distal)),
         limit: read(Site::Limit).map_or(
-            LimitSample {
-                gap_rad: f64::INFINITY,
-                gap_rate_rad_s: 0.0,
-                torque_n_m: 0.0,
-            },
-            |r| LimitSample {
-                gap_rad: -r.delta,
-                gap_rate_rad_s: -r.delta_rate,
-                torque_n_m: r.normal,
-            },
+            LimitSample { gap_rad: f64::INFINITY, gap_rate_rad_s: 0.0, torque_n_m: 0.0 },
+            |r| LimitSample { gap_rad: -r.delta, gap_rate_rad_s: -r.delta_rate, torque_n_m: r.normal },
         ),
         energy: Energy {
             kinetic_j: energies.kinetic,

@@ -16,11 +16,7 @@ pub enum QuantityError {
     #[error("unknown unit `{unit}`; {} is wanted: {}", .wanted.name(), .wanted.unit_list())]
     UnknownUnit { unit: String, wanted: Dimension },
     #[error("{text} is {}; {} is wanted: {}", .found.name(), .wanted.name(), .wanted.unit_list())]
-    WrongDimension {
-        text: String,
-        found: Dimension,
-        wanted: Dimension,
-    },
+    WrongDimension { text: String, found: Dimension, wanted: Dimension },
 }
 
 /// Reads a quantity of dimension `wanted` and returns it in SI.
@@ -48,19 +44,10 @@ pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
         return Err(QuantityError::MissingUnit { text, wanted });
     }
     let Some(unit) = wanted.units().iter().find(|u| u.name == name) else {
-        let found = Dimension::ALL
-            .into_iter()
-            .find(|d| d.units().iter().any(|u| u.name == name));
+        let found = Dimension::ALL.into_iter().find(|d| d.units().iter().any(|u| u.name == name));
         return Err(match found {
-            Some(found) => QuantityError::WrongDimension {
-                text: text.into(),
-                found,
-                wanted,
-            },
-            None => QuantityError::UnknownUnit {
-                unit: rest.trim().into(),
-                wanted,
-            },
+            Some(found) => QuantityError::WrongDimension { text: text.into(), found, wanted },
+            None => QuantityError::UnknownUnit { unit: rest.trim().into(), wanted },
         });
     };
     match to_si(number, (unit.factor)()) {
@@ -81,9 +68,7 @@ fn to_si(number: &str, factor: f64) -> Option<f64> {
     if (factor / 10f64.powi(shift as i32) - 1.0).abs() < 1e-14 {
         let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
         if let Ok(exponent) = exponent.parse::<i32>() {
-            return format!("{mantissa}e{}", exponent.saturating_add(shift as i32))
-                .parse()
-                .ok();
+            return format!("{mantissa}e{}", exponent.saturating_add(shift as i32)).parse().ok();
         }
     }
     number.parse::<f64>().ok().map(|value| value * factor)
@@ -180,14 +165,7 @@ mod tests {
 
     #[test]
     fn spellings_of_one_unit_agree() {
-        for text in [
-            "480 N*mm",
-            "480 N·mm",
-            "480 N mm",
-            "480N*mm",
-            " 480  N * mm ",
-            "480 N⋅mm",
-        ] {
+        for text in ["480 N*mm", "480 N·mm", "480 N mm", "480N*mm", " 480  N * mm ", "480 N⋅mm"] {
             assert_eq!(ok(text, Torque), 0.48, "{text}");
         }
         for text in ["10 um", "10 µm", "10 μm", "1e1 um", "+10. um", "1.0E+1um"] {
@@ -212,30 +190,15 @@ mod tests {
 
     #[test]
     fn refusals_name_the_value_what_is_allowed_and_the_way_out() {
-        assert_eq!(
-            message("30 ms", Length),
-            "30 ms is a time; a length is wanted: m, cm, mm, um"
-        );
-        assert_eq!(
-            message("15", Length),
-            "`15` has no unit; a length is wanted: m, cm, mm, um"
-        );
-        assert_eq!(
-            message("15 inch", Length),
-            "unknown unit `inch`; a length is wanted: m, cm, mm, um"
-        );
-        assert_eq!(
-            message("15 MM", Length),
-            "unknown unit `MM`; a length is wanted: m, cm, mm, um"
-        );
+        assert_eq!(message("30 ms", Length), "30 ms is a time; a length is wanted: m, cm, mm, um");
+        assert_eq!(message("15", Length), "`15` has no unit; a length is wanted: m, cm, mm, um");
+        assert_eq!(message("15 inch", Length), "unknown unit `inch`; a length is wanted: m, cm, mm, um");
+        assert_eq!(message("15 MM", Length), "unknown unit `MM`; a length is wanted: m, cm, mm, um");
         assert_eq!(
             message("wide", Length),
             "`wide` does not begin with a number; a length is wanted, such as \"15 mm\""
         );
-        assert_eq!(
-            message("1,5 mm", Length),
-            "`1,5 mm` has a decimal comma; write a decimal point, as in \"1.5 mm\""
-        );
+        assert_eq!(message("1,5 mm", Length), "`1,5 mm` has a decimal comma; write a decimal point, as in \"1.5 mm\"");
         for text in ["inf mm", "NaN mm", "-infinity m", "1e999 m", "1e308 GPa"] {
             let dimension = if text.ends_with("Pa") { Pressure } else { Length };
             assert_eq!(message(text, dimension), format!("`{text}` is not a finite number"));
@@ -244,9 +207,9 @@ mod tests {
 
     #[test]
     fn odd_texts_are_refused_without_panic() {
-        for text in [
-            "", " ", "+", "-", ".", "e", "1e", "1e+", ".e5 mm", "--1 mm", "1 m m", "1 *", "1 /", "𝟙 mm", "1 °°", "1e5",
-        ] {
+        for text in
+            ["", " ", "+", "-", ".", "e", "1e", "1e+", ".e5 mm", "--1 mm", "1 m m", "1 *", "1 /", "𝟙 mm", "1 °°", "1e5"]
+        {
             assert!(parse(text, Length).is_err(), "{text}");
         }
     }

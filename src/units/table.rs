@@ -203,12 +203,8 @@ const ANGULAR_RATE: &[Unit] = &[
 
 const ACCELERATION: &[Unit] = &[
     unit("m/s^2", || Acceleration::new::<meter_per_second_squared>(1.0).value),
-    read_only("cm/s^2", || {
-        Acceleration::new::<centimeter_per_second_squared>(1.0).value
-    }),
-    read_only("mm/s^2", || {
-        Acceleration::new::<millimeter_per_second_squared>(1.0).value
-    }),
+    read_only("cm/s^2", || Acceleration::new::<centimeter_per_second_squared>(1.0).value),
+    read_only("mm/s^2", || Acceleration::new::<millimeter_per_second_squared>(1.0).value),
 ];
 
 const DENSITY: &[Unit] = &[
@@ -218,15 +214,9 @@ const DENSITY: &[Unit] = &[
 
 const INERTIA: &[Unit] = &[
     unit("kg*m^2", || 1.0),
-    read_only("kg*mm^2", || {
-        inertia(Mass::new::<kilogram>(1.0), Length::new::<millimeter>(1.0))
-    }),
-    read_only("g*cm^2", || {
-        inertia(Mass::new::<gram>(1.0), Length::new::<centimeter>(1.0))
-    }),
-    unit("g*mm^2", || {
-        inertia(Mass::new::<gram>(1.0), Length::new::<millimeter>(1.0))
-    }),
+    read_only("kg*mm^2", || inertia(Mass::new::<kilogram>(1.0), Length::new::<millimeter>(1.0))),
+    read_only("g*cm^2", || inertia(Mass::new::<gram>(1.0), Length::new::<centimeter>(1.0))),
+    unit("g*mm^2", || inertia(Mass::new::<gram>(1.0), Length::new::<millimeter>(1.0))),
 ];
 
 const FREQUENCY: &[Unit] = &[
@@ -249,9 +239,7 @@ const PRESSURE: &[Unit] = &[
 const ANGULAR_STIFFNESS: &[Unit] = &[
     unit("N*m/rad", || Torque::new::<newton_meter>(1.0).value),
     unit("N*mm/rad", || Torque::new::<newton_millimeter>(1.0).value),
-    read_only("N*mm/deg", || {
-        (Torque::new::<newton_millimeter>(1.0) / Angle::new::<degree>(1.0)).value
-    }),
+    read_only("N*mm/deg", || (Torque::new::<newton_millimeter>(1.0) / Angle::new::<degree>(1.0)).value),
 ];
 
 const LINEAR_DAMPING: &[Unit] = &[
@@ -312,11 +300,7 @@ mod tests {
             ("N*s/mm", 1e3),
             ("N*mm*s/rad", 1e-3),
         ] {
-            let unit = Dimension::ALL
-                .iter()
-                .flat_map(|d| d.units())
-                .find(|u| u.name == name)
-                .expect(name);
+            let unit = Dimension::ALL.iter().flat_map(|d| d.units()).find(|u| u.name == name).expect(name);
             let factor = (unit.factor)();
             assert!((factor / expected - 1.0).abs() < 1e-14, "{name}: {factor}");
         }

@@ -33,8 +33,5 @@ pub const THIRDS: [f64; 4] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
 
 #[track_caller]
 pub fn assert_near(got: f64, want: f64, tolerance: f64) {
-    assert!(
-        (got - want).abs() <= tolerance,
-        "got {got}, want {want} ± {tolerance:e}"
-    );
+    assert!((got - want).abs() <= tolerance, "got {got}, want {want} ± {tolerance:e}");
 }

@@ -7,14 +7,8 @@ use super::super::raw::{RawContact, RawElastic, RawFriction, RawLimit, RawMateri
 use super::super::{Contacts, defaults};
 use crate::law::{ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
-const EXPONENT: Bound = Bound {
-    allowed: |x| x >= 1.0,
-    text: "at least 1",
-};
-const POISSON: Bound = Bound {
-    allowed: |x| x > -1.0 && x <= 0.5,
-    text: "above -1 and up to 0.5",
-};
+const EXPONENT: Bound = Bound { allowed: |x| x >= 1.0, text: "at least 1" };
+const POISSON: Bound = Bound { allowed: |x| x > -1.0 && x <= 0.5, text: "above -1 and up to 0.5" };
 const HERTZ_EXPONENT: f64 = 1.5;
 
 /// The keys of one law: those of [contact], or those that replace them for one contact.
@@ -41,10 +35,7 @@ pub fn contacts(c: &mut Checker<'_>, raw: &Section<RawContact>, object_radius_m:
     };
     let proximal = law(c, [&common, &side("contact.proximal", &raw.proximal)], object_radius_m);
     let distal = law(c, [&common, &side("contact.distal", &raw.distal)], object_radius_m);
-    Some(Contacts {
-        proximal: proximal?,
-        distal: distal?,
-    })
+    Some(Contacts { proximal: proximal?, distal: distal? })
 }
 
 fn side<'a>(path: &'static str, raw: &'a Section<RawSide>) -> Keys<'a> {
@@ -69,11 +60,7 @@ fn law(c: &mut Checker<'_>, levels: [&Keys<'_>; 2], object_radius_m: f64) -> Opt
         }
         if keys.materials.is_given() {
             for (key, entry) in [("stiffness_si", keys.stiffness_si), ("exponent", keys.exponent)] {
-                c.unused(
-                    &format!("{path}.{key}"),
-                    entry,
-                    &format!("beside [{path}.materials], which give it"),
-                );
+                c.unused(&format!("{path}.{key}"), entry, &format!("beside [{path}.materials], which give it"));
             }
             if let Some(k) = hertz(c, path, keys.materials, object_radius_m) {
                 (normal.stiffness_n_per_m_e, normal.exponent) = (k, HERTZ_EXPONENT);
@@ -135,31 +122,12 @@ fn elastic(
     parent: &Section<RawMaterials>,
 ) -> Option<Material> {
     if !raw.is_given() {
-        c.missing(
-            path,
-            parent,
-            "give both surfaces: object and phalanx = { modulus = \"2.3 GPa\", poisson = 0.35 }",
-        );
+        c.missing(path, parent, "give both surfaces: object and phalanx = { modulus = \"2.3 GPa\", poisson = 0.35 }");
         return None;
     }
-    let modulus = c.required(
-        &format!("{path}.modulus"),
-        &raw.modulus,
-        POSITIVE,
-        raw,
-        "add modulus = \"2.3 GPa\"",
-    );
-    let poisson = c.required(
-        &format!("{path}.poisson"),
-        &raw.poisson,
-        POISSON,
-        raw,
-        "add poisson = 0.35",
-    );
-    Some(Material {
-        youngs_modulus_pa: modulus?,
-        poisson_ratio: poisson?,
-    })
+    let modulus = c.required(&format!("{path}.modulus"), &raw.modulus, POSITIVE, raw, "add modulus = \"2.3 GPa\"");
+    let poisson = c.required(&format!("{path}.poisson"), &raw.poisson, POISSON, raw, "add poisson = 0.35");
+    Some(Material { youngs_modulus_pa: modulus?, poisson_ratio: poisson? })
 }
 
 /// Friction: `Some(None)` is frictionless, `None` is wrong. The coefficients of a level go together: a static one
@@ -222,12 +190,7 @@ fn friction(c: &mut Checker<'_>, levels: [(&str, &Section<RawFriction>); 2]) -> 
         );
         return None;
     }
-    let law = FrictionLaw {
-        mu_static,
-        mu_dynamic,
-        v_static_m_s: v_static,
-        v_dynamic_m_s: v_dynamic,
-    };
+    let law = FrictionLaw { mu_static, mu_dynamic, v_static_m_s: v_static, v_dynamic_m_s: v_dynamic };
     Some((mu_static > 0.0).then_some(law))
 }
 

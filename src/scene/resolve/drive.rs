@@ -21,37 +21,21 @@ pub fn motor(c: &mut Checker<'_>, raw: &RawScene) -> Option<Actuation> {
     }
     let torque_n_m = c.required("motor.torque", &motor.torque, ANY, motor, TORQUE);
     match profile {
-        MotorProfile::Constant | MotorProfile::Table => Some(Actuation::Constant {
-            torque_n_m: torque_n_m?,
-        }),
+        MotorProfile::Constant | MotorProfile::Table => Some(Actuation::Constant { torque_n_m: torque_n_m? }),
         MotorProfile::Ramp => {
-            let rise = c.required(
-                "motor.rise",
-                &motor.rise,
-                POSITIVE,
-                motor,
-                "add the time of the rise: rise = \"2 ms\"",
-            );
-            Some(Actuation::Ramp {
-                torque_n_m: torque_n_m?,
-                rise_s: rise?,
-            })
+            let rise =
+                c.required("motor.rise", &motor.rise, POSITIVE, motor, "add the time of the rise: rise = \"2 ms\"");
+            Some(Actuation::Ramp { torque_n_m: torque_n_m?, rise_s: rise? })
         }
         MotorProfile::HalfSine => {
             let help = "add the length of the pulse: pulse = \"10 ms\"";
             let pulse = c.required("motor.pulse", &motor.pulse, POSITIVE, motor, help);
-            Some(Actuation::HalfSine {
-                torque_n_m: torque_n_m?,
-                length_s: pulse?,
-            })
+            Some(Actuation::HalfSine { torque_n_m: torque_n_m?, length_s: pulse? })
         }
         MotorProfile::Reversal => {
             let help = "add when the torque changes sign: reverse_at = \"10 ms\"";
             let at = c.required("motor.reverse_at", &motor.reverse_at, NOT_NEGATIVE, motor, help);
-            Some(Actuation::Reversal {
-                torque_n_m: torque_n_m?,
-                at_s: at?,
-            })
+            Some(Actuation::Reversal { torque_n_m: torque_n_m?, at_s: at? })
         }
     }
 }
@@ -71,72 +55,37 @@ fn refuse_unused(c: &mut Checker<'_>, motor: &RawMotor, profile: MotorProfile) {
     } else {
         c.unused("motor.times", &motor.times, "without profile = \"table\"");
         c.unused("motor.torques", &motor.torques, "without profile = \"table\"");
-        c.unused(
-            "motor.interpolation",
-            &motor.interpolation,
-            "without profile = \"table\"",
-        );
+        c.unused("motor.interpolation", &motor.interpolation, "without profile = \"table\"");
     }
 }
 
 fn table(c: &mut Checker<'_>, raw: &RawScene) -> Option<Actuation> {
     let motor = &raw.motor;
     let interpolation = c.or("motor.interpolation", &motor.interpolation, Interpolation::Linear);
-    for (key, given) in [
-        ("motor.times", motor.times.is_given()),
-        ("motor.torques", motor.torques.is_given()),
-    ] {
+    for (key, given) in [("motor.times", motor.times.is_given()), ("motor.torques", motor.torques.is_given())] {
         if !given {
             let help = "a table has both: times = [\"0 ms\", \"5 ms\"] and torques = [\"0 N*mm\", \"480 N*mm\"]";
             c.missing(key, motor, help);
         }
     }
-    let (times, torques) = (
-        c.get("motor.times", &motor.times),
-        c.get("motor.torques", &motor.torques),
-    );
+    let (times, torques) = (c.get("motor.times", &motor.times), c.get("motor.torques", &motor.torques));
     let (times, torques) = (times?, torques?);
     if times.is_empty() {
-        c.push(
-            motor.times.span(),
-            "the table of the motor is empty",
-            "no times",
-            "give at least one time and torque",
-        );
+        c.push(motor.times.span(), "the table of the motor is empty", "no times", "give at least one time and torque");
         return None;
     }
     if times.len() != torques.len() {
-        let message = format!(
-            "the table of the motor has {} times, but {} torques",
-            times.len(),
-            torques.len()
-        );
-        c.push(
-            motor.torques.span(),
-            message,
-            "another count",
-            "give one torque for each time",
-        );
+        let message = format!("the table of the motor has {} times, but {} torques", times.len(), torques.len());
+        c.push(motor.torques.span(), message, "another count", "give one torque for each time");
         return None;
     }
     if let Some(i) = (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
-        let message = format!(
-            "the times of the motor's table do not increase: value {} is not after value {i}",
-            i + 1
-        );
+        let message = format!("the times of the motor's table do not increase: value {} is not after value {i}", i + 1);
         let place = motor.times.item_span(i);
-        c.push(
-            place,
-            message,
-            "must be later than the time before",
-            "put the times in increasing order, each once",
-        );
+        c.push(place, message, "must be later than the time before", "put the times in increasing order, each once");
         return None;
     }
-    Some(Actuation::Table {
-        points: times.into_iter().zip(torques).collect(),
-        interpolation,
-    })
+    Some(Actuation::Table { points: times.into_iter().zip(torques).collect(), interpolation })
 }
 
 /// The spring: `Some(None)` where the scene has none, `None` where it is wrong.
@@ -160,10 +109,7 @@ pub fn spring(c: &mut Checker<'_>, raw: &RawScene) -> Option<Option<Spring>> {
             let help = "add the spring's stiffness: stiffness = \"100 N*mm/rad\"";
             let stiffness = c.required("spring.stiffness", &spring.stiffness, POSITIVE, spring, help);
             let preload = c.number_or("spring.preload", &spring.preload, NOT_NEGATIVE, 0.0);
-            SpringKind::Torsional {
-                stiffness_n_m_per_rad: stiffness?,
-                preload_rad: preload,
-            }
+            SpringKind::Torsional { stiffness_n_m_per_rad: stiffness?, preload_rad: preload }
         }
     };
     Some(Some(Spring { kind, placement }))

@@ -12,18 +12,9 @@ use crate::gripper::{
     TIP_CONTACT_MIN_RAD,
 };
 
-const PHI22: Bound = Bound {
-    allowed: |x| x > 0.0 && x < PI,
-    text: "between 0 and 180 deg, both excluded",
-};
-const FRACTION: Bound = Bound {
-    allowed: |x| (0.0..=1.0).contains(&x),
-    text: "from 0 to 1",
-};
-const TIP_CONTACT: Bound = Bound {
-    allowed: |x| x.abs() < FRAC_PI_2,
-    text: "between -90 and 90 deg, both excluded",
-};
+const PHI22: Bound = Bound { allowed: |x| x > 0.0 && x < PI, text: "between 0 and 180 deg, both excluded" };
+const FRACTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
+const TIP_CONTACT: Bound = Bound { allowed: |x| x.abs() < FRAC_PI_2, text: "between -90 and 90 deg, both excluded" };
 
 /// The finger as far as its lengths.
 pub struct Plan {
@@ -61,21 +52,12 @@ pub fn plan(c: &mut Checker<'_>, raw: &RawScene, object_radius_m: f64) -> Plan {
         }
         (false, true) => lengths = given_lengths(c, &raw.lengths, half_width_m),
     }
-    Plan {
-        lengths,
-        assembly,
-        base_m,
-    }
+    Plan { lengths, assembly, base_m }
 }
 
 fn design(c: &mut Checker<'_>, raw: &Section<RawDesign>, half_width_m: f64, object_radius_m: f64) -> Option<Design> {
-    let base_m = c.required(
-        "design.base",
-        &raw.base,
-        POSITIVE,
-        raw,
-        "add the distance to the object: base = \"15.5 mm\"",
-    );
+    let base_m =
+        c.required("design.base", &raw.base, POSITIVE, raw, "add the distance to the object: base = \"15.5 mm\"");
     let l21 = match (raw.l21.is_given(), raw.l21_fraction.is_given()) {
         (true, true) => {
             c.push(
@@ -92,32 +74,14 @@ fn design(c: &mut Checker<'_>, raw: &Section<RawDesign>, half_width_m: f64, obje
             None
         }
         (true, false) => c.number("design.l21", &raw.l21, POSITIVE).map(ProximalLength::Length),
-        (false, true) => c
-            .number("design.l21_fraction", &raw.l21_fraction, FRACTION)
-            .map(ProximalLength::Fraction),
+        (false, true) => c.number("design.l21_fraction", &raw.l21_fraction, FRACTION).map(ProximalLength::Fraction),
     };
-    let phi22_rad = c.required(
-        "design.phi22",
-        &raw.phi22,
-        PHI22,
-        raw,
-        "add the tip's angle: phi22 = \"120 deg\"",
-    );
-    let arm_ratio = c.required(
-        "design.arm_ratio",
-        &raw.arm_ratio,
-        POSITIVE,
-        raw,
-        "add l22 / l11: arm_ratio = 0.5",
-    );
+    let phi22_rad = c.required("design.phi22", &raw.phi22, PHI22, raw, "add the tip's angle: phi22 = \"120 deg\"");
+    let arm_ratio = c.required("design.arm_ratio", &raw.arm_ratio, POSITIVE, raw, "add l22 / l11: arm_ratio = 0.5");
     let l11_m = c.number_or("design.l11", &raw.l11, POSITIVE, defaults::L11_M);
     let height_ratio = c.number_or("design.height_ratio", &raw.height_ratio, POSITIVE, HEIGHT_RATIO);
-    let tip_contact_min_rad = c.number_or(
-        "design.tip_contact_min",
-        &raw.tip_contact_min,
-        TIP_CONTACT,
-        TIP_CONTACT_MIN_RAD,
-    );
+    let tip_contact_min_rad =
+        c.number_or("design.tip_contact_min", &raw.tip_contact_min, TIP_CONTACT, TIP_CONTACT_MIN_RAD);
     Some(Design {
         base_m: base_m?,
         l21: l21?,
@@ -143,60 +107,23 @@ fn refuse_design(c: &mut Checker<'_>, raw: &Section<RawDesign>, error: &DesignEr
         DesignError::TipContactMin { .. } => raw.tip_contact_min.span(),
         _ => None,
     };
-    geometry(
-        c,
-        place.or(raw.span.clone()),
-        "no finger has this design",
-        &error.to_string(),
-    );
+    geometry(c, place.or(raw.span.clone()), "no finger has this design", &error.to_string());
 }
 
 fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f64) -> Option<Lengths> {
     let l11_m = c.number_or("lengths.l11", &raw.l11, POSITIVE, defaults::L11_M);
     let l12_m = c.number("lengths.l12", &raw.l12, POSITIVE);
-    let l21_m = c.required(
-        "lengths.l21",
-        &raw.l21,
-        POSITIVE,
-        raw,
-        "add the proximal phalanx: l21 = \"24 mm\"",
-    );
-    let l22_m = c.required(
-        "lengths.l22",
-        &raw.l22,
-        POSITIVE,
-        raw,
-        "add the arm of the distal body: l22 = \"7.5 mm\"",
-    );
-    let t22_m = c.required(
-        "lengths.t22",
-        &raw.t22,
-        POSITIVE,
-        raw,
-        "add the tip phalanx: t22 = \"13 mm\"",
-    );
-    let phi22_rad = c.required(
-        "lengths.phi22",
-        &raw.phi22,
-        PHI22,
-        raw,
-        "add the tip's angle: phi22 = \"120 deg\"",
-    );
+    let l21_m = c.required("lengths.l21", &raw.l21, POSITIVE, raw, "add the proximal phalanx: l21 = \"24 mm\"");
+    let l22_m = c.required("lengths.l22", &raw.l22, POSITIVE, raw, "add the arm of the distal body: l22 = \"7.5 mm\"");
+    let t22_m = c.required("lengths.t22", &raw.t22, POSITIVE, raw, "add the tip phalanx: t22 = \"13 mm\"");
+    let phi22_rad = c.required("lengths.phi22", &raw.phi22, PHI22, raw, "add the tip's angle: phi22 = \"120 deg\"");
     let (l21_m, l22_m, t22_m, phi22_rad) = (l21_m?, l22_m?, t22_m?, phi22_rad?);
     let l12_m = match raw.l12.is_given() {
         true => l12_m?,
         // Thesis (B.7): straight with l11 on the palm and l21 upright.
         false => (l11_m - l22_m * phi22_rad.sin()).hypot(l21_m + l22_m * phi22_rad.cos()),
     };
-    let lengths = Lengths {
-        l11_m,
-        l12_m,
-        l21_m,
-        l22_m,
-        t22_m,
-        phi22_rad,
-        half_width_m,
-    };
+    let lengths = Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m };
     // Either assembly mode: both exist where one does.
     match gripper::gamma(&lengths, Assembly::Reference) {
         Ok(_) => Some(lengths),
@@ -210,12 +137,7 @@ fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f
 
 /// Bodies from the outlines, with the scene's overrides.
 pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger> {
-    let density = c.number_or(
-        "material.density",
-        &raw.material.density,
-        POSITIVE,
-        defaults::DENSITY_KG_M3,
-    );
+    let density = c.number_or("material.density", &raw.material.density, POSITIVE, defaults::DENSITY_KG_M3);
     let depth = c.number_or("material.depth", &raw.material.depth, POSITIVE, defaults::DEPTH_M);
     let overrides = [
         Override::read(c, "bodies.l11", &raw.bodies.l11),
@@ -225,14 +147,8 @@ pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger
     ];
     let lengths = plan.lengths?;
     // The outline of a distal body that is given completely does not matter, not even if there is none.
-    let outlined = Lengths {
-        phi22_rad: if overrides[3].is_complete() {
-            FRAC_PI_2
-        } else {
-            lengths.phi22_rad
-        },
-        ..lengths
-    };
+    let outlined =
+        Lengths { phi22_rad: if overrides[3].is_complete() { FRAC_PI_2 } else { lengths.phi22_rad }, ..lengths };
     let outline = match gripper::bodies(&outlined, density, depth) {
         Ok(bodies) => bodies,
         Err(e) => {
@@ -250,11 +166,7 @@ pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger
         l21: overrides[2].apply(outline.l21),
         l22: overrides[3].apply(outline.l22),
     };
-    Some(Finger {
-        lengths,
-        bodies,
-        assembly: plan.assembly,
-    })
+    Some(Finger { lengths, bodies, assembly: plan.assembly })
 }
 
 /// Mass properties a scene gives for one body.

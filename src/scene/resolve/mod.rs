@@ -37,12 +37,7 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
     let integrator = run::integrator(&mut c, &raw.integrator);
     let log = LogRates {
-        numeric_hz: c.number_or(
-            "log.numeric_rate",
-            &raw.log.numeric_rate,
-            POSITIVE,
-            defaults::NUMERIC_RATE_HZ,
-        ),
+        numeric_hz: c.number_or("log.numeric_rate", &raw.log.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ),
     };
     // The start is judged only if what it stands on is sound.
     let sound = finger.zip(object).zip(limit);
@@ -76,9 +71,5 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
 /// The file's name without its extension.
 fn stem(file_name: &str) -> String {
     let stem = Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy();
-    if stem.trim().is_empty() {
-        "scene".into()
-    } else {
-        stem.into_owned()
-    }
+    if stem.trim().is_empty() { "scene".into() } else { stem.into_owned() }
 }

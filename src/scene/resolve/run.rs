@@ -4,10 +4,7 @@ use super::super::check::{Bound, Checker, POSITIVE};
 use super::super::raw::RawIntegrator;
 use super::super::{Integrator, Preset};
 
-const RTOL: Bound = Bound {
-    allowed: |x| x > 0.0 && x < 1.0,
-    text: "between 0 and 1, both excluded",
-};
+const RTOL: Bound = Bound { allowed: |x| x > 0.0 && x < 1.0, text: "between 0 and 1, both excluded" };
 
 /// Integrator: the preset, and what the scene sets otherwise.
 pub fn integrator(c: &mut Checker<'_>, raw: &RawIntegrator) -> Integrator {

@@ -65,37 +65,23 @@ pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<S
     if let Some(disc) = object {
         judge_overlap(c, place, &posture, lengths, disc);
     }
-    Some(Initial {
-        q11_rad,
-        q21_rad,
-        qd11_rad_s,
-        qd21_rad_s,
-    })
+    Some(Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s })
 }
 
 /// What stands for the start in messages.
 fn place(raw: &RawScene, start: &RawInitial) -> Option<Range<usize>> {
     let given = start.q11.span().or(start.q21.span()).or(start.offset.span());
-    given
-        .or(raw.initial.span.clone())
-        .or(raw.object.centre.span())
-        .or(raw.design.base.span())
+    given.or(raw.initial.span.clone()).or(raw.object.centre.span()).or(raw.design.base.span())
 }
 
 /// q21 = q_c21 − q_0 (2-design §2.1), for the object or else for the one the design is made for.
 fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Option<Disc>, offset: f64) -> Option<f64> {
     let lengths = plan.lengths?;
     let circle = match (object, plan.base_m) {
-        (Some(disc), _) => Circle {
-            radius_m: disc.radius_m,
-            centre_m: disc.centre_m,
-        },
+        (Some(disc), _) => Circle { radius_m: disc.radius_m, centre_m: disc.centre_m },
         (None, Some(base_m)) => {
             let radius_m = c.number_or("object.radius", &raw.object.radius, POSITIVE, defaults::OBJECT_RADIUS_M);
-            Circle {
-                radius_m,
-                centre_m: [-base_m, radius_m],
-            }
+            Circle { radius_m, centre_m: [-base_m, radius_m] }
         }
         (None, None) => {
             let help = "without object and [design] nothing says where to start: add [initial] q21 = \"40 deg\"";

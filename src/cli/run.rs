@@ -1,0 +1,236 @@
+//! `phalanx run`: one simulation, its summary, its log.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+
+use super::output::{complain, print};
+use super::progress::Progress;
+use super::{Failure, Status};
+use crate::criteria::{FinalAngles, Tracker};
+use crate::gripper::{Circle, final_posture};
+use crate::log::{self, FileWriter, RunInfo, Severity};
+use crate::report::{self, RunReport};
+use crate::scene::{self, Integrator, Preset, Scene};
+use crate::trace::{Event, RunError, Sample, Sink, SinkError, run_analytic};
+use crate::units::{self, Dimension};
+
+/// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx run scenes/experiment-95.toml\n  phalanx run scenes/experiment-95.toml --log run.mcap\n  \
+                  phalanx run scenes/experiment-95.toml --duration \"30 ms\" --preset reference --json > run.json\n\nThe log \
+                  opens in Foxglove, Rerun and PlotJuggler. Exit status: 0 done; 2 bad input; 3 the simulation could not be \
+                  completed (the log up to there is kept)."
+)]
+pub struct RunArgs {
+    /// Scene file (TOML); `phalanx scene schema` describes it
+    scene: PathBuf,
+
+    /// Which of the two independent models simulates the scene
+    #[arg(long, value_enum, default_value_t = Model::Analytic)]
+    model: Model,
+
+    /// Write a log (MCAP, readable while it grows); an older log of that name is replaced
+    #[arg(long, value_name = "FILE.mcap")]
+    log: Option<PathBuf>,
+
+    /// Print one JSON document with SI units in its keys instead of the summary
+    #[arg(long)]
+    json: bool,
+
+    /// Integrator method and tolerances, instead of those of the scene
+    #[arg(long, value_enum)]
+    preset: Option<PresetArg>,
+
+    /// Relative tolerance of the integrator, instead of that of the scene or preset
+    #[arg(long, value_name = "X", value_parser = tolerance)]
+    rtol: Option<f64>,
+
+    /// Length of the run with its unit, such as "30 ms", instead of that of the scene
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    duration: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// Closed-form Lagrange model with its own stiff integrator
+    Analytic,
+    /// Rigid-body engine (not in this version)
+    Engine,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PresetArg {
+    /// For everyday runs
+    Engineering,
+    /// Tight tolerances, for figures to compare with
+    Reference,
+}
+
+const MODEL: &str = "analytic";
+
+/// Runs the command.
+pub fn run(args: &RunArgs) -> Result<Status, Failure> {
+    if args.model == Model::Engine {
+        return Err(Failure::bad_input(
+            "this version has only the analytic model, so --model engine cannot run; leave --model out or say --model analytic",
+        ));
+    }
+    let scene = scene(args)?;
+    let mut sinks = Sinks {
+        log: match &args.log {
+            Some(path) => Some(log::create(path, &info(&scene, &args.scene)).map_err(Failure::bad_input)?),
+            None => None,
+        },
+        tracker: final_angles(&scene).map(Tracker::new),
+        last_s: 0.0,
+        progress: Progress::new(scene.duration_s),
+    };
+
+    let start = Instant::now();
+    let result = run_analytic(&scene, &mut sinks);
+    let wall_s = start.elapsed().as_secs_f64();
+    sinks.progress.clear();
+
+    let (mut report, broken) = match &result {
+        Ok(outcome) => {
+            // Whether the grasp is statically stable is for the statics to say; the criteria here are the run's own.
+            let criteria = sinks.tracker.as_ref().map(|tracker| tracker.criteria(true));
+            (RunReport::completed(&scene, MODEL, wall_s, outcome, criteria), None)
+        }
+        Err(error) => {
+            let (time_s, reason, so_far) = match error {
+                RunError::Simulation { failure, so_far } => {
+                    (failure.time_s, failure.reason.to_string(), Some(so_far.as_ref()))
+                }
+                RunError::Sink(error) => (sinks.last_s, error.to_string(), None),
+            };
+            let message = format!(
+                "the simulation stopped at {} of {}: {reason}",
+                report::duration(time_s),
+                report::duration(scene.duration_s)
+            );
+            let failure = report::Failure { time_s, reason };
+            (RunReport::failed(&scene, MODEL, wall_s, failure, so_far), Some(message))
+        }
+    };
+    report.log = args.log.as_ref().map(|path| path.display().to_string());
+
+    let finished = finish_log(sinks, &report);
+    print(&match args.json {
+        true => report::json(&report),
+        false => report::text(&report),
+    })?;
+    match (broken, finished) {
+        (Some(message), _) => Err(Failure::incomplete(message + &kept(&report))),
+        (None, Err(error)) => Err(Failure::incomplete(error)),
+        (None, Ok(())) => Ok(Status::Done),
+    }
+}
+
+/// The scene with what the command line overrides.
+fn scene(args: &RunArgs) -> Result<Scene, Failure> {
+    let mut scene = scene::load(&args.scene)?;
+    if let Some(preset) = args.preset {
+        let preset = match preset {
+            PresetArg::Engineering => Preset::Engineering,
+            PresetArg::Reference => Preset::Reference,
+        };
+        scene.integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(preset) };
+    }
+    if let Some(rtol) = args.rtol {
+        scene.integrator.rtol = rtol;
+    }
+    if let Some(duration_s) = args.duration {
+        scene.duration_s = duration_s;
+    }
+    Ok(scene)
+}
+
+fn info<'a>(scene: &'a Scene, path: &'a Path) -> RunInfo<'a> {
+    RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model: MODEL }
+}
+
+/// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
+fn final_angles(scene: &Scene) -> Option<FinalAngles> {
+    let object = scene.object?;
+    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    match final_posture(&scene.finger.lengths, scene.finger.assembly, disc) {
+        Ok(end) => Some(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad }),
+        Err(error) => {
+            complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
+            None
+        }
+    }
+}
+
+/// Says in the log how the run ended, and finishes it.
+fn finish_log(mut sinks: Sinks, report: &RunReport) -> Result<(), SinkError> {
+    let Some(mut log) = sinks.log.take() else {
+        return Ok(());
+    };
+    let (time_s, severity, text) = match &report.error {
+        None => (sinks.last_s, Severity::Info, "completed".to_string()),
+        Some(error) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
+    };
+    log.note(time_s, severity, &text)?;
+    log.finish()?;
+    Ok(())
+}
+
+fn kept(report: &RunReport) -> String {
+    match &report.log {
+        Some(path) => format!("; the log up to there is in {path}"),
+        None => "; with --log FILE.mcap the run up to there is kept".to_string(),
+    }
+}
+
+/// Everything that listens to a run.
+struct Sinks {
+    log: Option<FileWriter>,
+    tracker: Option<Tracker>,
+    /// Time of the latest sample.
+    last_s: f64,
+    progress: Progress,
+}
+
+impl Sink for Sinks {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.last_s = sample.time_s;
+        self.progress.sample(sample)?;
+        if let Some(tracker) = &mut self.tracker {
+            tracker.sample(sample)?;
+        }
+        match &mut self.log {
+            Some(log) => log.sample(sample),
+            None => Ok(()),
+        }
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.event(event)?;
+        }
+        match &mut self.log {
+            Some(log) => log.event(event),
+            None => Ok(()),
+        }
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("expected a number between 0 and 1, such as 1e-6".to_string()),
+    }
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    match units::parse(text, Dimension::Time) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(_) => Err("a run must be longer than 0; expected a time such as \"30 ms\"".to_string()),
+        Err(error) => Err(error.to_string()),
+    }
+}

@@ -1,0 +1,33 @@
+//! Dynamic criteria of a closing: how soon the finger is at rest on the object, and whether it rebounds (thesis §4.1.1).
+//!
+//! * **In position**: |q11 − q11,f| ≤ ε and |q21 − q21,f| ≤ ε, with ε = 0.2° and (q11,f, q21,f) the geometric final
+//!   configuration (both phalanges touch the object).
+//! * **t_geo**: the first time the finger is in position.
+//! * **tts**, time to stability: start of the last interval, lasting to the end of the run, in which the finger is in
+//!   position and both normal forces are positive. None: the finger is not stable.
+//! * **rebound** = 100 |(t_geo + T)/(tts + T) − 1| percent (4.1), T the length of the run; see [`rebound_percent`] for
+//!   when it counts as 0.
+//! * **class**: [`Class::of`].
+//!
+//! [`Tracker`] finds these figures while a run streams by, keeping nothing but the last sample.
+
+mod formula;
+mod hermite;
+mod tracker;
+
+pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
+pub use tracker::{FinalAngles, Tracker};
+
+/// The dynamic criteria of one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criteria {
+    /// First time in position; `None` if the finger never gets there.
+    pub t_geo_s: Option<f64>,
+    /// Time to stability; `None` if the run does not end in a stable state.
+    pub tts_s: Option<f64>,
+    /// Time after t_geo that went to rebounds: out of position, or with a phalanx off the object it had touched.
+    pub lost_s: f64,
+    /// (4.1); `None` if the finger is not stable.
+    pub rebound_percent: Option<f64>,
+    pub class: Class,
+}

@@ -1,0 +1,31 @@
+//! Logs: one MCAP file a run, every channel in protobuf with its descriptor embedded.
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | `/state` | [`State`] | joint angles, rates, motor torque |
+//! | `/contact/proximal`, `/contact/distal` | [`Contact`] | gap, slip, forces, contact point; only with an object |
+//! | `/limit` | [`Limit`] | the joint limit; only when the scene has one |
+//! | `/energy` | [`Energy`] | energies, works and their balance |
+//! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
+//! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
+//! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
+//!
+//! **Clock.** One clock, from 0 at the start of the simulation: log time = publish time = the message's stamp rounded to
+//! the nanosecond, and never going back. Steps within an impact can be shorter than a nanosecond; such neighbours share
+//! a log time, and the `timestamp` field (s, unrounded) still tells them apart. No wall clock is read, so the same run
+//! gives the same bytes.
+//!
+//! **Beside the channels.** A metadata record `phalanx` (versions, model, settings) and the exact scene text as an
+//! attachment come first in the file, so a log cut short anywhere still says what it was a log of.
+//!
+//! **Crashes.** Every chunk is written whole and flushed, so a killed run leaves a log that reads up to its last chunk.
+
+mod file;
+mod messages;
+mod metadata;
+mod writer;
+
+pub use file::{FileWriter, LogError, create};
+pub use messages::{Contact, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
+pub use metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, method_name, preset_name};
+pub use writer::{CHUNK_BYTES, Severity, Writer};

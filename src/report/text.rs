@@ -1,0 +1,187 @@
+//! The report for people: short tables with units.
+
+use std::fmt::Write;
+
+use super::document::{Contacts, Dynamics, Energies, Final, PhalanxReport, RunReport};
+use super::table::{figure, table};
+
+/// The whole summary, with a line end.
+pub fn text(report: &RunReport) -> String {
+    let mut sections = vec![heading(report)];
+    if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
+        sections.push(final_state(last, end_s));
+    }
+    if let Some(all) = &report.contacts {
+        sections.push(contacts(all));
+    }
+    if let Some(energy) = &report.energy {
+        sections.push(energies(energy));
+    }
+    if let Some(criteria) = &report.criteria {
+        sections.push(dynamics(criteria));
+    }
+    sections.join("\n")
+}
+
+fn heading(report: &RunReport) -> String {
+    let integrator = &report.integrator;
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{}: {} model, {} (rtol {:e}, {} preset)",
+        report.scene, report.model, integrator.method, integrator.rtol, integrator.preset
+    );
+    let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
+    if let Some(error) = &report.error {
+        let _ = writeln!(
+            text,
+            "NOT COMPLETED: stopped at {} of {}: {}",
+            duration(error.time_s),
+            duration(report.duration_s),
+            error.reason
+        );
+    }
+    if let Some(log) = &report.log {
+        let _ = writeln!(text, "log: {log}");
+    }
+    text
+}
+
+fn cost(report: &RunReport) -> String {
+    let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, &report.work) else {
+        return String::new();
+    };
+    format!(
+        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} events; ",
+        duration(end_s),
+        work.rejected_steps,
+        work.rhs_evaluations,
+        work.jacobian_evaluations,
+        work.events
+    )
+}
+
+fn final_state(last: &Final, end_s: f64) -> String {
+    let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
+    table(&[
+        row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
+        row(["angle, deg", &degrees(last.q11_rad), &degrees(last.q21_rad), &degrees(last.q22_rad)]),
+        row(["rate, rad/s", &figure(last.qd11_rad_s, 5), &figure(last.qd21_rad_s, 5)]),
+    ])
+}
+
+fn contacts(contacts: &Contacts) -> String {
+    let phalanx = |name: &str, report: &PhalanxReport| {
+        row([
+            name,
+            &milliseconds(report.first_s),
+            &report.touchdowns.to_string(),
+            &figure(report.final_normal_n, 6),
+            &figure(report.final_tangential_n, 6),
+            &figure(report.peak_normal_n, 5),
+            &figure(report.max_penetration_m * 1e6, 5),
+            &figure(report.impulse_n_s * 1e3, 5),
+        ])
+    };
+    let limit = &contacts.limit;
+    let mut text = table(&[
+        row([
+            "contact",
+            "first, ms",
+            "touch-downs",
+            "normal, N",
+            "friction, N",
+            "peak, N",
+            "depth, µm",
+            "impulse, mN·s",
+        ]),
+        phalanx("proximal", &contacts.proximal),
+        phalanx("distal", &contacts.distal),
+    ]);
+    text.push('\n');
+    text.push_str(&table(&[
+        row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"]),
+        row([
+            "joint limit",
+            &milliseconds(limit.first_s),
+            &limit.touchdowns.to_string(),
+            &figure(limit.final_torque_n_m, 6),
+            &figure(limit.peak_torque_n_m, 5),
+            &figure(limit.max_penetration_rad * 1e6, 5),
+            &figure(limit.impulse_n_m_s * 1e3, 5),
+        ]),
+    ]));
+    text
+}
+
+fn energies(energy: &Energies) -> String {
+    let mj = |joule: f64| figure(joule * 1e3, 5);
+    table(&[
+        row(["energy", "kinetic", "gravity", "spring", "contact", "dissipated", "motor work", "balance"]),
+        row([
+            "mJ",
+            &mj(energy.kinetic_j),
+            &mj(energy.gravity_j),
+            &mj(energy.spring_j),
+            &mj(energy.elastic_j),
+            &mj(energy.dissipated_j),
+            &mj(energy.motor_work_j),
+            &mj(energy.balance_j),
+        ]),
+    ])
+}
+
+fn dynamics(criteria: &Dynamics) -> String {
+    let rebound = match criteria.rebound_percent {
+        Some(percent) => format!("{} %", figure(percent, 4)),
+        None => "–".to_string(),
+    };
+    table(&[
+        row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
+        row(["", criteria.class, &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
+    ])
+}
+
+fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(String::from).to_vec()
+}
+
+fn milliseconds(time_s: Option<f64>) -> String {
+    time_s.map_or("–".to_string(), |time_s| format!("{:.6}", time_s * 1e3))
+}
+
+/// A length of time in the unit that suits it.
+pub fn duration(time_s: f64) -> String {
+    let (value, unit) = match time_s {
+        t if t >= 1.0 => (t, "s"),
+        t if t >= 1e-3 || t == 0.0 => (t * 1e3, "ms"),
+        t => (t * 1e6, "µs"),
+    };
+    // Six digits, without the zeros behind them.
+    let text = figure(value, 6);
+    let text = match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    format!("{text} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::duration;
+
+    #[test]
+    fn durations_in_the_unit_that_suits_them() {
+        for (time_s, expected) in [
+            (20e-3, "20 ms"),
+            (10.0, "10 s"),
+            (1.5, "1.5 s"),
+            (412e-6, "412 µs"),
+            (4.501317e-3, "4.50132 ms"),
+            (0.0, "0 ms"),
+        ] {
+            assert_eq!(duration(time_s), expected);
+        }
+    }
+}
