@@ -15,7 +15,12 @@ fn design95() -> Scene {
     let lengths = base.finger.lengths;
     let contact = ContactLaw {
         normal: base.contact.proximal.normal,
-        friction: Some(FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 }),
+        friction: Some(FrictionLaw {
+            mu_static: 0.8,
+            mu_dynamic: 0.56,
+            v_static_m_s: 0.1,
+            v_dynamic_m_s: 0.2,
+        }),
     };
     let mut design = Scene {
         limit: Some(NormalLaw {
@@ -23,7 +28,10 @@ fn design95() -> Scene {
             damping_max_n_s_per_m: 1e9,
             ..base.contact.proximal.normal
         }),
-        contact: Contacts { proximal: contact, distal: contact },
+        contact: Contacts {
+            proximal: contact,
+            distal: contact,
+        },
         initial: Initial {
             q11_rad: -49.999f64.to_radians(),
             q21_rad: 40.001f64.to_radians(),
@@ -40,12 +48,18 @@ fn design95() -> Scene {
 fn design_95_is_stable_when_its_tip_has_landed() {
     let scene = design95();
     let object = scene.object.expect("an object");
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let disc = Circle {
+        radius_m: object.radius_m,
+        centre_m: object.centre_m,
+    };
     let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc).expect("a grasp");
     for numeric_hz in [1e3, 1e4, 1e6] {
         let mut scene = scene.clone();
         scene.log.numeric_hz = numeric_hz;
-        let mut tracker = Tracker::new(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad });
+        let mut tracker = Tracker::new(FinalAngles {
+            q11_rad: end.posture.q11_rad,
+            q21_rad: end.posture.q21_rad,
+        });
         let outcome = run_analytic(&scene, &mut tracker).expect("completed");
         let criteria = tracker.criteria(true);
         println!("{numeric_hz} {criteria:?} {:?}", outcome.sites);
