@@ -7,6 +7,7 @@
 pub mod analytic;
 pub mod cli;
 pub mod criteria;
+pub mod docs;
 pub mod gripper;
 pub mod integrator;
 pub mod law;

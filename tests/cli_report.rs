@@ -27,18 +27,8 @@ fn outcome() -> Outcome {
     };
     Outcome {
         last: last(),
-        sites: [
-            site(Some(4.501315e-3), 1, 98765.4),
-            site(Some(6.883746e-3), 2, 51234.5),
-            SiteSummary::default(),
-        ],
-        work: Work {
-            steps: 231,
-            rejected: 12,
-            rhs_evaluations: 1944,
-            jacobian_evaluations: 231,
-            events: 4,
-        },
+        sites: [site(Some(4.501315e-3), 1, 98765.4), site(Some(6.883746e-3), 2, 51234.5), SiteSummary::default()],
+        work: Work { steps: 231, rejected: 12, rhs_evaluations: 1944, jacobian_evaluations: 231, events: 4 },
     }
 }
 
@@ -61,27 +51,13 @@ fn parsed(report: &RunReport) -> Value {
 }
 
 fn keys(value: &Value) -> Vec<&str> {
-    value
-        .as_object()
-        .expect("an object")
-        .keys()
-        .map(String::as_str)
-        .collect()
+    value.as_object().expect("an object").keys().map(String::as_str).collect()
 }
 
 #[test]
 fn the_document_has_every_promised_key() {
     let document = parsed(&report());
-    for key in [
-        "scene",
-        "model",
-        "duration_s",
-        "steps",
-        "wall_s",
-        "final",
-        "contacts",
-        "criteria",
-    ] {
+    for key in ["scene", "model", "duration_s", "steps", "wall_s", "final", "contacts", "criteria"] {
         assert!(document.get(key).is_some(), "{key}");
     }
     for key in ["q11_rad", "q21_rad", "q22_rad", "qd11_rad_s", "qd21_rad_s"] {
@@ -89,26 +65,15 @@ fn the_document_has_every_promised_key() {
     }
     for site in ["proximal", "distal"] {
         let contact = &document["contacts"][site];
-        for key in [
-            "first_s",
-            "touchdowns",
-            "final_normal_n",
-            "final_tangential_n",
-            "peak_normal_n",
-            "max_penetration_m",
-        ] {
+        for key in
+            ["first_s", "touchdowns", "final_normal_n", "final_tangential_n", "peak_normal_n", "max_penetration_m"]
+        {
             assert!(contact[key].is_number(), "{site} {key}");
         }
     }
     let limit = keys(&document["contacts"]["limit"]);
-    for key in [
-        "first_s",
-        "touchdowns",
-        "final_torque_n_m",
-        "peak_torque_n_m",
-        "max_penetration_rad",
-        "impulse_n_m_s",
-    ] {
+    for key in ["first_s", "touchdowns", "final_torque_n_m", "peak_torque_n_m", "max_penetration_rad", "impulse_n_m_s"]
+    {
         assert!(limit.contains(&key), "{key}");
     }
     assert_eq!(document["contacts"]["limit"]["first_s"], Value::Null);
@@ -123,17 +88,7 @@ fn the_document_has_every_promised_key() {
 fn keys_come_in_the_documented_order() {
     let text = json(&report());
     let place = |key: &str| text.find(&format!("\"{key}\":")).unwrap_or_else(|| panic!("{key}"));
-    let order = [
-        "scene",
-        "model",
-        "duration_s",
-        "steps",
-        "wall_s",
-        "final",
-        "contacts",
-        "criteria",
-    ]
-    .map(place);
+    let order = ["scene", "model", "duration_s", "steps", "wall_s", "final", "contacts", "criteria"].map(place);
     assert!(order.is_sorted(), "{order:?}");
     assert!(text.ends_with("}\n"));
 }
@@ -173,10 +128,7 @@ fn what_is_not_known_is_null() {
 
 #[test]
 fn a_run_that_broke_off_reports_what_was_seen_of_it() {
-    let failure = Failure {
-        time_s: 4.6e-3,
-        reason: "step budget of 10 used up".to_string(),
-    };
+    let failure = Failure { time_s: 4.6e-3, reason: "step budget of 10 used up".to_string() };
     let report = RunReport::failed(&scene(), "analytic", 0.5, failure, Some(&outcome()));
     let document = parsed(&report);
     assert_eq!(document["completed"], false);
@@ -186,18 +138,12 @@ fn a_run_that_broke_off_reports_what_was_seen_of_it() {
     assert_eq!(document["criteria"], Value::Null);
     assert_eq!(document["contacts"]["distal"]["touchdowns"], 2);
     let text = text(&report);
-    assert!(
-        text.contains("NOT COMPLETED: stopped at 4.6 ms of 20 ms: step budget of 10 used up"),
-        "{text}"
-    );
+    assert!(text.contains("NOT COMPLETED: stopped at 4.6 ms of 20 ms: step budget of 10 used up"), "{text}");
 }
 
 #[test]
 fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
-    let failure = Failure {
-        time_s: 4.6e-3,
-        reason: "cannot write the log run.mcap: no space left".to_string(),
-    };
+    let failure = Failure { time_s: 4.6e-3, reason: "cannot write the log run.mcap: no space left".to_string() };
     let report = RunReport::failed(&scene(), "analytic", 0.5, failure, None);
     let document = parsed(&report);
     for key in ["steps", "final", "contacts", "criteria", "end_s", "energy", "work"] {
@@ -213,15 +159,9 @@ fn the_summary_says_it_in_units_people_read() {
     let text = text(&report);
     let line = |start: &str| {
         let line = text.lines().find(|line| line.starts_with(start));
-        line.unwrap_or_else(|| panic!("no {start} in\n{text}"))
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
+        line.unwrap_or_else(|| panic!("no {start} in\n{text}")).split_whitespace().collect::<Vec<_>>().join(" ")
     };
-    assert_eq!(
-        line("synthetic"),
-        "synthetic: analytic model, rodas5p (rtol 1e-4, engineering preset)"
-    );
+    assert_eq!(line("synthetic"), "synthetic: analytic model, rodas5p (rtol 1e-4, engineering preset)");
     assert_eq!(
         line("20 ms"),
         "20 ms in 231 steps (12 rejected), 1944 evaluations, 231 Jacobians, 4 events; 1.25 ms of wall time"

@@ -6,10 +6,7 @@ use phalanx::criteria::{Class, Criteria, EPSILON_RAD, FinalAngles, Tracker};
 use phalanx::trace::{Event, Sink, Site};
 use synthetic::{lift_off, posture, reload, touch_down};
 
-const TARGET: FinalAngles = FinalAngles {
-    q11_rad: 0.036,
-    q21_rad: 1.134,
-};
+const TARGET: FinalAngles = FinalAngles { q11_rad: 0.036, q21_rad: 1.134 };
 const END_S: f64 = 20e-3;
 
 /// A closing: q11 relative to its final value with its rate, normal forces, and events. q21 is at its final value.
@@ -36,12 +33,7 @@ impl Closing {
                 tracker.event(event).expect("never fails");
             }
             let (angle, rate) = (self.angle)(time);
-            let sample = posture(
-                time,
-                (TARGET.q11_rad + angle, rate),
-                (TARGET.q21_rad, 0.0),
-                (self.forces_n)(time),
-            );
+            let sample = posture(time, (TARGET.q11_rad + angle, rate), (TARGET.q21_rad, 0.0), (self.forces_n)(time));
             tracker.sample(&sample).expect("never fails");
         }
         tracker.criteria(true)
@@ -58,17 +50,10 @@ fn near(value: Option<f64>, expected: f64, tolerance: f64) {
 fn arrives() -> Closing {
     Closing {
         angle: |t| {
-            if t <= 5e-3 {
-                (20.0 * (t - 5e-3), 20.0)
-            } else {
-                (0.0, 0.0)
-            }
+            if t <= 5e-3 { (20.0 * (t - 5e-3), 20.0) } else { (0.0, 0.0) }
         },
         forces_n: |t| [if t > 3e-3 { 20.0 } else { 0.0 }, if t > 5e-3 { 8.0 } else { 0.0 }],
-        events: vec![
-            touch_down(3e-3, Site::Proximal, 1.0),
-            touch_down(5e-3, Site::Distal, 1.0),
-        ],
+        events: vec![touch_down(3e-3, Site::Proximal, 1.0), touch_down(5e-3, Site::Distal, 1.0)],
         times_s: vec![3e-3 + 1e-9, 5e-3 + 1e-9],
     }
 }
@@ -106,10 +91,7 @@ fn a_finger_that_never_gets_there_has_no_times() {
     let mut closing = arrives();
     closing.angle = |_| (-0.1, 0.0);
     let criteria = closing.watch(1e-4);
-    assert_eq!(
-        (criteria.t_geo_s, criteria.tts_s, criteria.rebound_percent),
-        (None, None, None)
-    );
+    assert_eq!((criteria.t_geo_s, criteria.tts_s, criteria.rebound_percent), (None, None, None));
     assert_eq!(criteria.class, Class::Unstable);
 }
 
@@ -155,11 +137,7 @@ fn a_bounce_is_a_rebound_until_the_second_touch_down() {
         near(criteria.tts_s, 7e-3, 2e-9);
         assert!((criteria.lost_s - 2e-3).abs() < 5e-9, "{}", criteria.lost_s);
         let (geo, tts) = (criteria.t_geo_s.expect("some"), criteria.tts_s.expect("some"));
-        near(
-            criteria.rebound_percent,
-            100.0 * ((geo + END_S) / (tts + END_S) - 1.0).abs(),
-            1e-12,
-        );
+        near(criteria.rebound_percent, 100.0 * ((geo + END_S) / (tts + END_S) - 1.0).abs(), 1e-12);
         assert_eq!(criteria.class, Class::SemiUnstable);
     }
 }
@@ -189,12 +167,7 @@ fn leaving_the_band_with_both_contacts_closed_also_delays_stability() {
 fn a_contact_lost_at_the_end_is_not_stable() {
     let mut closing = arrives();
     closing.events.push(lift_off(19.95e-3, Site::Proximal, 0.3));
-    closing.forces_n = |t| {
-        [
-            if t > 3e-3 && t < 19.95e-3 { 20.0 } else { 0.0 },
-            if t > 5e-3 { 8.0 } else { 0.0 },
-        ]
-    };
+    closing.forces_n = |t| [if t > 3e-3 && t < 19.95e-3 { 20.0 } else { 0.0 }, if t > 5e-3 { 8.0 } else { 0.0 }];
     let criteria = closing.watch(1e-4);
     assert_eq!((criteria.tts_s, criteria.class), (None, Class::Unstable));
     near(Some(criteria.lost_s), 0.05e-3, 1e-9);
@@ -206,10 +179,7 @@ fn both_times_agree_when_the_contacts_close_before_the_band_is_reached() {
     let closing = Closing {
         angle: |t| if t <= 9e-3 { (2.0 * (t - 9e-3), 2.0) } else { (0.0, 0.0) },
         forces_n: |t| if t > 3e-3 { [20.0, 8.0] } else { [0.0; 2] },
-        events: vec![
-            touch_down(3e-3, Site::Proximal, 1.0),
-            touch_down(3e-3, Site::Distal, 1.0),
-        ],
+        events: vec![touch_down(3e-3, Site::Proximal, 1.0), touch_down(3e-3, Site::Distal, 1.0)],
         times_s: vec![9e-3 + 1e-9],
     };
     let criteria = closing.watch(1e-4);
@@ -224,10 +194,7 @@ fn a_force_clamped_to_zero_within_a_contact_is_not_positive() {
     let mut closing = arrives();
     closing.forces_n = |t| {
         let clamped = (10e-3..=12e-3).contains(&t);
-        [
-            if t > 3e-3 { 20.0 } else { 0.0 },
-            if t > 5e-3 && !clamped { 8.0 } else { 0.0 },
-        ]
+        [if t > 3e-3 { 20.0 } else { 0.0 }, if t > 5e-3 && !clamped { 8.0 } else { 0.0 }]
     };
     let criteria = closing.watch(1e-5);
     near(criteria.tts_s, 12e-3, 2e-5);
@@ -250,11 +217,7 @@ fn a_loss_shorter_than_an_impact_is_no_rebound() {
 fn a_late_arrival_is_semi_unstable_or_unstable() {
     let mut closing = arrives();
     closing.angle = |t| {
-        if t <= 16e-3 {
-            (20.0 * (t - 16e-3), 20.0)
-        } else {
-            (0.0, 0.0)
-        }
+        if t <= 16e-3 { (20.0 * (t - 16e-3), 20.0) } else { (0.0, 0.0) }
     };
     closing.forces_n = |t| [if t > 3e-3 { 20.0 } else { 0.0 }, if t > 16e-3 { 8.0 } else { 0.0 }];
     closing.events[1] = touch_down(16e-3, Site::Distal, 1.0);
@@ -269,10 +232,7 @@ fn a_contact_that_lets_go_without_parting_is_not_stable_until_pressed_again() {
     closing.events.push(reload(11.05e-3, Site::Distal));
     closing.forces_n = |t| {
         let released = (10.05e-3..=11.05e-3).contains(&t);
-        [
-            if t > 3e-3 { 20.0 } else { 0.0 },
-            if t > 5e-3 && !released { 8.0 } else { 0.0 },
-        ]
+        [if t > 3e-3 { 20.0 } else { 0.0 }, if t > 5e-3 && !released { 8.0 } else { 0.0 }]
     };
     let criteria = closing.watch(1e-4);
     near(criteria.tts_s, 11.05e-3, 1e-12);

@@ -30,11 +30,7 @@ impl Write for Disk {
 }
 
 fn info(scene: &Scene) -> RunInfo<'_> {
-    RunInfo {
-        scene,
-        scene_file: "synthetic.toml",
-        model: "analytic",
-    }
+    RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" }
 }
 
 /// Times of the `/state` messages that can be read before the log ends or breaks off.
@@ -65,11 +61,7 @@ fn a_log_cut_anywhere_reads_up_to_its_last_whole_chunk() {
     let bytes = long_log();
     let chunks = Summary::read(&bytes).expect("readable").expect("indexed").chunk_indexes;
     assert!(chunks.len() > 5, "{} chunks", chunks.len());
-    assert!(
-        chunks
-            .iter()
-            .all(|c| (c.uncompressed_size as usize) < CHUNK_BYTES + 8000)
-    );
+    assert!(chunks.iter().all(|c| (c.uncompressed_size as usize) < CHUNK_BYTES + 8000));
     let complete = states(&bytes);
     assert_eq!(complete.len(), SAMPLES);
     for cut in (0..bytes.len()).step_by(bytes.len() / 97) {
@@ -130,9 +122,7 @@ impl Write for Full {
 fn a_full_disk_is_an_error_and_not_a_panic() {
     let scene = scene();
     let mut writer = Writer::new(Full(200_000), "the log run.mcap", &info(&scene)).expect("started");
-    let error = (0..SAMPLES)
-        .find_map(|i| writer.sample(&sample(1e-6 * i as f64)).err())
-        .expect("the disk is full");
+    let error = (0..SAMPLES).find_map(|i| writer.sample(&sample(1e-6 * i as f64)).err()).expect("the disk is full");
     assert_eq!(error.to_string(), "cannot write the log run.mcap: no space left");
     assert!(writer.finish().is_err());
 }
@@ -163,10 +153,7 @@ fn paths_that_cannot_be_logged_to_are_refused_with_reason_and_way_out() {
     fs::write(&scene_file, "name = \"precious\"\n").expect("written");
     let error = refusal(scene_file.clone());
     assert!(matches!(error, LogError::NotALog { .. }));
-    assert_eq!(
-        fs::read_to_string(&scene_file).expect("still there"),
-        "name = \"precious\"\n"
-    );
+    assert_eq!(fs::read_to_string(&scene_file).expect("still there"), "name = \"precious\"\n");
 
     // A parent that is a file.
     let error = refusal(scene_file.join("run.mcap"));

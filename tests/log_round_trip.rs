@@ -37,11 +37,7 @@ fn run() -> Vec<Record> {
 }
 
 fn write(scene: &Scene, records: &[Record]) -> Vec<u8> {
-    let run = RunInfo {
-        scene,
-        scene_file: "synthetic.toml",
-        model: "analytic",
-    };
+    let run = RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" };
     let mut writer = Writer::new(Vec::new(), "the log", &run).expect("a vector takes any log");
     for record in records {
         match record {
@@ -74,19 +70,11 @@ impl Decoded {
         let descriptor = self.message.descriptor();
         let mut fields: Vec<_> = descriptor.fields().collect();
         fields.sort_by_key(|field| field.number());
-        fields
-            .iter()
-            .map(|f| (f.name().to_string(), self.number(f.name())))
-            .collect()
+        fields.iter().map(|f| (f.name().to_string(), self.number(f.name()))).collect()
     }
 
     fn text(&self, field: &str) -> String {
-        self.message
-            .get_field_by_name(field)
-            .expect(field)
-            .as_str()
-            .expect("a string")
-            .to_string()
+        self.message.get_field_by_name(field).expect(field).as_str().expect("a string").to_string()
     }
 }
 
@@ -99,9 +87,7 @@ fn read(bytes: &[u8]) -> Vec<Decoded> {
             let schema = message.channel.schema.as_ref().expect("a schema");
             assert_eq!(schema.encoding, "protobuf");
             let pool = DescriptorPool::decode(&schema.data[..]).expect("a FileDescriptorSet");
-            let descriptor = pool
-                .get_message_by_name(&schema.name)
-                .expect("the schema's own message");
+            let descriptor = pool.get_message_by_name(&schema.name).expect("the schema's own message");
             Decoded {
                 topic: message.channel.topic.clone(),
                 log_time: message.log_time,
@@ -209,20 +195,12 @@ fn one_clock_from_zero_that_never_goes_back() {
         last = message.log_time;
         if message.topic != "/events" {
             let stamp = message.number("timestamp");
-            assert!(
-                (stamp * 1e9 - message.log_time as f64).abs() <= 0.5,
-                "{} {stamp}",
-                message.topic
-            );
+            assert!((stamp * 1e9 - message.log_time as f64).abs() <= 0.5, "{} {stamp}", message.topic);
         }
     }
     assert_eq!(last, 20_000_000);
     // Steps of 0.3 ns share log times, but not stamps.
-    let stamps: Vec<f64> = messages
-        .iter()
-        .filter(|m| m.topic == "/state")
-        .map(|m| m.number("timestamp"))
-        .collect();
+    let stamps: Vec<f64> = messages.iter().filter(|m| m.topic == "/state").map(|m| m.number("timestamp")).collect();
     assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]));
 }
 
@@ -260,19 +238,13 @@ fn events_come_as_text_and_as_figures() {
     assert_eq!(events.len(), 6);
     assert_eq!(events[0].message.descriptor().full_name(), "foxglove.Log");
     assert_eq!(events[0].text("name"), "proximal");
-    assert_eq!(
-        events[0].text("message"),
-        "proximal phalanx: touch-down at 5.000010 ms, approach speed 1.250000 m/s"
-    );
+    assert_eq!(events[0].text("message"), "proximal phalanx: touch-down at 5.000010 ms, approach speed 1.250000 m/s");
     assert!(events[1].text("message").contains("impulse 3.500000e-3 N·s"));
     assert!(events[2].text("message").contains("12.500000 rad/s"));
     let stamp = events[0].message.get_field_by_name("timestamp").expect("a stamp");
     let stamp = stamp.as_message().expect("google.protobuf.Timestamp");
     assert_eq!(stamp.get_field_by_name("seconds").expect("seconds").as_i64(), Some(0));
-    assert_eq!(
-        stamp.get_field_by_name("nanos").expect("nanos").as_i32(),
-        Some(5_000_010)
-    );
+    assert_eq!(stamp.get_field_by_name("nanos").expect("nanos").as_i32(), Some(5_000_010));
     assert_eq!(events[5].text("name"), "run");
     assert_eq!(events[5].text("message"), "done");
 }
@@ -292,11 +264,7 @@ fn the_scene_and_the_settings_are_in_the_file() {
     assert_eq!(summary.metadata_indexes.len(), 1);
     let record = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable");
     assert_eq!(record.name, "phalanx");
-    let info = RunInfo {
-        scene: &scene,
-        scene_file: "synthetic.toml",
-        model: "analytic",
-    };
+    let info = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
     assert_eq!(record.metadata, metadata(&info));
     assert_eq!(record.metadata["model"], "analytic");
     assert_eq!(record.metadata["integrator_rtol"], "0.0001");

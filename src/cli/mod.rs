@@ -37,6 +37,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
+    /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
 }

@@ -138,10 +138,7 @@ fn scene(args: &RunArgs) -> Result<Scene, Failure> {
             PresetArg::Engineering => Preset::Engineering,
             PresetArg::Reference => Preset::Reference,
         };
-        scene.integrator = Integrator {
-            max_steps: scene.integrator.max_steps,
-            ..Integrator::preset(preset)
-        };
+        scene.integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(preset) };
     }
     if let Some(rtol) = args.rtol {
         scene.integrator.rtol = rtol;
@@ -153,29 +150,17 @@ fn scene(args: &RunArgs) -> Result<Scene, Failure> {
 }
 
 fn info<'a>(scene: &'a Scene, path: &'a Path) -> RunInfo<'a> {
-    RunInfo {
-        scene,
-        scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"),
-        model: MODEL,
-    }
+    RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model: MODEL }
 }
 
 /// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
 fn final_angles(scene: &Scene) -> Option<FinalAngles> {
     let object = scene.object?;
-    let disc = Circle {
-        radius_m: object.radius_m,
-        centre_m: object.centre_m,
-    };
+    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
     match final_posture(&scene.finger.lengths, scene.finger.assembly, disc) {
-        Ok(end) => Some(FinalAngles {
-            q11_rad: end.posture.q11_rad,
-            q21_rad: end.posture.q21_rad,
-        }),
+        Ok(end) => Some(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad }),
         Err(error) => {
-            complain(&format!(
-                "no dynamic criteria, for the finger cannot grasp this object: {error}"
-            ));
+            complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
             None
         }
     }

@@ -88,10 +88,7 @@ mod tests {
         let (t_geo, tts, duration) = (6e-3, 8e-3, 20e-3);
         let mean = |from: f64| {
             let n = 1000;
-            (0..=n)
-                .map(|i| from + (duration - from) * i as f64 / n as f64)
-                .sum::<f64>()
-                / (n + 1) as f64
+            (0..=n).map(|i| from + (duration - from) * i as f64 / n as f64).sum::<f64>() / (n + 1) as f64
         };
         let from_vectors = 100.0 * (mean(t_geo) / mean(tts) - 1.0).abs();
         let rebound = rebound_percent(t_geo, tts, duration, tts - t_geo);

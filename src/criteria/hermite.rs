@@ -18,11 +18,7 @@ impl Hermite {
         let length_s = t1 - t0;
         let (m0, m1) = (v0 * length_s, v1 * length_s);
         let rise = q1 - q0;
-        Hermite {
-            start_s: t0,
-            length_s,
-            coefficients: [q0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise],
-        }
+        Hermite { start_s: t0, length_s, coefficients: [q0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise] }
     }
 
     pub fn value(&self, time_s: f64) -> f64 {

@@ -55,10 +55,7 @@ impl ContactState {
     }
 
     fn lift_off(&mut self) {
-        *self = ContactState {
-            touched: true,
-            ..ContactState::default()
-        };
+        *self = ContactState { touched: true, ..ContactState::default() };
     }
 
     /// Takes the force of a sample.
@@ -121,25 +118,17 @@ impl Tracker {
 
     /// The step from the last sample to `next`.
     fn step(&mut self, last: &Sample, next: &Sample) {
-        let q11 = Hermite::new(
-            (last.time_s, last.q11_rad, last.qd11_rad_s),
-            (next.time_s, next.q11_rad, next.qd11_rad_s),
-        );
-        let q21 = Hermite::new(
-            (last.time_s, last.q21_rad, last.qd21_rad_s),
-            (next.time_s, next.q21_rad, next.qd21_rad_s),
-        );
+        let q11 =
+            Hermite::new((last.time_s, last.q11_rad, last.qd11_rad_s), (next.time_s, next.q11_rad, next.qd11_rad_s));
+        let q21 =
+            Hermite::new((last.time_s, last.q21_rad, last.qd21_rad_s), (next.time_s, next.q21_rad, next.qd21_rad_s));
         let mut cuts = std::mem::take(&mut self.cuts);
         cuts.clear();
         for (angle, target) in [(&q11, self.target.q11_rad), (&q21, self.target.q21_rad)] {
             angle.crossings(target - EPSILON_RAD, &mut cuts);
             angle.crossings(target + EPSILON_RAD, &mut cuts);
         }
-        cuts.extend(
-            self.events
-                .iter()
-                .map(|event| event.time_s.clamp(last.time_s, next.time_s)),
-        );
+        cuts.extend(self.events.iter().map(|event| event.time_s.clamp(last.time_s, next.time_s)));
         cuts.push(next.time_s);
         cuts.sort_by(f64::total_cmp);
 
@@ -154,11 +143,8 @@ impl Tracker {
                 let middle = 0.5 * (from + to);
                 let in_position = (q11.value(middle) - self.target.q11_rad).abs() <= EPSILON_RAD
                     && (q21.value(middle) - self.target.q21_rad).abs() <= EPSILON_RAD;
-                let lifts_off = |site| {
-                    pending
-                        .clone()
-                        .any(|event| event.site == site && event.kind == EventKind::LiftOff)
-                };
+                let lifts_off =
+                    |site| pending.clone().any(|event| event.site == site && event.kind == EventKind::LiftOff);
                 let positive = [(Site::Proximal, &next.proximal), (Site::Distal, &next.distal)]
                     .map(|(site, end)| self.positive(site, end, lifts_off(site)));
                 self.judge(from, to, in_position, positive);
@@ -203,11 +189,7 @@ impl Tracker {
             return;
         }
         self.stable_since_s = None;
-        let off = self
-            .contacts
-            .iter()
-            .zip(positive)
-            .any(|(state, positive)| state.touched && !positive);
+        let off = self.contacts.iter().zip(positive).any(|(state, positive)| state.touched && !positive);
         if self.t_geo_s.is_some() && (!in_position || off) {
             self.lost_s += to - from;
         }

@@ -158,7 +158,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         let corner = self.system.next_corner(t);
         let stop = corner.min(t_end);
         let Some(accepted) = self.find_step(&linearised, stop)? else {
-            return Ok(self.take_event(observer));
+            self.take_event(observer);
+            return Ok(());
         };
         self.take_step(&linearised, &accepted, stop, observer)?;
         if let Some(site) = accepted.event {

@@ -4,6 +4,9 @@
 //! coordinates, `Z` that of quadratures (ż = g(t, q, v), carried along but never fed back), `S` that of sites whose
 //! branch may change.
 
+// Kernels index several arrays of one constant size side by side; iterators would hide that.
+#![allow(clippy::needless_range_loop)]
+
 mod chatter;
 mod clock;
 mod control;

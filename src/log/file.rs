@@ -43,42 +43,21 @@ pub enum LogError {
 /// [`LogError`] with the path, the reason and the way out.
 pub fn create(path: &Path, run: &RunInfo<'_>) -> Result<FileWriter, LogError> {
     if path.is_dir() {
-        return Err(LogError::IsDirectory {
-            path: path.to_path_buf(),
-            suggestion: path.join("run.mcap"),
-        });
+        return Err(LogError::IsDirectory { path: path.to_path_buf(), suggestion: path.join("run.mcap") });
     }
-    if let Some(directory) = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty() && !parent.exists())
-    {
-        return Err(LogError::NoDirectory {
-            path: path.to_path_buf(),
-            directory: directory.to_path_buf(),
-        });
+    if let Some(directory) = path.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
+        return Err(LogError::NoDirectory { path: path.to_path_buf(), directory: directory.to_path_buf() });
     }
-    let failed = |source| LogError::Create {
-        path: path.to_path_buf(),
-        source,
-    };
+    let failed = |source| LogError::Create { path: path.to_path_buf(), source };
     if path.is_file() && !is_log_or_empty(path).map_err(failed)? {
-        return Err(LogError::NotALog {
-            path: path.to_path_buf(),
-        });
+        return Err(LogError::NotALog { path: path.to_path_buf() });
     }
-    let file = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .open(path)
-        .map_err(failed)?;
+    let file = OpenOptions::new().write(true).create(true).truncate(true).open(path).map_err(failed)?;
     Ok(Writer::new(file, &format!("the log {}", path.display()), run)?)
 }
 
 fn is_log_or_empty(path: &Path) -> io::Result<bool> {
     let mut head = Vec::with_capacity(mcap::MAGIC.len());
-    File::open(path)?
-        .take(mcap::MAGIC.len() as u64)
-        .read_to_end(&mut head)?;
+    File::open(path)?.take(mcap::MAGIC.len() as u64).read_to_end(&mut head)?;
     Ok(head.is_empty() || head == mcap::MAGIC)
 }

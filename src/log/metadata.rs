@@ -25,13 +25,7 @@ pub struct RunInfo<'a> {
 /// The attached scene is the file as written; where the command line overrode it, these settings are the ones that
 /// held. Numbers are printed in the shortest form that reads back to the same double.
 pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
-    let Scene {
-        name,
-        duration_s,
-        integrator,
-        log,
-        ..
-    } = run.scene;
+    let Scene { name, duration_s, integrator, log, .. } = run.scene;
     [
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
@@ -43,10 +37,7 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         ("integrator_method", method_name(integrator.method).to_string()),
         ("integrator_rtol", format!("{:?}", integrator.rtol)),
         ("integrator_atol_angle_rad", format!("{:?}", integrator.atol_angle_rad)),
-        (
-            "integrator_atol_rate_rad_s",
-            format!("{:?}", integrator.atol_rate_rad_s),
-        ),
+        ("integrator_atol_rate_rad_s", format!("{:?}", integrator.atol_rate_rad_s)),
         ("integrator_max_steps", integrator.max_steps.to_string()),
         ("log_numeric_hz", format!("{:?}", log.numeric_hz)),
     ]

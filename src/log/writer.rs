@@ -85,10 +85,7 @@ impl<W: Write> Writer<W> {
             .chunk_size(None)
             .disable_seeking(true)
             .create(NoSeek::new(BufWriter::new(out)))?;
-        mcap.write_metadata(&mcap::write::Metadata {
-            name: METADATA_NAME.to_string(),
-            metadata: metadata(run),
-        })?;
+        mcap.write_metadata(&mcap::write::Metadata { name: METADATA_NAME.to_string(), metadata: metadata(run) })?;
         mcap.attach(&Attachment {
             log_time: 0,
             create_time: 0,
@@ -112,15 +109,9 @@ impl<W: Write> Writer<W> {
             limit: limit.then(|| channel::<Limit, _>(&mut mcap, "/limit")).transpose()?,
             energy: channel::<Energy, _>(&mut mcap, "/energy")?,
             impacts: [
-                object
-                    .then(|| channel::<Impact, _>(&mut mcap, "/impact/proximal"))
-                    .transpose()?,
-                object
-                    .then(|| channel::<Impact, _>(&mut mcap, "/impact/distal"))
-                    .transpose()?,
-                limit
-                    .then(|| channel::<LimitImpact, _>(&mut mcap, "/impact/limit"))
-                    .transpose()?,
+                object.then(|| channel::<Impact, _>(&mut mcap, "/impact/proximal")).transpose()?,
+                object.then(|| channel::<Impact, _>(&mut mcap, "/impact/distal")).transpose()?,
+                limit.then(|| channel::<LimitImpact, _>(&mut mcap, "/impact/limit")).transpose()?,
             ],
             events: channel::<Log, _>(&mut mcap, "/events")?,
         };
@@ -129,8 +120,7 @@ impl<W: Write> Writer<W> {
 
     /// Writes a line to `/events`, for instance how the run ended.
     pub fn note(&mut self, time_s: f64, severity: Severity, text: &str) -> Result<(), SinkError> {
-        self.line(time_s, severity, "run", text)
-            .map_err(|error| sink_error(&self.name, error))
+        self.line(time_s, severity, "run", text).map_err(|error| sink_error(&self.name, error))
     }
 
     /// Finishes the log (last chunk, index, footer), flushes it, and hands back what it was written to.
@@ -138,9 +128,7 @@ impl<W: Write> Writer<W> {
         let named = |error| sink_error(&self.name, error);
         self.mcap.finish().map_err(named)?;
         let buffered = self.mcap.into_inner().into_inner();
-        buffered
-            .into_inner()
-            .map_err(|error| sink_error(&self.name, McapError::Io(error.into_error())))
+        buffered.into_inner().map_err(|error| sink_error(&self.name, McapError::Io(error.into_error())))
     }
 
     fn line(&mut self, time_s: f64, severity: Severity, source: &str, text: &str) -> Result<(), McapError> {
@@ -180,15 +168,9 @@ impl<W: Write> Writer<W> {
             return Ok(());
         };
         self.buffer.clear();
-        message
-            .encode(&mut self.buffer)
-            .map_err(|error| McapError::Io(io::Error::other(error.to_string())))?;
-        let header = MessageHeader {
-            channel_id: channel.id,
-            sequence: channel.sequence,
-            log_time,
-            publish_time: log_time,
-        };
+        message.encode(&mut self.buffer).map_err(|error| McapError::Io(io::Error::other(error.to_string())))?;
+        let header =
+            MessageHeader { channel_id: channel.id, sequence: channel.sequence, log_time, publish_time: log_time };
         channel.sequence = channel.sequence.wrapping_add(1);
         self.mcap.write_to_known_channel(&header, &self.buffer)?;
         self.pending += RECORD_OVERHEAD + self.buffer.len();
@@ -267,10 +249,7 @@ fn event_text(event: &Event) -> String {
     let time_ms = event.time_s * 1e3;
     match event.kind {
         EventKind::TouchDown => {
-            format!(
-                "{site}: touch-down at {time_ms:.6} ms, approach speed {:.6} {speed_unit}",
-                event.approach_speed
-            )
+            format!("{site}: touch-down at {time_ms:.6} ms, approach speed {:.6} {speed_unit}", event.approach_speed)
         }
         EventKind::LiftOff => {
             format!(

@@ -144,10 +144,7 @@ impl RunReport {
 
     /// A run that broke off, with what is known of it up to then.
     pub fn failed(scene: &Scene, model: &str, wall_s: f64, failure: Failure, so_far: Option<&Outcome>) -> Self {
-        RunReport {
-            error: Some(failure),
-            ..RunReport::up_to(scene, model, wall_s, so_far)
-        }
+        RunReport { error: Some(failure), ..RunReport::up_to(scene, model, wall_s, so_far) }
     }
 
     fn up_to(scene: &Scene, model: &str, wall_s: f64, outcome: Option<&Outcome>) -> Self {

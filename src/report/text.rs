@@ -53,12 +53,13 @@ fn cost(report: &RunReport) -> String {
         return String::new();
     };
     format!(
-        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} events; ",
+        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} event{}; ",
         duration(end_s),
         work.rejected_steps,
         work.rhs_evaluations,
         work.jacobian_evaluations,
-        work.events
+        work.events,
+        if work.events == 1 { "" } else { "s" }
     )
 }
 
@@ -66,12 +67,7 @@ fn final_state(last: &Final, end_s: f64) -> String {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
-        row([
-            "angle, deg",
-            &degrees(last.q11_rad),
-            &degrees(last.q21_rad),
-            &degrees(last.q22_rad),
-        ]),
+        row(["angle, deg", &degrees(last.q11_rad), &degrees(last.q21_rad), &degrees(last.q22_rad)]),
         row(["rate, rad/s", &figure(last.qd11_rad_s, 5), &figure(last.qd21_rad_s, 5)]),
     ])
 }
@@ -106,15 +102,7 @@ fn contacts(contacts: &Contacts) -> String {
     ]);
     text.push('\n');
     text.push_str(&table(&[
-        row([
-            "",
-            "first, ms",
-            "touch-downs",
-            "torque, N·m",
-            "peak, N·m",
-            "depth, µrad",
-            "impulse, mN·m·s",
-        ]),
+        row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"]),
         row([
             "joint limit",
             &milliseconds(limit.first_s),
@@ -131,16 +119,7 @@ fn contacts(contacts: &Contacts) -> String {
 fn energies(energy: &Energies) -> String {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     table(&[
-        row([
-            "energy",
-            "kinetic",
-            "gravity",
-            "spring",
-            "contact",
-            "dissipated",
-            "motor work",
-            "balance",
-        ]),
+        row(["energy", "kinetic", "gravity", "spring", "contact", "dissipated", "motor work", "balance"]),
         row([
             "mJ",
             &mj(energy.kinetic_j),
@@ -161,13 +140,7 @@ fn dynamics(criteria: &Dynamics) -> String {
     };
     table(&[
         row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
-        row([
-            "",
-            criteria.class,
-            &milliseconds(criteria.tts_s),
-            &rebound,
-            &milliseconds(criteria.t_geo_s),
-        ]),
+        row(["", criteria.class, &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
     ])
 }
 

@@ -23,7 +23,9 @@ pub(super) struct Recorder<'a, S: Sink> {
     sites: [SiteSummary; 3],
     /// Impulse of each site at its last touch-down.
     impulse_before: [f64; 3],
+    /// State at the end of the last step, and the time up to which the sink has samples.
     last: Sample,
+    emitted_s: f64,
     error: Option<SinkError>,
 }
 
@@ -42,6 +44,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
             sites: [SiteSummary::default(); 3],
             impulse_before: [0.0; 3],
             last: sample(model, 0.0, &start, &mode, &start_energy),
+            emitted_s: 0.0,
             error: None,
         }
     }
@@ -72,6 +75,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
 
     fn emit(&mut self, t: f64, state: &Point, mode: &Mode) -> Result<(), SinkError> {
         self.last = sample(self.model, t, state, mode, &self.start_energy);
+        self.emitted_s = t;
         self.sink.sample(&self.last)
     }
 
@@ -173,7 +177,10 @@ impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
         }
         self.mode = *mode;
         let event = Event { time_s: t, site: Site::ALL[site], kind, approach_speed, impulse };
-        if let Err(error) = self.sink.event(&event) {
+        // Rates jump soon after an event: whoever interpolates needs the sample just before it.
+        let before = if self.emitted_s < self.last.time_s { self.sink.sample(&self.last) } else { Ok(()) };
+        self.emitted_s = self.last.time_s;
+        if let Err(error) = before.and_then(|()| self.sink.event(&event)) {
             self.error.get_or_insert(error);
         }
     }

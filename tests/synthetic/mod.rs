@@ -11,17 +11,8 @@ use phalanx::trace::{ContactSample, Energy, Event, EventKind, LimitSample, Sampl
 pub const SOURCE: &str = "# a scene with a µ and no particular meaning\nname = \"synthetic\"\n";
 
 pub fn scene() -> Scene {
-    let body = Body {
-        mass_kg: 5e-3,
-        com_m: [1e-2, 0.0],
-        inertia_kg_m2: 1e-7,
-    };
-    let normal = NormalLaw {
-        stiffness_n_per_m_e: 1e8,
-        exponent: 2.2,
-        damping_max_n_s_per_m: 1e6,
-        transition_m: 1e-5,
-    };
+    let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
+    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
     let contact = ContactLaw { normal, friction: None };
     Scene {
         name: "synthetic".to_string(),
@@ -36,29 +27,15 @@ pub fn scene() -> Scene {
                 phi22_rad: 120f64.to_radians(),
                 half_width_m: 2.5e-3,
             },
-            bodies: Bodies {
-                l11: body,
-                l12: body,
-                l21: body,
-                l22: body,
-            },
+            bodies: Bodies { l11: body, l12: body, l21: body, l22: body },
             assembly: Assembly::Reference,
         },
-        object: Some(Disc {
-            radius_m: 20e-3,
-            centre_m: [-15.5e-3, 20e-3],
-        }),
+        object: Some(Disc { radius_m: 20e-3, centre_m: [-15.5e-3, 20e-3] }),
         palm: true,
         actuation: Actuation::Constant { torque_n_m: 0.48 },
-        spring: Some(Spring {
-            kind: SpringKind::Constant { torque_n_m: 0.1326 },
-            placement: Placement::Phalanges,
-        }),
+        spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: 0.1326 }, placement: Placement::Phalanges }),
         limit: Some(normal),
-        contact: Contacts {
-            proximal: contact,
-            distal: contact,
-        },
+        contact: Contacts { proximal: contact, distal: contact },
         gravity_m_s2: [0.0, 9.81],
         duration_s: 20e-3,
         initial: Initial {
@@ -105,11 +82,7 @@ pub fn sample(time_s: f64) -> Sample {
         motor_torque_n_m: 0.48,
         proximal: contact(10),
         distal: contact(20),
-        limit: LimitSample {
-            gap_rad: f(30),
-            gap_rate_rad_s: f(31),
-            torque_n_m: f(32),
-        },
+        limit: LimitSample { gap_rad: f(30), gap_rate_rad_s: f(31), torque_n_m: f(32) },
         energy: Energy {
             kinetic_j: f(40),
             gravity_j: f(41),
@@ -150,31 +123,13 @@ pub fn posture(
 }
 
 pub fn touch_down(time_s: f64, site: Site, approach_speed: f64) -> Event {
-    Event {
-        time_s,
-        site,
-        kind: EventKind::TouchDown,
-        approach_speed,
-        impulse: 0.0,
-    }
+    Event { time_s, site, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
 }
 
 pub fn lift_off(time_s: f64, site: Site, impulse: f64) -> Event {
-    Event {
-        time_s,
-        site,
-        kind: EventKind::LiftOff,
-        approach_speed: 0.0,
-        impulse,
-    }
+    Event { time_s, site, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
 }
 
 pub fn reload(time_s: f64, site: Site) -> Event {
-    Event {
-        time_s,
-        site,
-        kind: EventKind::Reload,
-        approach_speed: 0.0,
-        impulse: 0.0,
-    }
+    Event { time_s, site, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
 }

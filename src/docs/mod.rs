@@ -1,0 +1,7 @@
+//! Documentation that is longer than a docstring.
+
+#[doc = include_str!("errata.md")]
+pub mod errata {}
+
+#[doc = include_str!("integration.md")]
+pub mod integration {}
