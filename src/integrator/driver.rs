@@ -97,6 +97,7 @@ where
         state: start,
         watch: system.watch(&start.q, &start.v, &mode),
         mode,
+        latest: f64::INFINITY,
         h: FIRST_STEP_S,
         chatter: Chatter::new(),
         counters: Counters::default(),
@@ -123,6 +124,8 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     /// Guards of `mode` at `state`.
     watch: Watch<S>,
     mode: Y::Mode,
+    /// The last time before the next jump of the right-hand side.
+    latest: f64,
     h: f64,
     chatter: Chatter<S>,
     counters: Counters,
@@ -156,6 +159,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             return Err(Reason::NotFinite);
         }
         let corner = self.system.next_corner(t);
+        self.latest = corner.next_down();
         let stop = corner.min(t_end);
         let Some(accepted) = self.find_step(&linearised, stop)? else {
             self.take_event(observer);
@@ -180,6 +184,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             linearised,
             tolerances: &self.options.tolerances,
             t: self.clock.now(),
+            latest: self.latest,
             state: &state,
         };
         let wanted = self.h;
@@ -310,6 +315,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             linearised,
             tolerances: &self.options.tolerances,
             t: t0,
+            latest: self.latest,
             state: &start,
         };
         let mut tools = Tools { method: &mut self.method, origin, size: accepted.size, dense: None };

@@ -26,6 +26,8 @@ pub struct Origin<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
     pub linearised: &'a Linearised<N, Z>,
     pub tolerances: &'a Tolerances,
     pub t: f64,
+    /// Latest time to evaluate the right-hand side at: before a jump, which belongs to the step after it.
+    pub latest: f64,
     pub state: &'a State<N, Z>,
 }
 

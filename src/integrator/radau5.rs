@@ -116,17 +116,16 @@ impl<const N: usize, const Z: usize> Radau5<N, Z> {
     /// Right-hand sides at the stages.
     fn evaluate<Y: System<N, Z>>(
         &self,
-        system: &Y,
-        mode: &Y::Mode,
-        t: f64,
+        origin: &Origin<Y, N, Z>,
         h: f64,
-        from: &State<N, Z>,
         z: &Stages<N>,
     ) -> [(Rates<N, Z>, [f64; N]); 3] {
+        let from = origin.state;
         std::array::from_fn(|i| {
             let q: [f64; N] = std::array::from_fn(|n| from.q[n] + z[i].0[n]);
             let v: [f64; N] = std::array::from_fn(|n| from.v[n] + z[i].1[n]);
-            (system.rates(t + self.coefficients.c[i] * h, &q, &v, mode), v)
+            let time = (origin.t + self.coefficients.c[i] * h).min(origin.latest);
+            (origin.system.rates(time, &q, &v, origin.mode), v)
         })
     }
 }
@@ -152,7 +151,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
     }
 
     fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
-        let Origin { system, mode, linearised: lin, tolerances, t, state: from } = *origin;
+        let Origin { system, mode, linearised: lin, tolerances, t, state: from, .. } = *origin;
         let k = self.coefficients;
         let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
         let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v);
@@ -172,7 +171,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         let (mut previous, mut contraction): (f64, f64) = (0.0, 0.0);
         let mut converged = false;
         for iteration in 0..MAX_NEWTON {
-            let f = self.evaluate(system, mode, t, h, from, &z);
+            let f = self.evaluate(origin, h, &z);
             rhs += 3;
             let stages: Stages<N> = std::array::from_fn(|i| (f[i].1, f[i].0.a));
             let tf = transform(&k.ti, &stages);
@@ -216,7 +215,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             return failed(rhs);
         }
 
-        let stages = self.evaluate(system, mode, t, h, from, &z);
+        let stages = self.evaluate(origin, h, &z);
         rhs += 3;
         let quadrature = |weights: [f64; 3]| -> [f64; Z] {
             std::array::from_fn(|m| h * (0..3).map(|j| weights[j] * stages[j].0.g[m]).sum::<f64>())

@@ -39,7 +39,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
 
     #[inline(always)]
     fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
-        let Origin { system, mode, linearised: lin, tolerances, t, state: from } = *origin;
+        let Origin { system, mode, linearised: lin, tolerances, t, latest, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
         let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
         let k = &mut self.k;
@@ -61,7 +61,8 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
                     stage.v[n] += k[i - 1].v[n];
                 }
             }
-            let rates = if i == 0 { lin.rates } else { system.rates(t + NODES[i] * h, &stage.q, &stage.v, mode) };
+            let time = (t + NODES[i] * h).min(latest);
+            let rates = if i == 0 { lin.rates } else { system.rates(time, &stage.q, &stage.v, mode) };
             let (mut r_q, mut r_v, mut r_z) = (stage.v, rates.a, rates.g);
             for (j, increment) in k.iter().enumerate().take(i) {
                 let weight = C[i][j] / h;
