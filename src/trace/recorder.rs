@@ -59,7 +59,8 @@ impl<'a, S: Sink> Recorder<'a, S> {
                 self.sink.event(&event)?;
             }
         }
-        self.sink.sample(&self.last)
+        // A start beyond the reach of the loop has no passive angles; the run then ends before its first step.
+        if self.last.q13_rad.is_finite() { self.sink.sample(&self.last) } else { Ok(()) }
     }
 
     pub fn finish(self, end: &Point, work: Work) -> Result<Outcome, SinkError> {
