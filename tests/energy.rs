@@ -44,7 +44,8 @@ fn scenes() -> Vec<Scene> {
     });
     let torsional = SpringKind::Torsional { stiffness_n_m_per_rad: 0.06, preload_rad: 1.92 };
     let constant = SpringKind::Constant { torque_n_m: 0.1326 };
-    for placement in [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal] {
+    for placement in [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal]
+    {
         for kind in [constant, torsional] {
             scenes.push(with_spring(kind, placement));
         }
