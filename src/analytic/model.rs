@@ -11,7 +11,7 @@ use crate::law::{
     ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_coefficient, normal_force,
     unclamped_normal_force,
 };
-use crate::numeric::plane::{angle_between, dot, rotate};
+use crate::numeric::plane::{angle_between, dot, opening_angle, rotate};
 use crate::numeric::{Dual, Real};
 use crate::scene::{Actuation, Disc, Scene};
 
@@ -125,7 +125,7 @@ impl Model {
             Site::Limit => {
                 self.limit?;
                 // q22 + φ22: the angle from l21 to the tip phalanx.
-                let gap = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22));
+                let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
                 let row = [rates.a4[0], rates.a4[1] - 1.0];
                 let none = [T::zero(); 2];
                 Some(Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none })
@@ -234,7 +234,7 @@ impl Model {
         let [_, _, qd3, qd4] = absolute_rates(&terms.rates, v);
         let phi22 = self.dynamics.lengths.phi22_rad;
         // Measured from the straight line, q22 stays continuous through the joint limit.
-        let q22 = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
+        let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
         Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
     }
 
