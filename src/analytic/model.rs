@@ -8,7 +8,7 @@ use super::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{
-    ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_coefficient, normal_force,
+    ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, normal_force, normal_over_gap,
     unclamped_normal_force,
 };
 use crate::numeric::plane::{angle_between, dot, opening_angle, rotate};
@@ -183,16 +183,14 @@ impl Model {
                 continue;
             };
             let gap_rate = dot(geometry.normal_row, v);
-            let f = self.branch(law, mode[index], -geometry.gap.value(), -gap_rate.value());
-            let normal = geometry.gap.chain2(gap_rate, f.force, -f.d_delta, -f.d_rate);
+            let normal = normal_over_gap(|d, rate| self.branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
             load[1] += geometry.normal_row[1] * normal;
             contact_power += normal * gap_rate;
             quadratures[index] = normal;
             if let Some(friction) = self.friction_law(site) {
                 let slip = dot(geometry.tangent_row, v);
-                let (mu, slope) = friction_coefficient(friction, slip.value());
-                let tangential = slip.chain(mu, slope) * -normal;
+                let tangential = friction_force(friction, slip, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
                 contact_power += tangential * slip;
@@ -223,7 +221,7 @@ impl Model {
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);
         let normal = self.branch(law, state, delta, delta_rate).force.max(0.0);
-        let tangential = self.friction_law(site).map_or(0.0, |f| -friction_coefficient(f, slip).0 * normal);
+        let tangential = self.friction_law(site).map_or(0.0, |f| friction_force(f, slip, normal));
         Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
