@@ -65,6 +65,15 @@ pub struct Passive {
     pub qd22: f64,
 }
 
+/// Everything about one state.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot {
+    pub passive: Passive,
+    /// In the order of [`Site::ALL`]; `None` where the scene has no such contact.
+    pub sites: [Option<SiteReading>; 3],
+    pub energies: Energies,
+}
+
 /// One site in one state.
 #[derive(Clone, Copy, Debug)]
 pub struct SiteReading {
@@ -225,30 +234,31 @@ impl Model {
         Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
-    /// Passive joints and their rates (2.2), (2.8).
-    pub fn passive(&self, q: [f64; 2], v: [f64; 2]) -> Passive {
+    /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
+    pub fn snapshot(&self, q: [f64; 2], v: [f64; 2], mode: &Mode) -> Snapshot {
         let terms = self.terms(q);
+        let sites = Site::ALL.map(|site| self.reading_at(&terms, v, site, mode[site as usize]));
+        let elastic = Site::ALL.map(|site| match (self.normal_law(site), &sites[site as usize]) {
+            (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
+            _ => 0.0,
+        });
+        let energies = Energies {
+            kinetic: kinetic_energy(&terms.mass, v),
+            gravity: gravity_energy(&self.dynamics, &terms.pose),
+            spring: self.spring.as_ref().map_or(0.0, |s| s.energy(&terms.pose)),
+            elastic: elastic.iter().sum(),
+        };
+        Snapshot { passive: self.passive_at(&terms, q, v), sites, energies }
+    }
+
+    /// Passive joints and their rates (2.2), (2.8).
+    fn passive_at(&self, terms: &Terms<f64>, q: [f64; 2], v: [f64; 2]) -> Passive {
         let pose = &terms.pose;
         let [_, _, qd3, qd4] = absolute_rates(&terms.rates, v);
         let phi22 = self.dynamics.lengths.phi22_rad;
         // Measured from the straight line, q22 stays continuous through the joint limit.
         let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
         Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
-    }
-
-    /// Energies of a state.
-    pub fn energies(&self, q: [f64; 2], v: [f64; 2]) -> Energies {
-        let terms = self.terms(q);
-        let elastic = Site::ALL
-            .into_iter()
-            .filter_map(|site| Some(elastic_energy(self.normal_law(site)?, -self.geometry(&terms, site)?.gap)))
-            .sum();
-        Energies {
-            kinetic: kinetic_energy(&terms.mass, v),
-            gravity: gravity_energy(&self.dynamics, &terms.pose),
-            spring: self.spring.as_ref().map_or(0.0, |s| s.energy(&terms.pose)),
-            elastic,
-        }
     }
 
     /// Motor torque at time `t`, in N·m.
