@@ -85,7 +85,7 @@ def pose(axis, g, state, title: str):
     capsule(axis, a22, tip, g["w"], fc=ACCENT, ec="none")
     for joint in (origin, a12, a22, a13):
         axis.plot(*joint, "o", ms=3.2, mfc="white", mec=INK, mew=0.8)
-    axis.set(xlim=(-38, 34), ylim=(-17, 47), aspect="equal")
+    axis.set(xlim=(-38, 34), ylim=(-17, 44), aspect="equal")
     axis.axis("off")
     axis.set_title(title, fontsize=8.5, color=INK)
 
@@ -103,26 +103,27 @@ def main(log: str, out: str):
     words = ["start", "swing", "proximal contact", "tip closes", "tip contact"]
 
     plt.rcParams.update({"font.size": 8, "font.family": "DejaVu Sans", "svg.hashsalt": "phalanx", "svg.fonttype": "path"})
-    figure = plt.figure(figsize=(9.6, 4.6), facecolor="white")
-    grid = figure.add_gridspec(2, 10, height_ratios=[1.15, 1], hspace=0.22, wspace=1.6, left=0.06, right=0.985, bottom=0.1, top=0.93)
+    figure = plt.figure(figsize=(9.6, 4.3), facecolor="white")
+    poses = figure.add_gridspec(1, 5, left=0.01, right=0.99, bottom=0.47, top=0.95, wspace=0.03)
+    plots = figure.add_gridspec(1, 2, left=0.065, right=0.985, bottom=0.1, top=0.44, wspace=0.16)
     for i, (instant, word) in enumerate(zip(instants, words)):
         state = states[int(np.argmin(abs(time - instant)))]
-        pose(figure.add_subplot(grid[0, 2 * i : 2 * i + 2]), g, state, f"{word}, {instant:.2f} ms")
+        pose(figure.add_subplot(poses[i]), g, state, f"{word}, {instant:.2f} ms")
 
-    angles = figure.add_subplot(grid[1, :5])
+    angles = figure.add_subplot(plots[0])
     for name, color in (("q11", PALE), ("q21", INK), ("q22", ACCENT)):
         angles.plot(time, np.degrees(column(states, f"{name}_rad")), color=color, lw=1.4)
         at = np.degrees(getattr(states[-1], f"{name}_rad"))
         angles.annotate(name, (time[-1], at), xytext=(-2, 4), textcoords="offset points", ha="right", color=color)
     angles.set(xlabel="time, ms", ylabel="joint angle, deg", xlim=(0, time[-1]))
 
-    forces = figure.add_subplot(grid[1, 5:])
-    for site, color in (("proximal", INK), ("distal", ACCENT)):
+    forces = figure.add_subplot(plots[1])
+    for site, color, lift in (("proximal", INK, 4), ("distal", ACCENT, -11)):
         contact = topics[f"/contact/{site}"]
         t, force = column(contact, "timestamp") * 1e3, column(contact, "normal_n")
         shown = np.where(force > 1e-3, force, np.nan)
         forces.plot(t, shown, color=color, lw=1.4)
-        forces.annotate(site, (t[-1], force[-1]), xytext=(-2, 4), textcoords="offset points", ha="right", color=color)
+        forces.annotate(site, (t[-1], force[-1]), xytext=(-2, lift), textcoords="offset points", ha="right", color=color)
     forces.set(xlabel="time, ms", ylabel="normal force, N", yscale="log", xlim=(0, time[-1]), ylim=(1, 1e6))
     for axis in (angles, forces):
         axis.spines[["top", "right"]].set_visible(False)

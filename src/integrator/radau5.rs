@@ -285,7 +285,7 @@ fn collocation<const N: usize, const Z: usize>(
 mod tests {
     use super::*;
 
-    /// T Λ T⁻¹ = A⁻¹, against the published eigenvalue 3.6378342527444962 (Hairer's radau5.f, 1/U1 with its closed form).
+    /// T Λ T⁻¹ = A⁻¹; eigenvalues as Hairer's radau5.f computes them (U1, ALPH, BETA).
     #[test]
     fn transformation_diagonalises_the_inverse_of_a() {
         let k = Coefficients::new();

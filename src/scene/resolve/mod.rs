@@ -21,7 +21,7 @@ use super::{LogRates, Scene};
 /// Resolves a scene; `file_name` gives its default name.
 pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let SceneKind::Finger = c.or("kind", &raw.kind, SceneKind::Finger);
-    let _ = c.get("description", &raw.description);
+    let description = c.get("description", &raw.description).unwrap_or_default();
     let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
     let duration_s = c.number_or("duration", &raw.duration, POSITIVE, defaults::DURATION_S);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
@@ -49,6 +49,7 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
         {
             Ok(Scene {
                 name,
+                description,
                 source: c.text.to_string(),
                 finger,
                 object,
