@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
-use phalanx::scene::{self, Integrator, Method, Preset, Scene};
+use phalanx::scene::{self, Integrator, Preset, Scene};
 use phalanx::trace::{Event, EventKind, Outcome, RunError, Sample, Sink, SinkError, Site, run_analytic};
 
 /// Design 95 with the sizing of its experiment, from the shipped scene.
@@ -10,28 +10,14 @@ pub fn anchor() -> Scene {
     scene::load("scenes/experiment-95.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The settings of everyday runs, spelt out: the tests hold for these numbers, whatever a preset becomes.
+/// The shipped settings of everyday runs.
 pub fn engineering() -> Integrator {
-    Integrator {
-        preset: Preset::Engineering,
-        method: Method::Rodas5p,
-        rtol: 1e-5,
-        atol_angle_rad: 1e-9,
-        atol_rate_rad_s: 1e-4,
-        max_steps: 10_000_000,
-    }
+    Integrator::preset(Preset::Engineering)
 }
 
-/// The settings of reference runs, spelt out.
+/// The shipped settings of reference runs.
 pub fn reference() -> Integrator {
-    Integrator {
-        preset: Preset::Reference,
-        method: Method::RadauIIa5,
-        rtol: 1e-11,
-        atol_angle_rad: 1e-13,
-        atol_rate_rad_s: 1e-9,
-        max_steps: 10_000_000,
-    }
+    Integrator::preset(Preset::Reference)
 }
 
 /// Keeps a whole run.
