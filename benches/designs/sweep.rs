@@ -46,6 +46,9 @@ pub struct Verdict {
     pub angle_median_rad: f64,
     pub angle_p99_rad: f64,
     pub angle_worst_rad: f64,
+    /// The design it is of, and whether that is a singular one.
+    pub worst_design: usize,
+    pub worst_is_singular: bool,
     /// Mean over all designs, without observer.
     pub mean_s: f64,
     pub mean_steps: u64,
@@ -111,6 +114,7 @@ fn verdict(name: &str, ours: &Ours, cases: &[Case]) -> Verdict {
     let judged = || cases.iter().zip(&tracks).enumerate().filter(|(_, (case, _))| case.judged);
     let errors = || judged().map(|(index, (case, track))| (index, angle_distance(track, &case.reference)));
     let angles = sorted(errors().map(|(_, error)| error));
+    let worst_design = errors().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
     let both_end = |case: &Case, track: &Track| {
         let ends = singular_at(&case.reference).zip(singular_at(track));
         ends.is_some_and(|(a, b)| (a - b).abs() <= GRID_S)
@@ -123,6 +127,8 @@ fn verdict(name: &str, ours: &Ours, cases: &[Case]) -> Verdict {
         angle_median_rad: median(&angles),
         angle_p99_rad: angles.get(angles.len() * 99 / 100).copied().unwrap_or(f64::NAN),
         angle_worst_rad: worst(&angles),
+        worst_design,
+        worst_is_singular: cases.get(worst_design).is_some_and(|case| singular_at(&case.reference).is_some()),
         mean_s,
         mean_steps: tracks.iter().map(steps).sum::<u64>() / tracks.len().max(1) as u64,
         max_steps: tracks.iter().map(steps).max().unwrap_or(0),
@@ -147,7 +153,7 @@ pub fn print(sweep: &Sweep) {
     );
     for preset in &sweep.presets {
         println!(
-            "{:<30} | {:>11} {:>9} | {:>8} {:>8} {:>8} | {:>8.1} | {:>6} {:>6}",
+            "{:<30} | {:>11} {:>9} | {:>8} {:>8} {:>8} | {:>8.1} | {:>6} {:>6} | worst is {}{}",
             preset.name,
             format!("{}/{}", preset.right, sweep.judged),
             format!("{}/{}", preset.singular_right, sweep.singular),
@@ -157,6 +163,8 @@ pub fn print(sweep: &Sweep) {
             preset.mean_s * 1e6,
             preset.mean_steps,
             preset.max_steps,
+            preset.worst_design,
+            if preset.worst_is_singular { ", singular" } else { "" },
         );
         for (index, error) in preset.wrong.iter().take(5) {
             println!("    design {index} is {} rad off", scientific(*error));

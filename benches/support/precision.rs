@@ -55,8 +55,8 @@ pub struct Errors {
     pub touch_worst_s: f64,
     /// Relative error of ∫ F_n dt; null where the contestant does not carry it.
     pub impulse_worst: Option<f64>,
-    /// Runs that went deeper into the object than δ_max of the contact law, or never touched it: a step passed over the
-    /// contact. Null where steps land on contacts.
+    /// Complete runs that went deeper into the object than δ_max of the contact law, or never touched it: a step passed
+    /// over the contact. Null where steps land on contacts.
     pub stepped_over: Option<usize>,
     /// Runs that did not reach the end, and why the first of them did not.
     pub failed: usize,
@@ -75,7 +75,8 @@ pub fn measure(contestant: &dyn Contestant, ensemble: &[Referenced]) -> Errors {
         pairs().map(|(t, case)| Some(case.distance_to_both(|r| impulse_distance(t, r).unwrap_or(0.0)))).collect();
     let carries_impulse = tracks.iter().all(|t| t.impulse.is_some());
     let looks = tracks.iter().all(|t| t.deepest_m.is_some());
-    let over = |t: &&Track| t.deepest_m.is_some_and(|d| d > STEPPED_OVER_M) || t.touch_s.contains(&None);
+    let missed = |t: &Track| t.deepest_m.is_some_and(|d| d > STEPPED_OVER_M) || t.touch_s.contains(&None);
+    let over = |t: &&Track| t.ended == Ended::Complete && missed(t);
     let failures = || {
         tracks.iter().filter_map(|t| match &t.ended {
             Ended::Complete => None,

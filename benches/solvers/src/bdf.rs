@@ -4,10 +4,13 @@ use std::cell::Cell;
 
 use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverStopReason};
 
-use crate::field::{Field, Vector, Watcher, start};
+use crate::field::{FIRST_STEP_S, Field, Vector, Watcher, start};
 use crate::support::problem::Problem;
 use crate::support::track::{Cost, Track};
 use crate::support::{Contestant, absolute};
+
+/// Far below the duration of an impact.
+const SMALLEST_STEP_S: f64 = 1e-18;
 
 /// Backward differentiation of variable order 1–5, with dense nalgebra matrices.
 pub struct Bdf {
@@ -36,8 +39,9 @@ impl Bdf {
             }
         };
         let from = start(problem);
-        let equations = OdeBuilder::<NalgebraMat<f64>>::new()
+        let mut equations = OdeBuilder::<NalgebraMat<f64>>::new()
             .rtol(self.rtol)
+            .h0(FIRST_STEP_S)
             .atol([angle, angle, rate, rate])
             .rhs_implicit(
                 |y, _, t, out| out.copy_from_slice(&field.rates(t, &array(y))),
@@ -46,6 +50,9 @@ impl Bdf {
             .init(move |_, _, y| y.copy_from_slice(&from), 4)
             .build()
             .map_err(|error| error.to_string())?;
+        // By default it gives up at 1e-13 s, or when Newton's method has failed fifty times in a run.
+        equations.ode_options.min_timestep = SMALLEST_STEP_S;
+        equations.ode_options.max_nonlinear_solver_failures = usize::MAX;
         let mut solver = equations.bdf::<NalgebraLU<f64>>().map_err(|error| error.to_string())?;
         solver.set_stop_time(problem.duration_s()).map_err(|error| error.to_string())?;
         loop {

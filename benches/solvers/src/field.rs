@@ -10,6 +10,9 @@ use phalanx::integrator::System;
 use crate::support::problem::Problem;
 use crate::support::track::{Cost, Ended, GRID_S, Track};
 
+/// The first step all of them get, as ours do: their own guesses know nothing of the joint limit the finger starts at.
+pub const FIRST_STEP_S: f64 = 1e-8;
+
 /// q11, q21 and their rates.
 pub type Vector = [f64; 4];
 

@@ -2,7 +2,7 @@
 
 use differential_equations::prelude::*;
 
-use crate::field::{Field, Vector, Watcher, start};
+use crate::field::{FIRST_STEP_S, Field, Vector, Watcher, start};
 use crate::support::problem::Problem;
 use crate::support::track::{Cost, Track};
 use crate::support::{Contestant, absolute};
@@ -56,8 +56,11 @@ impl DeRadau5 {
     fn integrate(&self, problem: &Problem, watcher: Option<&mut Watcher>) -> Result<Cost, String> {
         let field = Field::new(problem);
         let (angle, rate) = absolute(self.rtol);
-        let method =
-            ImplicitRungeKutta::radau5().rtol([self.rtol; 4]).atol([angle, angle, rate, rate]).max_steps(1_000_000);
+        let method = ImplicitRungeKutta::radau5()
+            .rtol([self.rtol; 4])
+            .atol([angle, angle, rate, rate])
+            .h0(FIRST_STEP_S)
+            .max_steps(1_000_000);
         let result =
             IVP::ode(&field, 0.0, problem.duration_s(), start(problem)).method(method).solout(Look(watcher)).solve();
         match result {
