@@ -72,7 +72,7 @@ pub fn tree_terms<T: Real>(tree: &Tree, first: Vector<T>, second: Vector<T>, gra
 pub struct Terms<T> {
     pub pose: Directions<T>,
     pub rates: PassiveRates<T>,
-    /// M = [[m[0], m[1]], [m[1], m[2]]].
+    /// M₁₁, M₁₂ = M₂₁ and M₂₂.
     pub mass: [T; 3],
     /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity: in squares of absolute rates there are no cross terms.
     pub quadratic: [[T; 4]; 2],

@@ -20,9 +20,9 @@ pub enum Singularity {
     Coincident,
 }
 
-/// |sin| of the angle between l12 and l22 below which a configuration counts as singular: 0.006° from the fold, where
-/// passive rates are ten thousand times the driven ones. The finger does not come back from there in its assembly mode.
-pub const SINGULAR_SINE: f64 = 1e-4;
+/// |sin| of the angle between l12 and l22 below which a configuration counts as singular: 0.06° from the fold, where passive
+/// rates are a thousand times the driven ones. The finger does not come back from there in its assembly mode.
+pub const SINGULAR_SINE: f64 = 1e-3;
 
 /// Directions of the four links and what the closure needs of them.
 #[derive(Clone, Copy, Debug)]

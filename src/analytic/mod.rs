@@ -10,4 +10,4 @@ mod modes;
 mod motor;
 pub mod spring;
 
-pub use model::{Energies, Mode, Model, Passive, QUADRATURES, SiteReading, SiteState};
+pub use model::{Energies, Mode, Model, Passive, QUADRATURES, SiteReading, SiteState, Snapshot};

@@ -8,10 +8,10 @@ use super::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{
-    ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_coefficient, normal_force,
+    ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, normal_force, normal_over_gap,
     unclamped_normal_force,
 };
-use crate::numeric::plane::{angle_between, dot, rotate};
+use crate::numeric::plane::{angle_between, dot, opening_angle, rotate};
 use crate::numeric::{Dual, Real};
 use crate::scene::{Actuation, Disc, Scene};
 
@@ -63,6 +63,15 @@ pub struct Passive {
     pub q13: f64,
     pub qd12: f64,
     pub qd22: f64,
+}
+
+/// Everything about one state.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot {
+    pub passive: Passive,
+    /// In the order of [`Site::ALL`]; `None` where the scene has no such contact.
+    pub sites: [Option<SiteReading>; 3],
+    pub energies: Energies,
 }
 
 /// One site in one state.
@@ -125,7 +134,7 @@ impl Model {
             Site::Limit => {
                 self.limit?;
                 // q22 + φ22: the angle from l21 to the tip phalanx.
-                let gap = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22));
+                let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
                 let row = [rates.a4[0], rates.a4[1] - 1.0];
                 let none = [T::zero(); 2];
                 Some(Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none })
@@ -183,16 +192,14 @@ impl Model {
                 continue;
             };
             let gap_rate = dot(geometry.normal_row, v);
-            let f = self.branch(law, mode[index], -geometry.gap.value(), -gap_rate.value());
-            let normal = geometry.gap.chain2(gap_rate, f.force, -f.d_delta, -f.d_rate);
+            let normal = normal_over_gap(|d, rate| self.branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
             load[1] += geometry.normal_row[1] * normal;
             contact_power += normal * gap_rate;
             quadratures[index] = normal;
             if let Some(friction) = self.friction_law(site) {
                 let slip = dot(geometry.tangent_row, v);
-                let (mu, slope) = friction_coefficient(friction, slip.value());
-                let tangential = slip.chain(mu, slope) * -normal;
+                let tangential = friction_force(friction, slip, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
                 contact_power += tangential * slip;
@@ -223,34 +230,35 @@ impl Model {
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);
         let normal = self.branch(law, state, delta, delta_rate).force.max(0.0);
-        let tangential = self.friction_law(site).map_or(0.0, |f| -friction_coefficient(f, slip).0 * normal);
+        let tangential = self.friction_law(site).map_or(0.0, |f| friction_force(f, slip, normal));
         Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
-    /// Passive joints and their rates (2.2), (2.8).
-    pub fn passive(&self, q: [f64; 2], v: [f64; 2]) -> Passive {
+    /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
+    pub fn snapshot(&self, q: [f64; 2], v: [f64; 2], mode: &Mode) -> Snapshot {
         let terms = self.terms(q);
+        let sites = Site::ALL.map(|site| self.reading_at(&terms, v, site, mode[site as usize]));
+        let elastic = Site::ALL.map(|site| match (self.normal_law(site), &sites[site as usize]) {
+            (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
+            _ => 0.0,
+        });
+        let energies = Energies {
+            kinetic: kinetic_energy(&terms.mass, v),
+            gravity: gravity_energy(&self.dynamics, &terms.pose),
+            spring: self.spring.as_ref().map_or(0.0, |s| s.energy(&terms.pose)),
+            elastic: elastic.iter().sum(),
+        };
+        Snapshot { passive: self.passive_at(&terms, q, v), sites, energies }
+    }
+
+    /// Passive joints and their rates (2.2), (2.8).
+    fn passive_at(&self, terms: &Terms<f64>, q: [f64; 2], v: [f64; 2]) -> Passive {
         let pose = &terms.pose;
         let [_, _, qd3, qd4] = absolute_rates(&terms.rates, v);
         let phi22 = self.dynamics.lengths.phi22_rad;
         // Measured from the straight line, q22 stays continuous through the joint limit.
-        let q22 = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
+        let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
         Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
-    }
-
-    /// Energies of a state.
-    pub fn energies(&self, q: [f64; 2], v: [f64; 2]) -> Energies {
-        let terms = self.terms(q);
-        let elastic = Site::ALL
-            .into_iter()
-            .filter_map(|site| Some(elastic_energy(self.normal_law(site)?, -self.geometry(&terms, site)?.gap)))
-            .sum();
-        Energies {
-            kinetic: kinetic_energy(&terms.mass, v),
-            gravity: gravity_energy(&self.dynamics, &terms.pose),
-            spring: self.spring.as_ref().map_or(0.0, |s| s.energy(&terms.pose)),
-            elastic,
-        }
     }
 
     /// Motor torque at time `t`, in N·m.

@@ -82,7 +82,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
-        Command::Scene(command) => return scene::run(command),
+        Command::Scene(command) => scene::run(command),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

@@ -1,19 +1,16 @@
 //! `phalanx scene`: showing and checking scene files.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Subcommand;
 
+use super::output::{complain, print};
+use super::{Failure, Status};
 use crate::gripper::total_mass;
 use crate::scene::{self, Scene};
 
-/// Exit status of bad input.
-const BAD_INPUT: u8 = 2;
-
-/// Work with scene files.
+/// Show, check and describe scene files.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SceneCommand {
     /// Print a scene with every default filled in, as a scene file
@@ -41,12 +38,13 @@ pub struct Answer {
 }
 
 /// Runs a command and prints its answer.
-pub fn run(command: &SceneCommand) -> ExitCode {
+pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
     let answer = answer(command);
-    // A reader that has gone away (`| head`) is no failure.
-    let _ = io::stdout().write_all(answer.stdout.as_bytes());
-    let _ = io::stderr().write_all(answer.stderr.as_bytes());
-    if answer.good { ExitCode::SUCCESS } else { ExitCode::from(BAD_INPUT) }
+    print(&answer.stdout)?;
+    if !answer.stderr.is_empty() {
+        complain(answer.stderr.trim_end());
+    }
+    Ok(if answer.good { Status::Done } else { Status::BadInput })
 }
 
 /// The answer to a command.

@@ -244,12 +244,15 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         let tolerance = self.system.landing_tolerance(site, origin.mode);
         let (mut low, mut high) = (0.0, whole);
         let mut target = crossing.theta * whole;
-        let mut landed = None;
+        // The tightest landing past the event, and the last one short of it.
+        let (mut past, mut short) = (None, None);
+        let mut tried = 0.0;
         for _ in 0..MAX_LANDINGS {
             if target < SMALLEST_STEP_S {
                 break;
             }
             let attempt = self.method.attempt(origin, target);
+            tried = target;
             self.counters.rhs += attempt.rhs;
             self.counters.rejected += 1;
             if !attempt.is_acceptable() {
@@ -259,24 +262,35 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             let value = watch.guards[site].value;
             let near = value.abs() <= tolerance;
             let event = (near || value < 0.0).then_some(site);
+            let landed = Some((Accepted { attempt, size: target, resume: whole, event, stops: false }, watch));
+            if event.is_some() {
+                past = landed
+            } else {
+                short = landed
+            }
             if value < 0.0 {
                 high = target
             } else {
                 low = target
             }
-            landed = Some((Accepted { attempt, size: target, resume: whole, event, stops: false }, watch));
             if near || high - low <= 4.0 * f64::EPSILON * high {
                 break;
             }
             // The landed step shows where the crossing is, if it is within it.
-            let again = first_crossing(origin.system, origin.mode, &self.watch.guards, &watch.guards, target, || {
-                self.method.dense()
-            });
+            let (now, then) = (&self.watch.guards, &watch.guards);
+            let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
             target = again.map_or(0.5 * (low + high), |c| c.theta * target);
         }
-        match landed {
+        // Where positions have no digits left to land more exactly, past the event is better than short of it: from short of it
+        // the next step would try the same again.
+        match past.or(short) {
             Some((accepted, watch)) => {
                 self.watch = watch;
+                if accepted.size != tried {
+                    // The method remembers its last attempt: make that the one that is kept.
+                    self.method.attempt(origin, accepted.size);
+                    self.counters.rhs += accepted.attempt.rhs;
+                }
                 Landing::Done(accepted)
             }
             None => Landing::Now(site),

@@ -88,7 +88,8 @@ fn lowest_point(rate: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The far end of a tight bracket about the root of `value`, which is not negative at `low` and negative at `high`.
+/// The far end of a tight bracket about the root of `value`, which is not negative at `low` and negative at `high`; the root
+/// itself where it is met exactly.
 ///
 /// Illinois' variant of regula falsi, with bisection when it is slow: the guard of a clamp may jump.
 fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
@@ -119,7 +120,8 @@ fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
             }
             kept = -1;
             if at == 0.0 {
-                break;
+                // Exactly on it: the old far end would be far off.
+                return guess;
             }
         }
     }
@@ -136,5 +138,10 @@ mod tests {
         assert!((smooth - 0.3f64.sqrt()).abs() < 1e-9, "{smooth}");
         let jump = root(|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
         assert!((jump - 0.7).abs() < 1e-9 && jump >= 0.7, "{jump}");
+    }
+
+    #[test]
+    fn root_that_is_met_exactly_is_returned() {
+        assert_eq!(root(|x| 0.75 - x, 0.5, 1.0), 0.75);
     }
 }

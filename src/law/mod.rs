@@ -2,11 +2,13 @@
 //!
 //! A contact is a normal law times a friction law; the joint limit is a normal law that acts on an angle.
 
+mod contact;
 mod friction;
 mod hertz;
 mod normal;
 mod smoothstep;
 
+pub use contact::{friction_force, normal_over_gap};
 pub use friction::friction_coefficient;
 pub use hertz::{Material, hertz_stiffness};
 pub use normal::{NormalForce, damping, elastic_energy, normal_force, unclamped_normal_force};

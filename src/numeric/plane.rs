@@ -1,5 +1,7 @@
 //! Vectors of the plane over any [`Real`].
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use super::Real;
 
 /// (x, y).
@@ -61,6 +63,14 @@ pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     sin.chain2(cos, angle, c, -s)
 }
 
+/// The same angle with its seam moved to −90°, where a tip that bends backwards past its stop would long be broken:
+/// in (−π/2, 3π/2].
+#[inline(always)]
+pub fn opening_angle<T: Real>(from: Vector<T>, to: Vector<T>) -> T {
+    let angle = angle_between(from, to);
+    if angle.value() <= -FRAC_PI_2 { angle + TAU } else { angle }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,6 +81,14 @@ mod tests {
             let a: [f64; 2] = [0.3f64.cos(), 0.3f64.sin()];
             let b = [(0.3 + angle).cos(), (0.3 + angle).sin()];
             assert!((angle_between(a, b) - angle).abs() < 4e-16 * (1.0 + angle.abs()), "{angle}");
+        }
+    }
+
+    #[test]
+    fn opening_angle_is_continuous_through_half_a_turn() {
+        let b = |angle: f64| [angle.cos(), angle.sin()];
+        for angle in [-1.5, 0.0, 3.1, 3.2, 4.6f64] {
+            assert!((opening_angle([1.0, 0.0], b(angle)) - angle).abs() < 1e-14, "{angle}");
         }
     }
 }

@@ -15,7 +15,7 @@ pub struct Bound {
 
 pub const ANY: Bound = Bound { allowed: |_| true, text: "any finite number" };
 pub const POSITIVE: Bound = Bound { allowed: |x| x > 0.0, text: "above 0" };
-pub const NOT_NEGATIVE: Bound = Bound { allowed: |x| x >= 0.0, text: "0 or more" };
+pub const NOT_NEGATIVE: Bound = Bound { allowed: |x| x >= 0.0, text: "at least 0" };
 
 /// Collects what is wrong.
 pub struct Checker<'a> {
@@ -71,7 +71,8 @@ impl<'a> Checker<'a> {
             return Some(value);
         }
         let message = format!("`{key}` is {}, but must be {}", self.quoted(entry.span()), bound.text);
-        self.push(entry.span(), message, bound.text, "give another value");
+        let help = format!("give a value {}", bound.text);
+        self.push(entry.span(), message, "not allowed", help);
         None
     }
 
@@ -100,8 +101,9 @@ impl<'a> Checker<'a> {
         if self.mistyped {
             return;
         }
+        let key = if key.starts_with('[') { key.to_string() } else { format!("`{key}`") };
         let label = if section.is_given() { "in this section" } else { "" };
-        self.push(section.span.clone(), format!("`{key}` is missing"), label, help);
+        self.push(section.span.clone(), format!("{key} is missing"), label, help);
     }
 
     /// Refuses a key that would have no effect.

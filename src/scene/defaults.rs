@@ -47,7 +47,7 @@ impl Integrator {
                 preset,
                 method: Method::RadauIIa5,
                 rtol: 1e-11,
-                atol_angle_rad: 1e-14,
+                atol_angle_rad: 1e-13,
                 atol_rate_rad_s: 1e-9,
                 max_steps: MAX_STEPS,
             },

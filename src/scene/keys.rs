@@ -58,22 +58,23 @@ fn unknown(
     root: &Value,
 ) -> Problem {
     let place = |path: &str| match path {
-        "" => "the top level".to_string(),
-        path => format!("[{path}]"),
+        "" => "at the top level".to_string(),
+        path => format!("in [{path}]"),
     };
     let names: Vec<&str> = allowed.keys().map(String::as_str).collect();
     let mut elsewhere = Vec::new();
     find(name, root, "", &mut elsewhere);
+    elsewhere.sort_by_key(|path| path.matches('.').count());
     let label = match (nearest(name, &names), elsewhere.first()) {
-        (Some(near), _) => format!("did you mean `{near}`?"),
-        (None, Some(other)) => format!("this key belongs to {}", place(other)),
+        (_, Some(other)) => format!("this key belongs {}", place(other)),
+        (Some(near), None) => format!("did you mean `{near}`?"),
         (None, None) => "not a key of a scene".to_string(),
     };
     Problem {
         span: Some(span),
-        message: format!("unknown key `{}` in {}", name.escape_debug(), place(path)),
+        message: format!("unknown key `{}` {}", name.escape_debug(), place(path)),
         label,
-        help: format!("keys of {}: {}", place(path), names.join(", ")),
+        help: format!("keys {}: {}", place(path), names.join(", ")),
     }
 }
 

@@ -35,6 +35,8 @@ use crate::law::{ContactLaw, NormalLaw};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub name: String,
+    /// What the scene is for, in the user's words; empty if nothing was said.
+    pub description: String,
     /// The exact text of the file, kept for the log's attachment.
     pub source: String,
     pub finger: Finger,

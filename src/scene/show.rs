@@ -15,6 +15,9 @@ pub fn show(scene: &Scene) -> String {
     let mut out = Out::default();
     out.comment("Scene with every default filled in; masses and lengths as simulated.");
     out.text("name", &scene.name);
+    if !scene.description.is_empty() {
+        out.text("description", &scene.description);
+    }
     out.text("kind", SceneKind::Finger.word());
     out.quantity("duration", scene.duration_s, Dimension::Time);
     out.quantities("gravity", &scene.gravity_m_s2, Dimension::Acceleration);

@@ -3,6 +3,10 @@
 /// The candidate nearest to `word`, if it is near enough to be worth a question.
 pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
+    let part = |c: &&&str| word.len() > 2 && c.contains(&word);
+    if let Some(whole) = candidates.iter().find(part) {
+        return Some(whole);
+    }
     candidates
         .iter()
         .map(|c| (strsim::damerau_levenshtein(&word, &c.to_lowercase()), *c))
@@ -21,6 +25,7 @@ mod tests {
         assert_eq!(nearest("raduis", &keys), Some("radius"));
         assert_eq!(nearest("center", &keys), Some("centre"));
         assert_eq!(nearest("Radius", &keys), Some("radius"));
+        assert_eq!(nearest("sine", &["ramp", "half-sine"]), Some("half-sine"));
         assert_eq!(nearest("colour", &keys), None);
         assert_eq!(nearest("", &keys), None);
     }

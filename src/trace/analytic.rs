@@ -3,7 +3,9 @@
 use super::recorder::Recorder;
 use super::{Outcome, Sink, SinkError, Work};
 use crate::analytic::{Model, QUADRATURES};
-use crate::integrator::{Counters, Failure, Options, Radau5, Rodas5p, State, Tolerances, integrate};
+use crate::integrator::{
+    Counters, End, Failure, Method as OneStep, Options, Radau5, Rodas5p, State, Tolerances, integrate,
+};
 use crate::scene::{Method, Scene};
 
 /// Why a run did not get to its end.
@@ -46,28 +48,29 @@ pub fn run_analytic(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunE
     let mut recorder = Recorder::new(&model, scene, start, sink);
     recorder.begin()?;
     let end = match scene.integrator.method {
-        Method::Rodas5p => integrate::<2, QUADRATURES, 3, _, Rodas5p<2, QUADRATURES>, _>(
-            &model,
-            &options,
-            0.0,
-            start,
-            scene.duration_s,
-            &mut recorder,
-        ),
-        Method::RadauIIa5 => integrate::<2, QUADRATURES, 3, _, Radau5<2, QUADRATURES>, _>(
-            &model,
-            &options,
-            0.0,
-            start,
-            scene.duration_s,
-            &mut recorder,
-        ),
+        Method::Rodas5p => {
+            drive::<Rodas5p<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
+        }
+        Method::RadauIIa5 => {
+            drive::<Radau5<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
+        }
     };
     let outcome = recorder.finish(&end.state, work(&end.counters))?;
     match end.result {
         Ok(()) => Ok(outcome),
         Err(failure) => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
     }
+}
+
+/// The integration itself, with one of the methods.
+fn drive<K: OneStep<2, QUADRATURES>, S: Sink>(
+    model: &Model,
+    options: &Options,
+    start: State<2, QUADRATURES>,
+    duration_s: f64,
+    recorder: &mut Recorder<S>,
+) -> End<2, QUADRATURES> {
+    integrate::<2, QUADRATURES, 3, _, K, _>(model, options, 0.0, start, duration_s, recorder)
 }
 
 fn work(counters: &Counters) -> Work {

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod outcome;
+mod reading;
 mod recorder;
 mod sample;
 mod sink;

@@ -1,9 +1,8 @@
 //! Turns the steps of the analytic model into samples, events and summary figures.
 
-use super::{
-    ContactSample, Energy, Event, EventKind, LimitSample, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work,
-};
-use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteReading, SiteState};
+use super::reading::sample;
+use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work};
+use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteState, Snapshot};
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::Scene;
 
@@ -23,7 +22,8 @@ pub(super) struct Recorder<'a, S: Sink> {
     sites: [SiteSummary; 3],
     /// Impulse of each site at its last touch-down.
     impulse_before: [f64; 3],
-    /// State at the end of the last step, and the time up to which the sink has samples.
+    /// Everything at the end of the last step, as a sample too, and the time up to which the sink has samples.
+    at_end: Snapshot,
     last: Sample,
     emitted_s: f64,
     error: Option<SinkError>,
@@ -32,7 +32,7 @@ pub(super) struct Recorder<'a, S: Sink> {
 impl<'a, S: Sink> Recorder<'a, S> {
     pub fn new(model: &'a Model, scene: &Scene, start: Point, sink: &'a mut S) -> Self {
         let mode = model.read_mode(0.0, &start.q, &start.v);
-        let start_energy = model.energies(start.q, start.v);
+        let at_start = model.snapshot(start.q, start.v, &mode);
         Self {
             model,
             sink,
@@ -40,10 +40,11 @@ impl<'a, S: Sink> Recorder<'a, S> {
             end_s: scene.duration_s,
             next: 1,
             mode,
-            start_energy,
+            start_energy: at_start.energies,
             sites: [SiteSummary::default(); 3],
             impulse_before: [0.0; 3],
-            last: sample(model, 0.0, &start, &mode, &start_energy),
+            last: sample(model, 0.0, &start, &at_start, &at_start.energies),
+            at_end: at_start,
             emitted_s: 0.0,
             error: None,
         }
@@ -73,10 +74,9 @@ impl<'a, S: Sink> Recorder<'a, S> {
         Ok(Outcome { last: self.last, sites, work })
     }
 
-    fn emit(&mut self, t: f64, state: &Point, mode: &Mode) -> Result<(), SinkError> {
-        self.last = sample(self.model, t, state, mode, &self.start_energy);
-        self.emitted_s = t;
-        self.sink.sample(&self.last)
+    fn emit(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.emitted_s = sample.time_s;
+        self.sink.sample(sample)
     }
 
     /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
@@ -97,7 +97,8 @@ impl<'a, S: Sink> Recorder<'a, S> {
             if theta > 0.0 {
                 let state =
                     if mode.contains(&SiteState::Active) { tools.resolve(theta) } else { tools.interpolate(theta) };
-                self.emit(t, &state, mode)?;
+                let snapshot = self.model.snapshot(state.q, state.v, mode);
+                self.emit(&sample(self.model, t, &state, &snapshot, &self.start_energy))?;
             }
         }
         let on_grid = self.next as f64 * self.interval_s == end;
@@ -105,15 +106,15 @@ impl<'a, S: Sink> Recorder<'a, S> {
             self.next += 1;
         }
         if on_grid || step.h < self.interval_s || end >= self.end_s {
-            self.emit(end, step.end, mode)
+            let last = self.last;
+            self.emit(&last)
         } else {
-            self.last = sample(self.model, end, step.end, mode, &self.start_energy);
             Ok(())
         }
     }
 
     /// Largest force and penetration within one step.
-    fn search_peaks(&mut self, step: &Step<2, QUADRATURES>, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) {
+    fn search_peaks(&mut self, end: &Snapshot, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) {
         for site in Site::ALL {
             let index = site as usize;
             if !matches!(mode[index], SiteState::Active | SiteState::Natural) {
@@ -121,9 +122,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
             }
             let model = self.model;
             let read = |state: &Point| model.reading(state.q, state.v, site, mode[index]);
-            let (Some(start), Some(end)) = (read(step.start), read(step.end)) else {
-                continue;
-            };
+            let (Some(start), Some(end)) = (self.at_end.sites[index], end.sites[index]) else { continue };
             let summary = &mut self.sites[index];
             summary.max_penetration_m = summary.max_penetration_m.max(start.delta).max(end.delta);
             if start.delta_rate > 0.0 && end.delta_rate < 0.0 {
@@ -146,7 +145,10 @@ impl<'a, S: Sink> Recorder<'a, S> {
 impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
     fn step(&mut self, step: &Step<2, QUADRATURES>, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) -> bool {
         self.mode = *mode;
-        self.search_peaks(step, mode, tools);
+        let end = self.model.snapshot(step.end.q, step.end.v, mode);
+        self.search_peaks(&end, mode, tools);
+        self.at_end = end;
+        self.last = sample(self.model, step.t1, step.end, &end, &self.start_energy);
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
@@ -215,65 +217,4 @@ fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) 
         }
     }
     highest(&points)
-}
-
-/// Everything about one state.
-fn sample(model: &Model, t: f64, state: &Point, mode: &Mode, start: &Energies) -> Sample {
-    let passive = model.passive(state.q, state.v);
-    let read = |site: Site| model.reading(state.q, state.v, site, mode[site as usize]);
-    let energies = model.energies(state.q, state.v);
-    let (contact_work, motor_work) = (state.z[3], state.z[4]);
-    let gained =
-        (energies.kinetic - start.kinetic) + (energies.gravity - start.gravity) + (energies.spring - start.spring);
-    Sample {
-        time_s: t,
-        q11_rad: state.q[0],
-        q21_rad: state.q[1],
-        q12_rad: passive.q12,
-        q22_rad: passive.q22,
-        q13_rad: passive.q13,
-        qd11_rad_s: state.v[0],
-        qd21_rad_s: state.v[1],
-        qd12_rad_s: passive.qd12,
-        qd22_rad_s: passive.qd22,
-        motor_torque_n_m: model.motor_torque(t),
-        proximal: contact_sample(read(Site::Proximal)),
-        distal: contact_sample(read(Site::Distal)),
-        limit: read(Site::Limit).map_or(
-            LimitSample { gap_rad: f64::INFINITY, gap_rate_rad_s: 0.0, torque_n_m: 0.0 },
-            |r| LimitSample { gap_rad: -r.delta, gap_rate_rad_s: -r.delta_rate, torque_n_m: r.normal },
-        ),
-        energy: Energy {
-            kinetic_j: energies.kinetic,
-            gravity_j: energies.gravity,
-            spring_j: energies.spring,
-            elastic_j: energies.elastic,
-            dissipated_j: start.elastic - energies.elastic - contact_work,
-            motor_work_j: motor_work,
-            balance_j: gained - contact_work - motor_work,
-        },
-    }
-}
-
-fn contact_sample(reading: Option<SiteReading>) -> ContactSample {
-    match reading {
-        None => ContactSample {
-            gap_m: f64::INFINITY,
-            gap_rate_m_s: 0.0,
-            slip_m_s: 0.0,
-            normal_n: 0.0,
-            tangential_n: 0.0,
-            point_m: [0.0; 2],
-            normal: [0.0; 2],
-        },
-        Some(r) => ContactSample {
-            gap_m: -r.delta,
-            gap_rate_m_s: -r.delta_rate,
-            slip_m_s: r.slip,
-            normal_n: r.normal,
-            tangential_n: r.tangential,
-            point_m: r.geometry.point,
-            normal: r.geometry.normal,
-        },
-    }
 }

@@ -1,6 +1,6 @@
 //! SI to text that parses back to the same bits.
 
-use super::parse::{parse, scale};
+use super::parse::parse;
 use super::{Dimension, Unit};
 
 /// Units in the last place tried around the quotient before a unit is given up.
@@ -34,9 +34,6 @@ fn exact(value_si: f64, unit: &Unit, dimension: Dimension) -> Option<(String, bo
     let mut best: Option<String> = None;
     for step in -NEIGHBOURS..=NEIGHBOURS {
         let neighbour = f64::from_bits(quotient.to_bits().wrapping_add_signed(step));
-        if scale(neighbour, factor).to_bits() != value_si.to_bits() {
-            continue;
-        }
         let text = format!("{} {}", number(neighbour), unit.name);
         let same = parse(&text, dimension).is_ok_and(|back| back.to_bits() == value_si.to_bits());
         if same && best.as_ref().is_none_or(|b| text.len() < b.len()) {

@@ -38,10 +38,6 @@ pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
     if rest.starts_with(',') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
         return Err(QuantityError::DecimalComma { text: text.into() });
     }
-    let Ok(value) = number.parse::<f64>() else {
-        let text = text.into();
-        return Err(QuantityError::NotANumber { text, wanted });
-    };
     let name = canonical(rest);
     if name.is_empty() {
         let text = text.into();
@@ -54,15 +50,28 @@ pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
             None => QuantityError::UnknownUnit { unit: rest.trim().into(), wanted },
         });
     };
-    let si = scale(value, (unit.factor)());
-    if si.is_finite() { Ok(si) } else { Err(QuantityError::NotFinite { text: text.into() }) }
+    match to_si(number, (unit.factor)()) {
+        Some(si) if si.is_finite() => Ok(si),
+        Some(_) => Err(QuantityError::NotFinite { text: text.into() }),
+        None => {
+            let text = text.into();
+            Err(QuantityError::NotANumber { text, wanted })
+        }
+    }
 }
 
-/// `value` units of `factor` SI units each. Submultiples divide by the exact whole number, so that 15 mm is the double
-/// nearest to 0.015.
-pub(super) fn scale(value: f64, factor: f64) -> f64 {
-    let per_si = factor.recip().round();
-    if factor < 1.0 && (per_si * factor - 1.0).abs() <= f64::EPSILON { value / per_si } else { value * factor }
+/// The decimal `number`, in units of `factor` SI units each, in SI; `None` if it is no number after all.
+///
+/// Powers of ten move the decimal point, so that 4.73 g is the double nearest to 0.00473.
+fn to_si(number: &str, factor: f64) -> Option<f64> {
+    let shift = factor.log10().round();
+    if (factor / 10f64.powi(shift as i32) - 1.0).abs() < 1e-14 {
+        let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+        if let Ok(exponent) = exponent.parse::<i32>() {
+            return format!("{mantissa}e{}", exponent.saturating_add(shift as i32)).parse().ok();
+        }
+    }
+    number.parse::<f64>().ok().map(|value| value * factor)
 }
 
 /// Length in bytes of the number `text` begins with; 0 if it begins with none.
@@ -143,6 +152,7 @@ mod tests {
         assert_eq!(ok("9.81 m/s^2", Acceleration), 9.81);
         assert_eq!(ok("1070 kg/m^3", Density), 1070.0);
         assert_eq!(ok("4.28 g", Mass), 0.00428);
+        assert_eq!(ok("4.73 g", Mass), 0.00473);
         assert_eq!(ok("1e6 N*s/m", LinearDamping), 1e6);
         assert_eq!(ok("0.3 N*m/rad", AngularStiffness), 0.3);
         assert_eq!(ok("60 rad/s", AngularRate), 60.0);
@@ -150,7 +160,7 @@ mod tests {
         assert_eq!(ok("1e9 N*m*s/rad", AngularDamping), 1e9);
         assert_eq!(ok("10 kHz", Frequency), 1e4);
         assert_eq!(ok("210 GPa", Pressure), 210e9);
-        assert!((ok("200 g*mm^2", Inertia) / 2e-7 - 1.0).abs() < 1e-15);
+        assert_eq!(ok("200 g*mm^2", Inertia), 2e-7);
     }
 
     #[test]
@@ -172,7 +182,8 @@ mod tests {
         for dimension in Dimension::ALL {
             ok(dimension.example(), dimension);
             for unit in dimension.units() {
-                assert_eq!(ok(&format!("1 {}", unit.name), dimension), scale(1.0, (unit.factor)()));
+                let one = ok(&format!("1 {}", unit.name), dimension);
+                assert!((one / (unit.factor)() - 1.0).abs() < 1e-15, "{}", unit.name);
             }
         }
     }

@@ -16,6 +16,7 @@ pub fn scene() -> Scene {
     let contact = ContactLaw { normal, friction: None };
     Scene {
         name: "synthetic".to_string(),
+        description: String::new(),
         source: SOURCE.to_string(),
         finger: Finger {
             lengths: Lengths {

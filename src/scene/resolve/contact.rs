@@ -7,7 +7,7 @@ use super::super::raw::{RawContact, RawElastic, RawFriction, RawLimit, RawMateri
 use super::super::{Contacts, defaults};
 use crate::law::{ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
-const EXPONENT: Bound = Bound { allowed: |x| x >= 1.0, text: "1 or more" };
+const EXPONENT: Bound = Bound { allowed: |x| x >= 1.0, text: "at least 1" };
 const POISSON: Bound = Bound { allowed: |x| x > -1.0 && x <= 0.5, text: "above -1 and up to 0.5" };
 const HERTZ_EXPONENT: f64 = 1.5;
 

@@ -201,7 +201,10 @@ impl Override {
     }
 }
 
-/// A refusal of the geometry, whose own message says what is allowed and the way out after its first colon.
-pub fn geometry(c: &mut Checker<'_>, span: Option<Range<usize>>, message: &str, error: &str) {
-    c.push(span, message, "", error);
+/// A refusal of the geometry; its own message says the way out after its last colon.
+pub fn geometry(c: &mut Checker<'_>, span: Option<Range<usize>>, label: &str, error: &str) {
+    match error.rsplit_once(": ") {
+        Some((message, help)) => c.push(span, message, label, help),
+        None => c.push(span, error, label, "change the lengths or angles it names"),
+    }
 }

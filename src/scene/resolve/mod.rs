@@ -21,10 +21,8 @@ use super::{LogRates, Scene};
 /// Resolves a scene; `file_name` gives its default name.
 pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let SceneKind::Finger = c.or("kind", &raw.kind, SceneKind::Finger);
-    let _ = c.get("description", &raw.description);
-    let name = c
-        .get("name", &raw.name)
-        .unwrap_or_else(|| Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy().into_owned());
+    let description = c.get("description", &raw.description).unwrap_or_default();
+    let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
     let duration_s = c.number_or("duration", &raw.duration, POSITIVE, defaults::DURATION_S);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
     let palm = c.or("palm", &raw.palm, true);
@@ -51,6 +49,7 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
         {
             Ok(Scene {
                 name,
+                description,
                 source: c.text.to_string(),
                 finger,
                 object,
@@ -68,4 +67,10 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
         }
         _ => Err(c.into_problems()),
     }
+}
+
+/// The file's name without its extension.
+fn stem(file_name: &str) -> String {
+    let stem = Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy();
+    if stem.trim().is_empty() { "scene".into() } else { stem.into_owned() }
 }

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::super::check::{ANY, Checker};
+use super::super::check::{ANY, Checker, POSITIVE};
 use super::super::raw::{RawInitial, RawScene};
 use super::super::{Disc, Initial, defaults};
-use super::finger::Plan;
+use super::finger::{Plan, geometry};
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
 use crate::units::{Dimension, format};
@@ -55,7 +55,7 @@ pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<S
     let posture = match gripper::close(lengths, plan.assembly, q11_rad, q21_rad) {
         Ok(posture) => posture,
         Err(e) => {
-            c.push(place, "the finger cannot be assembled at the start", "", e.to_string());
+            geometry(c, place, "cannot be assembled here", &e.to_string());
             return None;
         }
     };
@@ -80,12 +80,7 @@ fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Opti
     let circle = match (object, plan.base_m) {
         (Some(disc), _) => Circle { radius_m: disc.radius_m, centre_m: disc.centre_m },
         (None, Some(base_m)) => {
-            let radius_m = c.number_or(
-                "object.radius",
-                &raw.object.radius,
-                super::super::check::POSITIVE,
-                defaults::OBJECT_RADIUS_M,
-            );
+            let radius_m = c.number_or("object.radius", &raw.object.radius, POSITIVE, defaults::OBJECT_RADIUS_M);
             Circle { radius_m, centre_m: [-base_m, radius_m] }
         }
         (None, None) => {
@@ -98,7 +93,7 @@ fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Opti
         Ok(contact) => Some(contact - offset),
         Err(e) => {
             let place = raw.object.centre.span().or(place(raw, &raw.initial));
-            c.push(place, "the finger has no place to start from", "", e.to_string());
+            geometry(c, place, "leaves no place to start from", &e.to_string());
             None
         }
     }
@@ -118,7 +113,7 @@ fn straight(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, lengths: &Lengths,
     match gripper::straight(lengths, q21_rad) {
         Ok(posture) => Some(posture.q11_rad),
         Err(e) => {
-            c.push(place(raw, &raw.initial), "the finger cannot be straight at the start", "", e.to_string());
+            geometry(c, place(raw, &raw.initial), "cannot be straight", &e.to_string());
             None
         }
     }

@@ -1,0 +1,230 @@
+//! What a scene that says little means, and what it means to say more.
+
+use phalanx::gripper::{self, Design, ProximalLength};
+use phalanx::law::{FrictionLaw, NormalLaw};
+use phalanx::scene::{self, Actuation, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind};
+use serde_json::Value;
+
+const FINGER: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
+const DRIVE: &str = "[motor]\ntorque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
+const LENGTHS: &str = "[lengths]\nl21 = \"24 mm\"\nl22 = \"7.5 mm\"\nt22 = \"13 mm\"\nphi22 = \"120 deg\"\n[object]\n\
+                       centre = [\"-15.5 mm\", \"20 mm\"]\n";
+
+fn parse(text: &str) -> Scene {
+    scene::parse(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn with(rest: &str) -> Scene {
+    parse(&format!("{FINGER}{DRIVE}{rest}"))
+}
+
+#[test]
+fn a_short_scene_has_the_parameters_of_table_3_2() {
+    let scene = with("");
+    assert_eq!(scene.name, "test");
+    let design = Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5);
+    assert_eq!(Ok(scene.finger.lengths), gripper::lengths(&design));
+    assert_eq!(gripper::bodies(&scene.finger.lengths, 1070.0, 0.04), Ok(scene.finger.bodies));
+    let object = scene.object.expect("object");
+    assert_eq!((object.radius_m, object.centre_m), (0.02, [-0.0155, 0.02]));
+    assert!(scene.palm);
+    let limit = NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
+    assert_eq!(scene.limit, Some(limit));
+    let contact = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    for law in [scene.contact.proximal, scene.contact.distal] {
+        assert_eq!((law.normal, law.friction), (contact, None));
+    }
+    assert_eq!((scene.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
+    assert_eq!(scene.actuation, Actuation::Constant { torque_n_m: 0.48 });
+    let spring = scene.spring.expect("spring");
+    assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
+    assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
+    assert_eq!(scene.log.numeric_hz, 1e4);
+    assert_eq!((scene.initial.qd11_rad_s, scene.initial.qd21_rad_s), (0.0, 0.0));
+}
+
+/// Every `default` in the JSON Schema, written into a scene, changes nothing.
+#[test]
+fn documented_defaults_are_the_real_ones() {
+    fn collect(schema: &Value, path: &str, found: &mut Vec<(String, String)>) {
+        let Some(properties) = schema["properties"].as_object() else {
+            return;
+        };
+        for (key, property) in properties {
+            let here = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+            if let Some(default) = property.get("default") {
+                found.push((here.clone(), default.to_string()));
+            }
+            collect(property, &here, found);
+        }
+    }
+    let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
+    let mut found = Vec::new();
+    collect(&schema, "", &mut found);
+    assert!(found.len() >= 30, "{}", found.len());
+    for (key, value) in found {
+        // What the default only means together with another key.
+        let (finger, drive, more) = match key.as_str() {
+            k if k.starts_with("lengths") => (LENGTHS, DRIVE, ""),
+            "spring.preload" => {
+                (FINGER, "[motor]\ntorque = \"1 N*m\"\n[spring]\ntype = \"torsional\"\nstiffness = \"1 N*m/rad\"\n", "")
+            }
+            "motor.interpolation" => (
+                FINGER,
+                "[spring]\ntorque = \"1 N*m\"\n[motor]\nprofile = \"table\"\ntimes = [\"0 s\"]\ntorques = [\"1 N*m\"]\n",
+                "",
+            ),
+            "contact.exponent" => (FINGER, DRIVE, "contact.stiffness_si = 1e8\n"),
+            "limit.exponent" => (FINGER, DRIVE, "limit.stiffness_si = 1e11\n"),
+            k if k.ends_with("friction.v_static") || k.ends_with("friction.v_dynamic") => (
+                FINGER,
+                DRIVE,
+                "contact.friction.mu_static = 0.4\ncontact.proximal.friction.mu_static = 0.4\ncontact.distal.friction.mu_static = 0.4\n",
+            ),
+            _ => (FINGER, DRIVE, ""),
+        };
+        let dotted = |text: &str| {
+            let mut section = String::new();
+            let mut out = String::new();
+            for line in text.lines() {
+                match line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
+                    Some(name) if !line.contains('"') => section = format!("{name}."),
+                    _ => out += &format!("{section}{line}\n"),
+                }
+            }
+            out
+        };
+        let plain = dotted(&format!("{finger}{drive}")) + more;
+        let explicit = format!("{plain}{key} = {value}\n");
+        if more.contains(&format!("{key} =")) {
+            continue;
+        }
+        let (mut a, mut b) = (parse(&plain), parse(&explicit));
+        (a.source, b.source) = (String::new(), String::new());
+        assert_eq!(a, b, "{key} = {value}");
+    }
+}
+
+#[test]
+fn preset_is_the_base_that_single_keys_replace() {
+    let scene = with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
+    let expected = Integrator { rtol: 1e-9, max_steps: 5, ..Integrator::preset(Preset::Reference) };
+    assert_eq!(scene.integrator, expected);
+    assert_eq!(expected.method, Method::RadauIIa5);
+}
+
+#[test]
+fn friction_of_one_contact_replaces_that_of_both() {
+    let scene = with(
+        "[contact.friction]\nmu_static = 0.8\nmu_dynamic = 0.7\nv_dynamic = \"0.3 m/s\"\n[contact.distal.friction]\n\
+         mu_static = 0.4\n[contact.distal]\ndamping = \"5 N*s/m\"\n",
+    );
+    let proximal = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3 };
+    assert_eq!(scene.contact.proximal.friction, Some(proximal));
+    let distal = FrictionLaw { mu_static: 0.4, mu_dynamic: 0.28, ..proximal };
+    assert_eq!(scene.contact.distal.friction, Some(distal));
+    assert_eq!(scene.contact.proximal.normal.damping_max_n_s_per_m, 1e6);
+    assert_eq!(scene.contact.distal.normal.damping_max_n_s_per_m, 5.0);
+    assert_eq!(scene.contact.distal.normal.stiffness_n_per_m_e, 1e8);
+    // No friction on one side alone, and the default to the last bit.
+    let scene = with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
+    assert_eq!(scene.contact.proximal.friction.map(|f| f.mu_dynamic), Some(0.56));
+    assert_eq!(scene.contact.distal.friction, None);
+}
+
+#[test]
+fn materials_give_the_hertz_law() {
+    // Rigid object of radius R on a soft flat: E* = E/(1 − ν²), k = 4/3 E* √R.
+    let scene = with(
+        "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
+         phalanx = { modulus = \"10 MPa\", poisson = 0.5 }\n[contact.distal]\nstiffness_si = 1e7\n",
+    );
+    let law = scene.contact.proximal.normal;
+    let k = 4.0 / 3.0 * 10e6 / 0.75 * 0.02f64.sqrt();
+    assert!((law.stiffness_n_per_m_e / k - 1.0).abs() < 1e-12, "{law:?}");
+    assert_eq!(law.exponent, 1.5);
+    assert_eq!(scene.contact.distal.normal.stiffness_n_per_m_e, 1e7);
+    // A rounded phalanx of the same radius halves R.
+    let scene = with(
+        "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
+         phalanx = { modulus = \"10 MPa\", poisson = 0.5, radius = \"20 mm\" }\n",
+    );
+    let ratio = scene.contact.proximal.normal.stiffness_n_per_m_e / k;
+    assert!((ratio - 0.5f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_mass_alone_scales_the_inertia() {
+    let plain = with("").finger.bodies;
+    let scene = with(
+        "[bodies]\nl21 = { mass = \"4.73 g\" }\nl22 = { com = [\"1 mm\", \"-2 mm\"], inertia = \"500 g*mm^2\" }\n",
+    );
+    let bodies = scene.finger.bodies;
+    assert_eq!((bodies.l11, bodies.l12), (plain.l11, plain.l12));
+    assert_eq!(bodies.l21.mass_kg, 4.73e-3);
+    assert_eq!(bodies.l21.com_m, plain.l21.com_m);
+    let scale = bodies.l21.mass_kg / plain.l21.mass_kg;
+    assert!((bodies.l21.inertia_kg_m2 / plain.l21.inertia_kg_m2 / scale - 1.0).abs() < 1e-14);
+    assert_eq!((bodies.l22.mass_kg, bodies.l22.com_m), (plain.l22.mass_kg, [1e-3, -2e-3]));
+    assert_eq!(bodies.l22.inertia_kg_m2, 5e-7);
+}
+
+#[test]
+fn a_distal_body_given_completely_needs_no_outline() {
+    let flat = LENGTHS.replace("120 deg", "179.9999999 deg");
+    let body = "[bodies.l22]\nmass = \"5 g\"\ncom = [\"0 mm\", \"0 mm\"]\ninertia = \"500 g*mm^2\"\n";
+    let scene = parse(&format!("{flat}{DRIVE}{body}"));
+    assert_eq!(scene.finger.bodies.l22.mass_kg, 5e-3);
+}
+
+#[test]
+fn lengths_leave_l12_to_the_straight_configuration() {
+    let scene = parse(&format!("{LENGTHS}{DRIVE}"));
+    let l = scene.finger.lengths;
+    let (sin, cos) = l.phi22_rad.sin_cos();
+    assert_eq!(l.l12_m, (0.015 - 0.0075 * sin).hypot(0.024 + 0.0075 * cos));
+    // Straight at the start, so l11 is 90° behind l21.
+    assert!((scene.initial.q21_rad - scene.initial.q11_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+}
+
+#[test]
+fn starts_are_straight_before_contact_straight_at_an_angle_or_as_given() {
+    let degrees = |scene: &Scene| (scene.initial.q11_rad.to_degrees(), scene.initial.q21_rad.to_degrees());
+    let near =
+        |(a, b): (f64, f64), (c, d): (f64, f64)| assert!((a - c).abs() < 1e-9 && (b - d).abs() < 1e-9, "{a} {b}");
+    let default = degrees(&with(""));
+    near(degrees(&with("[initial]\noffset = \"20 deg\"\n")), (default.0 + 5.0, default.1 + 5.0));
+    near(degrees(&with("[initial]\nq21 = \"30 deg\"\n")), (-60.0, 30.0));
+    near(degrees(&with("[initial]\nq21 = \"30 deg\"\nq11 = \"-50 deg\"\n")), (-50.0, 30.0));
+    // Without the object, where the design's object would be.
+    near(degrees(&with("[object]\npresent = false\n")), default);
+    let scene = with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");
+    assert!((scene.initial.qd11_rad_s - std::f64::consts::TAU).abs() < 1e-14);
+    assert_eq!(scene.initial.qd21_rad_s, -1.0);
+}
+
+#[test]
+fn motors_follow_their_profiles() {
+    let motor = |text: &str| parse(&format!("{FINGER}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).actuation;
+    let table = "profile = \"table\"\ntimes = [\"0 ms\", \"5 ms\"]\ntorques = [\"0 N*mm\", \"480 N*mm\"]";
+    let points = vec![(0.0, 0.0), (0.005, 0.48)];
+    let interpolation = Interpolation::Linear;
+    assert_eq!(motor(table), Actuation::Table { points, interpolation });
+    let ramp = "profile = \"ramp\"\ntorque = \"480 N*mm\"\nrise = \"2 ms\"";
+    let (torque_n_m, rise_s) = (0.48, 0.002);
+    assert_eq!(motor(ramp), Actuation::Ramp { torque_n_m, rise_s });
+    let sine = "profile = \"half-sine\"\ntorque = \"480 N*mm\"\npulse = \"8 ms\"";
+    let length_s = 0.008;
+    assert_eq!(motor(sine), Actuation::HalfSine { torque_n_m, length_s });
+    let reversal = "profile = \"reversal\"\ntorque = \"480 N*mm\"\nreverse_at = \"10 ms\"";
+    let at_s = 0.01;
+    assert_eq!(motor(reversal), Actuation::Reversal { torque_n_m, at_s });
+}
+
+#[test]
+fn line_ends_and_byte_order_marks_do_not_matter() {
+    let unix = with("");
+    let mut dos = parse(&format!("\u{feff}{FINGER}{DRIVE}").replace('\n', "\r\n"));
+    dos.source = unix.source.clone();
+    assert_eq!(dos, unix);
+}

@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Draws a closing from its log: the finger at five instants, its angles and its contact forces over time.
+
+usage: draw_closing.py LOG.mcap OUT.svg      (needs tools/requirements.txt)
+
+The lengths come from the scene that is attached to the log, through `phalanx scene show`.
+"""
+
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+import numpy as np
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+INK, PALE, ACCENT, WARM = "#27323f", "#9aa7b4", "#1f77b4", "#d1495b"
+UNITS = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1e3, "deg": np.pi / 180, "rad": 1.0}
+
+
+def quantity(text: str) -> float:
+    """A length in mm or an angle in rad."""
+    number, unit = text.split()
+    return float(number) * UNITS[unit]
+
+
+def read(path: str):
+    """Messages by topic, and the geometry in mm and rad."""
+    topics: dict[str, list] = {}
+    with open(path, "rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, _, message in reader.iter_decoded_messages():
+            topics.setdefault(channel.topic, []).append(message)
+        scene = next(iter(reader.iter_attachments())).data
+    with tempfile.NamedTemporaryFile(suffix=".toml") as file:
+        file.write(scene)
+        file.flush()
+        command = ["cargo", "run", "--release", "--quiet", "--", "scene", "show", file.name]
+        shown = subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent.parent)
+    scene = tomllib.loads(shown.stdout)
+    geometry = {name: quantity(value) for name, value in scene["lengths"].items()}
+    geometry["w"] = quantity(scene["half_width"])
+    geometry["radius"] = quantity(scene["object"]["radius"])
+    geometry["centre"] = [quantity(x) for x in scene["object"]["centre"]]
+    return topics, geometry
+
+
+def column(messages, name: str) -> np.ndarray:
+    return np.array([getattr(message, name) for message in messages])
+
+
+def e(angle: float) -> np.ndarray:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def capsule(axis, a, b, w, **style):
+    """A link: its outline as a rounded polygon."""
+    direction = np.arctan2(*(b - a)[::-1])
+    arc = np.linspace(-np.pi / 2, np.pi / 2, 24)
+    points = [b + w * e(direction + t) for t in arc] + [a + w * e(direction + np.pi + t) for t in arc]
+    axis.add_patch(plt.Polygon(points, **style))
+
+
+def pose(axis, g, state, title: str):
+    """The finger, the object and the palm at one instant."""
+    q11, q12, q21, q22 = state.q11_rad, state.q12_rad, state.q21_rad, state.q22_rad
+    origin = np.zeros(2)
+    a12, a22 = g["l11"] * e(q11), g["l21"] * e(q21)
+    a13 = a12 + g["l12"] * e(q11 + q12)
+    tip = a22 + g["t22"] * e(q21 + q22 + g["phi22"])
+    axis.axhspan(-30, 0, color="#eef1f4", lw=0)
+    axis.axhline(0, color=PALE, lw=1)
+    axis.add_patch(plt.Circle(g["centre"], g["radius"], fc="#f6ead7", ec="#c9a66b", lw=1))
+    axis.add_patch(plt.Polygon([a22, a13, tip], fc="#dbe9f4", ec="none"))
+    capsule(axis, origin, a12, 1.2, fc=PALE, ec="none")
+    capsule(axis, a12, a13, 1.2, fc=PALE, ec="none")
+    capsule(axis, a22, a13, 1.2, fc="#8fbbdc", ec="none")
+    capsule(axis, origin, a22, g["w"], fc=INK, ec="none")
+    capsule(axis, a22, tip, g["w"], fc=ACCENT, ec="none")
+    for joint in (origin, a12, a22, a13):
+        axis.plot(*joint, "o", ms=3.2, mfc="white", mec=INK, mew=0.8)
+    axis.set(xlim=(-38, 34), ylim=(-17, 44), aspect="equal")
+    axis.axis("off")
+    axis.set_title(title, fontsize=8.5, color=INK)
+
+
+def main(log: str, out: str):
+    topics, g = read(log)
+    states = topics["/state"]
+    time = column(states, "timestamp") * 1e3
+    touches = {}
+    for site in ("proximal", "distal"):
+        contact = topics[f"/contact/{site}"]
+        gap = column(contact, "gap_m")
+        touches[site] = column(contact, "timestamp")[np.argmax(gap < 0)] * 1e3
+    instants = [0.0, 0.75 * touches["proximal"], touches["proximal"], 0.5 * sum(touches.values()), touches["distal"]]
+    words = ["start", "swing", "proximal contact", "tip closes", "tip contact"]
+
+    plt.rcParams.update({"font.size": 8, "font.family": "DejaVu Sans", "svg.hashsalt": "phalanx", "svg.fonttype": "path"})
+    figure = plt.figure(figsize=(9.6, 4.3), facecolor="white")
+    poses = figure.add_gridspec(1, 5, left=0.01, right=0.99, bottom=0.47, top=0.95, wspace=0.03)
+    plots = figure.add_gridspec(1, 2, left=0.065, right=0.985, bottom=0.1, top=0.44, wspace=0.16)
+    for i, (instant, word) in enumerate(zip(instants, words)):
+        state = states[int(np.argmin(abs(time - instant)))]
+        pose(figure.add_subplot(poses[i]), g, state, f"{word}, {instant:.2f} ms")
+
+    angles = figure.add_subplot(plots[0])
+    for name, color in (("q11", PALE), ("q21", INK), ("q22", ACCENT)):
+        angles.plot(time, np.degrees(column(states, f"{name}_rad")), color=color, lw=1.4)
+        at = np.degrees(getattr(states[-1], f"{name}_rad"))
+        angles.annotate(name, (time[-1], at), xytext=(-2, 4), textcoords="offset points", ha="right", color=color)
+    angles.set(xlabel="time, ms", ylabel="joint angle, deg", xlim=(0, time[-1]))
+
+    forces = figure.add_subplot(plots[1])
+    for site, color, lift in (("proximal", INK, 4), ("distal", ACCENT, -11)):
+        contact = topics[f"/contact/{site}"]
+        t, force = column(contact, "timestamp") * 1e3, column(contact, "normal_n")
+        shown = np.where(force > 1e-3, force, np.nan)
+        forces.plot(t, shown, color=color, lw=1.4)
+        forces.annotate(site, (t[-1], force[-1]), xytext=(-2, lift), textcoords="offset points", ha="right", color=color)
+    forces.set(xlabel="time, ms", ylabel="normal force, N", yscale="log", xlim=(0, time[-1]), ylim=(1, 1e6))
+    for axis in (angles, forces):
+        axis.spines[["top", "right"]].set_visible(False)
+        for instant in touches.values():
+            axis.axvline(instant, color=WARM, lw=0.8, ls=(0, (4, 3)), zorder=0)
+    figure.savefig(out, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])
