@@ -53,7 +53,7 @@ def draw(comparison):
             continue
         style = dict(STYLES.get(method, dict(marker="x", linewidth=1.0)))
         errors, times, right = zip(*points)
-        (line,) = axes.plot(errors, times, label=method, markersize=0, **style)
+        (line,) = axes.plot(errors, times, label=method, markersize=6, **style)
         for error, time, sound in points:
             face = line.get_color() if sound else "white"
             axes.plot(error, time, marker=style["marker"], color=line.get_color(), markerfacecolor=face, markersize=6)
@@ -61,11 +61,11 @@ def draw(comparison):
         if row["preset"]:
             at = (row["errors"]["angle_median_rad"], row["time"]["median_s"] * 1e3)
             axes.plot(*at, marker="*", color="black", markersize=13, linestyle="none", zorder=5)
-            axes.annotate(row["preset"], at, xytext=(0, -15), textcoords="offset points", ha="center", fontsize=9)
+            axes.annotate(row["preset"], at, xytext=(10, 5), textcoords="offset points", fontsize=9)
     for error, time in TARGETS:
         axes.plot([error / 3, error * 3], [time, time], color="0.55", linewidth=4, solid_capstyle="butt", zorder=0)
         label = f"{time} ms"
-        axes.annotate(label, (error, time), xytext=(0, 4), textcoords="offset points", fontsize=8, color="0.4", ha="center")
+        axes.annotate(label, (error, time), xytext=(0, -12), textcoords="offset points", fontsize=8, color="0.4", ha="center")
     axes.set(xscale="log", yscale="log")
     axes.set_xlabel("largest angle error along the closing, median of 15 (rad)")
     axes.set_ylabel("time of one 20 ms closing, median (ms)")
