@@ -1,0 +1,79 @@
+//! Random designs, the same ones every time.
+
+use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
+use phalanx::law::FrictionLaw;
+use phalanx::scene::{Actuation, Disc, Initial, Placement, Scene, Spring, SpringKind};
+
+use super::sizing::{self, Sizing};
+
+/// How far before the proximal contact the finger starts.
+const OPENING_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
+const DENSITY_KG_M3: f64 = 1070.0;
+const DEPTH_M: f64 = 0.040;
+
+/// Where motor torque and spring come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// τ11 0.3–0.7 N·m and k_s 0.08–0.18 N·m, at random: many fingers are driven far too hard or too weakly.
+    Random,
+    /// Sized to the test trajectory of the thesis.
+    Sized,
+}
+
+/// SplitMix64 (Steele, Lea & Flood 2014).
+pub struct Draw(u64);
+
+impl Draw {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// Uniform in `low` to `high`.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        low + (high - low) * (z >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// The next random design as a variant of `template`; `None` if these numbers make no finger that can grasp the disc.
+pub fn next(draw: &mut Draw, template: &Scene, drive: Drive) -> Option<Scene> {
+    let base_m = draw.between(0.012, 0.0225);
+    let l21 = ProximalLength::Fraction(draw.between(0.0, 1.0));
+    let phi22 = draw.between(90.0, 120.0).to_radians();
+    let design = Design::thesis(base_m, l21, phi22, draw.between(1.0 / 3.0, 2.0 / 3.0));
+    let frictionless = draw.between(0.0, 1.0) < 0.5;
+    let mu_static = draw.between(0.0, 0.8);
+    let random = Sizing { motor_n_m: draw.between(0.3, 0.7), spring_n_m: draw.between(0.08, 0.18) };
+
+    let lengths = lengths(&design).ok()?;
+    let circle = disc(&design);
+    let finger =
+        Finger { lengths, bodies: bodies(&lengths, DENSITY_KG_M3, DEPTH_M).ok()?, assembly: Assembly::Reference };
+    let start = start_posture(&lengths, circle, OPENING_RAD).ok()?;
+    let Sizing { motor_n_m, spring_n_m } = match drive {
+        Drive::Random => random,
+        Drive::Sized => sizing::rigid(&finger, circle, OPENING_RAD, template.gravity_m_s2)?,
+    };
+
+    let friction = (!frictionless).then_some(FrictionLaw {
+        mu_static,
+        mu_dynamic: 0.7 * mu_static,
+        v_static_m_s: 0.1,
+        v_dynamic_m_s: 0.2,
+    });
+    let mut contact = template.contact;
+    (contact.proximal.friction, contact.distal.friction) = (friction, friction);
+    Some(Scene {
+        finger,
+        contact,
+        object: Some(Disc { radius_m: circle.radius_m, centre_m: circle.centre_m }),
+        actuation: Actuation::Constant { torque_n_m: motor_n_m },
+        spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: spring_n_m }, placement: Placement::Phalanges }),
+        initial: Initial { q11_rad: start.q11_rad, q21_rad: start.q21_rad, qd11_rad_s: 0.0, qd21_rad_s: 0.0 },
+        ..template.clone()
+    })
+}

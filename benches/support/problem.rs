@@ -1,0 +1,60 @@
+//! One closing: a scene with its model and start.
+
+use phalanx::analytic::{Model, QUADRATURES};
+use phalanx::integrator::State;
+use phalanx::scene::{Actuation, Scene, parse};
+
+/// Size of the ensemble.
+pub const MEMBERS: usize = 15;
+
+/// Relative change of the motor torque from one member to the next: nothing to the mechanics, but a new draw in the lottery
+/// of rounding and step sizes.
+pub const NUDGE: f64 = 1e-9;
+
+/// A closing to be integrated.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    pub scene: Scene,
+    pub model: Model,
+    pub start: State<2, QUADRATURES>,
+}
+
+impl Problem {
+    pub fn new(scene: Scene) -> Self {
+        let initial = &scene.initial;
+        let start = State {
+            q: [initial.q11_rad, initial.q21_rad],
+            v: [initial.qd11_rad_s, initial.qd21_rad_s],
+            z: [0.0; QUADRATURES],
+        };
+        Self { model: Model::new(&scene), start, scene }
+    }
+
+    /// The same with its constant motor torque times `factor`.
+    pub fn with_torque(&self, factor: f64) -> Self {
+        let mut scene = self.scene.clone();
+        if let Actuation::Constant { torque_n_m } = &mut scene.actuation {
+            *torque_n_m *= factor;
+        }
+        Self::new(scene)
+    }
+
+    pub fn duration_s(&self) -> f64 {
+        self.scene.duration_s
+    }
+}
+
+/// Design 95 of the thesis: the anchor scene.
+pub fn design_95() -> Problem {
+    let text = include_str!("../../scenes/experiment-95.toml");
+    match parse(text, "experiment-95.toml") {
+        Ok(scene) => Problem::new(scene),
+        Err(error) => panic!("the shipped scene does not load: {error}"),
+    }
+}
+
+/// Design 95 with τ11 (1 + i · 1e-9), i = 0 … 14.
+pub fn ensemble() -> Vec<Problem> {
+    let anchor = design_95();
+    (0..MEMBERS).map(|i| anchor.with_torque(1.0 + i as f64 * NUDGE)).collect()
+}

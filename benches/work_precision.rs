@@ -1,0 +1,93 @@
+//! Work and precision of the integrators: one closing of design 95 over tolerances, and a thousand random designs.
+//!
+//!     cargo bench --bench work_precision
+//!     cargo bench --bench work_precision -- --json work-precision.json --designs 100
+//!
+//! The comparison with published solvers is a crate of its own, benches/solvers.
+
+mod designs;
+mod support;
+
+use std::hint::black_box;
+use std::path::PathBuf;
+
+use clap::Parser;
+use phalanx::scene::{Method, Preset};
+use serde::Serialize;
+
+use designs::sample::Drive;
+use designs::sweep::{self, Sweep, sweep};
+use support::ours::Ours;
+use support::problem::design_95;
+use support::table::{self, Comparison, compare};
+use support::{Contestant, rtols};
+
+#[derive(Debug, Parser)]
+struct Args {
+    /// Also write the figures to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+
+    /// Repetitions that are timed
+    #[arg(long, default_value_t = 45, value_parser = clap::value_parser!(u32).range(1..))]
+    repetitions: u32,
+
+    /// Random designs of each kind; 0 leaves them out
+    #[arg(long, default_value_t = 1000)]
+    designs: usize,
+
+    /// Integrate this many closings with the engineering preset and do nothing else: for counting instructions
+    #[arg(long, value_name = "N")]
+    closings: Option<u32>,
+
+    /// What cargo bench adds
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+#[derive(Serialize)]
+struct Document {
+    comparison: Comparison,
+    designs: Vec<Sweep>,
+}
+
+fn main() {
+    let args = Args::parse();
+    if let Some(closings) = args.closings {
+        return integrate_only(closings);
+    }
+    let comparison = compare(&contestants(), args.repetitions as usize);
+    table::print(&comparison);
+    let drives = [Drive::Random, Drive::Sized];
+    let designs: Vec<Sweep> = drives
+        .into_iter()
+        .filter(|_| args.designs > 0)
+        .map(|drive| {
+            let result = sweep(drive, args.designs);
+            sweep::print(&result);
+            result
+        })
+        .collect();
+    if let Some(path) = args.json {
+        let document = Document { comparison, designs };
+        let written = serde_json::to_string_pretty(&document).map_err(std::io::Error::other);
+        if let Err(error) = written.and_then(|text| std::fs::write(&path, text + "\n")) {
+            eprintln!("cannot write {}: {error}", path.display());
+            std::process::exit(1);
+        }
+    }
+}
+
+fn contestants() -> Vec<Box<dyn Contestant>> {
+    let presets = [Preset::Engineering, Preset::Reference].map(Ours::preset);
+    let methods = [Method::Rodas5p, Method::RadauIIa5];
+    let sweep = methods.into_iter().flat_map(|method| rtols().map(move |rtol| Ours::at(method, rtol)));
+    presets.into_iter().chain(sweep).map(|ours| Box::new(ours) as Box<dyn Contestant>).collect()
+}
+
+fn integrate_only(closings: u32) {
+    let (problem, preset) = (design_95(), Ours::preset(Preset::Engineering));
+    for _ in 0..closings {
+        black_box(preset.run(black_box(&problem))).ok();
+    }
+}

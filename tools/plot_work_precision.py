@@ -1,0 +1,97 @@
+"""Draws work against precision: the median time of a closing over its median angle error, for our integrators and the published
+solvers, from the JSON of the bench in benches/solvers.
+
+    cargo run --release --manifest-path benches/solvers/Cargo.toml -- --json solvers.json
+    .venv/bin/python tools/plot_work_precision.py solvers.json --out docs/work-precision.svg
+
+Needs tools/requirements.txt. The suffix of --out chooses the format (.svg, .png).
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+# The same bytes from the same figures.
+plt.rcParams["svg.hashsalt"] = "phalanx"
+plt.rcParams["svg.fonttype"] = "none"
+plt.rcParams["font.family"] = "sans-serif"
+
+STYLES = {
+    "phalanx Rodas5P": dict(color="#0072b2", marker="o", linewidth=2.2),
+    "phalanx Radau IIA 5": dict(color="#d55e00", marker="s", linewidth=2.2),
+    "differential-equations Radau5": dict(color="#009e73", marker="^", linewidth=1.2, linestyle="--"),
+    "numeris RODAS4": dict(color="#cc79a7", marker="v", linewidth=1.2, linestyle="--"),
+    "diffsol BDF": dict(color="#8c6d00", marker="D", linewidth=1.2, linestyle="--"),
+}
+TARGETS = [(1e-4, 0.3), (1e-6, 0.5)]  # rad, ms
+
+
+def series(rows, method):
+    """Points (error, time in ms, all runs right?) of the sweep of one method, loosest tolerance first."""
+    points = [r for r in rows if r["method"] == method and r["preset"] is None]
+    points.sort(key=lambda r: -r["rtol"])
+    return [
+        (r["errors"]["angle_median_rad"], r["time"]["median_s"] * 1e3, r["errors"]["right"] == r["errors"]["of"])
+        for r in points
+        if r["errors"]["angle_median_rad"]
+    ]
+
+
+def draw(comparison):
+    """The figure."""
+    rows = comparison["rows"]
+    figure, axes = plt.subplots(figsize=(9.0, 5.2), layout="constrained")
+    for method in dict.fromkeys(r["method"] for r in rows):
+        points = series(rows, method)
+        if not points:
+            continue
+        style = dict(STYLES.get(method, dict(marker="x", linewidth=1.0)))
+        errors, times, right = zip(*points)
+        (line,) = axes.plot(errors, times, label=method, markersize=6, **style)
+        for error, time, sound in points:
+            face = line.get_color() if sound else "white"
+            axes.plot(error, time, marker=style["marker"], color=line.get_color(), markerfacecolor=face, markersize=6)
+    for row in rows:
+        if row["preset"]:
+            at = (row["errors"]["angle_median_rad"], row["time"]["median_s"] * 1e3)
+            axes.plot(*at, marker="*", color="black", markersize=13, linestyle="none", zorder=5)
+            axes.annotate(row["preset"], at, xytext=(10, 5), textcoords="offset points", fontsize=9)
+    for error, time in TARGETS:
+        axes.plot([error / 3, error * 3], [time, time], color="0.55", linewidth=4, solid_capstyle="butt", zorder=0)
+        label = f"{time} ms"
+        axes.annotate(label, (error, time), xytext=(0, -12), textcoords="offset points", fontsize=8, color="0.4", ha="center")
+    axes.set(xscale="log", yscale="log")
+    axes.set_xlabel("largest angle error along the closing, median of 15 (rad)")
+    axes.set_ylabel("time of one 20 ms closing, median (ms)")
+    axes.grid(True, which="major", color="0.9")
+    axes.set_axisbelow(True)
+    axes.plot([], [], marker="o", color="0.4", markerfacecolor="white", linestyle="none", label="not all 15 runs right")
+    axes.plot([], [], marker="*", color="black", markersize=11, linestyle="none", label="named preset")
+    axes.plot([], [], color="0.55", linewidth=4, label="target")
+    figure.legend(loc="outside right center", fontsize=9, frameon=False)
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("figures", type=Path, help="JSON of the bench")
+    parser.add_argument("--out", type=Path, default=Path("docs/work-precision.svg"))
+    arguments = parser.parse_args()
+    try:
+        comparison = json.loads(arguments.figures.read_text())
+    except (OSError, ValueError) as error:
+        sys.exit(f"cannot read {arguments.figures}: {error}")
+    comparison = comparison.get("comparison", comparison)
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    metadata = {"Date": None} if arguments.out.suffix == ".svg" else None
+    draw(comparison).savefig(arguments.out, metadata=metadata, dpi=130)
+
+
+if __name__ == "__main__":
+    main()

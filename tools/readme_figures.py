@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Measures the figures of the README and puts them there.
+
+    tools/readme_figures.py                 all blocks
+    tools/readme_figures.py scenes memory   only these
+    tools/readme_figures.py --dry-run       print, leave README.md alone
+
+Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
+blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory. Needs only Python's own
+library, and GNU time for the block memory.
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+README = ROOT / "README.md"
+PHALANX = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "phalanx"
+
+
+def call(*command, **options):
+    """Runs a command in the project; its failure ends the script."""
+    print("$", *command, file=sys.stderr)
+    result = subprocess.run([str(part) for part in command], cwd=ROOT, **options)
+    if result.returncode != 0:
+        sys.exit(f"{command[0]} failed with status {result.returncode}")
+    return result
+
+
+def table(header, rows):
+    """A Markdown table."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def number(x, form="{:.1e}"):
+    """A figure, or a dash where there is none."""
+    return "–" if x is None else form.format(x)
+
+
+def method_name(row):
+    return row["method"] + (f" (preset `{row['preset']}`)" if row["preset"] else "")
+
+
+# Of the sweep over tolerances the README shows these; the bench prints all.
+SHOWN_RTOLS = ("1e-04", "1e-06", "1e-08", "1e-10")
+
+
+def comparison_table(rows):
+    """Work and precision, one row a contestant."""
+    rows = [row for row in rows if row["preset"] or f"{row['rtol']:.0e}" in SHOWN_RTOLS]
+    header = [
+        "method", "rtol", "right of 15", "angle error, median / worst (rad)", "contact time (s)", "impulse",
+        "time, median / min (ms)", "ratio", "steps", "right-hand sides",
+    ]
+    body = []
+    for row in rows:
+        errors, time = row["errors"], row["time"]
+        body.append([
+            method_name(row),
+            f"{row['rtol']:.0e}",
+            f"{errors['right']}" + (f", {errors['stepped_over']} over a contact" if errors["stepped_over"] else ""),
+            number(errors["angle_median_rad"]) + " / " + number(errors["angle_worst_rad"]),
+            number(errors["touch_worst_s"]),
+            number(errors["impulse_worst"]),
+            f"{time['median_s'] * 1e3:.3f} / {time['min_s'] * 1e3:.3f}",
+            f"{row['ratio']:.2f}",
+            str(errors["cost"]["steps"]),
+            str(errors["cost"]["rhs"]),
+        ])
+    return table(header, body)
+
+
+def design_table(sweeps):
+    """Presets over random designs."""
+    header = ["designs", "preset", "right", "singular, right", "angle error, median / p99 / worst (rad)", "mean time (ms)"]
+    body = []
+    for sweep in sweeps:
+        chaotic = sweep["designs"] - sweep["judged"]
+        for preset in sweep["presets"]:
+            angles = [number(preset[f"angle_{key}_rad"]) for key in ("median", "p99", "worst")]
+            body.append([
+                f"{sweep['designs']}, {sweep['drive']} drive ({chaotic} chaotic)",
+                preset["name"],
+                f"{preset['right']} of {sweep['judged']}",
+                f"{preset['singular_right']} of {sweep['singular']}",
+                " / ".join(angles),
+                f"{preset['mean_s'] * 1e3:.3f}",
+            ])
+    return table(header, body)
+
+
+def accuracy(scratch):
+    """Work and precision on design 95, ours and published in one run, and the presets over random designs."""
+    ours, all_solvers = scratch / "ours.json", scratch / "solvers.json"
+    call("cargo", "bench", "--locked", "--bench", "work_precision", "--", "--json", ours, stdout=sys.stderr)
+    solvers = ["cargo", "run", "--locked", "--release", "--manifest-path", "benches/solvers/Cargo.toml"]
+    call(*solvers, "--", "--json", all_solvers, stdout=sys.stderr)
+    comparison = json.loads(all_solvers.read_text())
+    designs = json.loads(ours.read_text())["designs"]
+    return comparison_table(comparison["rows"]) + "\n\n" + design_table(designs)
+
+
+def scenes(_):
+    """Every shipped scene."""
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    header = [
+        "scene", "contact, proximal / tip (ms)", "q11, q21 at the end (°)", "force, proximal / tip (N)", "class", "tts (ms)",
+        "steps", "time (ms)",
+    ]
+    body = []
+    for scene in sorted((ROOT / "scenes").glob("*.toml")):
+        # Status 3 is a simulation that ended early: its document says so.
+        result = subprocess.run([PHALANX, "run", scene, "--json"], capture_output=True, text=True, check=False)
+        if result.returncode not in (0, 1, 3) or not result.stdout:
+            sys.exit(f"{scene.name}: status {result.returncode}\n{result.stderr}")
+        body.append(scene_row(scene, json.loads(result.stdout)))
+    return table(header, body)
+
+
+def scene_row(path, run):
+    name = f"[`{run['scene']}`](scenes/{path.name})"
+    if not run["final"] or not run["contacts"]:
+        return [name] + ["–"] * 7
+    phalanges = [run["contacts"][which] for which in ("proximal", "distal")]
+    milli = lambda x: "–" if x is None else f"{x * 1e3:.3f}"  # noqa: E731
+    criteria = run["criteria"] or {}
+    ended = "" if run["completed"] else f" (ended at {milli(run['end_s'])} ms)"
+    return [
+        name + ended,
+        " / ".join(milli(p["first_s"]) for p in phalanges),
+        ", ".join(f"{math.degrees(run['final'][key]):.4f}" for key in ("q11_rad", "q21_rad")),
+        " / ".join(f"{p['final_normal_n']:.3f}" for p in phalanges),
+        criteria.get("class") or "–",
+        milli(criteria.get("tts_s")),
+        str(run["steps"]),
+        f"{run['wall_s'] * 1e3:.2f}",
+    ]
+
+
+def peak_rss(scratch, command):
+    """Peak resident memory of a command, in MiB. GNU time measures it: in the figure the kernel keeps for a child of ours the
+    interpreter it was forked from would count too."""
+    report = scratch / "peak"
+    call("/usr/bin/time", "-f", "%M", "-o", report, *command, stdout=subprocess.DEVNULL)
+    return int(report.read_text().split()[-1]) / 1024
+
+
+def memory(scratch):
+    """Peak memory of a 10 s hold with a log, beside that of the closing alone."""
+    if not Path("/usr/bin/time").exists():
+        sys.exit("GNU time is not installed: get it from the packages of the system (apt-get install time)")
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    scene, log = ROOT / "scenes" / "experiment-95.toml", scratch / "hold.mcap"
+    body = []
+    for duration in ("20 ms", "1 s", "10 s"):
+        peak = peak_rss(scratch, [PHALANX, "run", scene, "--duration", duration, "--log", log])
+        body.append([duration, f"{peak:.1f}", f"{log.stat().st_size / 1e6:.1f}"])
+    return table(["length of the run", "peak memory (MiB)", "log (MB)"], body)
+
+
+BLOCKS = {"accuracy": accuracy, "scenes": scenes, "memory": memory}
+
+
+def put(text, name, content):
+    """Replaces a block of `text`, which is left alone if it has no such block."""
+    pattern = re.compile(rf"<!-- figures:begin {name} -->.*?<!-- figures:end {name} -->", re.DOTALL)
+    if not pattern.search(text):
+        print(f"README.md has no block '{name}': add its two markers", file=sys.stderr)
+    return pattern.sub(lambda _: content, text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="accuracy, scenes, memory; all if none is given")
+    parser.add_argument("--dry-run", action="store_true", help="leave README.md alone")
+    arguments = parser.parse_args()
+    unknown = [name for name in arguments.blocks if name not in BLOCKS]
+    if unknown:
+        parser.error(f"no block '{unknown[0]}'; there are {', '.join(BLOCKS)}")
+    with tempfile.TemporaryDirectory() as scratch:
+        for name in arguments.blocks or BLOCKS:
+            block = f"<!-- figures:begin {name} -->\n{BLOCKS[name](Path(scratch))}\n<!-- figures:end {name} -->"
+            print(block, flush=True)
+            if README.exists() and not arguments.dry_run:
+                README.write_text(put(README.read_text(), name, block))
+
+
+if __name__ == "__main__":
+    main()
