@@ -2,7 +2,7 @@
 solvers, from the JSON of the bench in benches/solvers.
 
     cargo run --release --manifest-path benches/solvers/Cargo.toml -- --json solvers.json
-    .venv/bin/python tools/plot_work_precision.py solvers.json --out docs/work-precision.svg
+    .venv/bin/python tools/plot_work_precision.py solvers.json --out tools/figures/work-precision.svg
 
 Needs tools/requirements.txt. The suffix of --out chooses the format (.svg, .png).
 """
@@ -81,7 +81,7 @@ def draw(comparison):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("figures", type=Path, help="JSON of the bench")
-    parser.add_argument("--out", type=Path, default=Path("docs/work-precision.svg"))
+    parser.add_argument("--out", type=Path, default=Path("tools/figures/work-precision.svg"))
     arguments = parser.parse_args()
     try:
         comparison = json.loads(arguments.figures.read_text())
