@@ -3,6 +3,22 @@
 //! Modules depend on each other in one direction only:
 //! `units ← gripper, law ← scene ← analytic ← trace ← log, criteria ← report ← cli`; `numeric` and `integrator` know nothing
 //! of grippers.
+//!
+//! A scene file in, a closing out:
+//!
+//! ```
+//! use phalanx::{scene, trace};
+//!
+//! let scene = scene::load("scenes/experiment-95.toml")?;
+//! let outcome = trace::run_analytic(&scene, &mut ())?;
+//! let tip = outcome.site(trace::Site::Distal);
+//! assert_eq!(tip.touchdowns, 1);
+//! assert!((tip.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
+//! assert!((outcome.last.proximal.normal_n - 23.609).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Instead of `()`, a [`trace::Sink`] takes every sample and event: [`log::Writer`] and [`criteria::Tracker`] are two.
 
 pub mod analytic;
 pub mod cli;

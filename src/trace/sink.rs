@@ -17,6 +17,17 @@ pub trait Sink {
     fn event(&mut self, event: &Event) -> Result<(), SinkError>;
 }
 
+/// Takes everything and keeps nothing.
+impl Sink for () {
+    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
 /// Feeds two sinks.
 pub struct Tee<A, B>(pub A, pub B);
 
