@@ -55,8 +55,7 @@ fn reference_settings_give_the_anchor_to_its_printed_digits() {
     assert_is_the_anchor(reference(), 1e-9, 1e-8, 1e-5, 1.0);
 }
 
-/// Ten times tighter than the reference settings. With those, Radau's impulse at the joint limit is 1.6e-6 off: the creep of
-/// the limit's damper starts within nanoseconds, and quadratures are not part of the error estimate.
+/// Tighter than the reference settings: two methods are compared to the last digits here.
 fn tight(method: Method) -> Integrator {
     Integrator { method, rtol: 1e-12, atol_angle_rad: 1e-14, atol_rate_rad_s: 1e-10, ..reference() }
 }

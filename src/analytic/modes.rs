@@ -12,13 +12,11 @@ use crate::numeric::plane::{cross, dot};
 /// Touch-down is landed on to within this fraction of δ_max.
 const LANDING_FRACTION: f64 = 1e-5;
 
-/// Lift-off and reload are landed on to within this force: far below anything the finger feels (limit: torque).
-fn force_tolerance(site: Site) -> f64 {
-    match site {
-        Site::Proximal | Site::Distal => 1e-6,
-        Site::Limit => 1e-6,
-    }
-}
+/// Lift-off and reload are landed on to within this force, far below anything the finger feels (N; limit: N·m).
+const FORCE_TOLERANCE: f64 = 1e-6;
+
+/// A released contact takes up again above this force, so that lift-off and reload do not answer each other.
+const RELOAD_FORCE: f64 = 3.0 * FORCE_TOLERANCE;
 
 fn landing_depth(law: &NormalLaw) -> f64 {
     LANDING_FRACTION * law.transition_m
@@ -52,15 +50,9 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
                 SiteState::Active if delta > 0.0 => force_guard(unclamped_normal_force(law, delta, rate).force),
                 // Just landed and about to enter, or gone through zero without ever pulling.
                 SiteState::Active => force_guard(if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) }),
-                // The margin keeps lift-off and reload from answering each other.
                 _ => {
                     let force = unclamped_normal_force(law, delta, rate).force;
-                    Guard {
-                        value: 3.0 * force_tolerance(site) - force,
-                        rate: 0.0,
-                        interpolates: true,
-                        apart: delta < 0.0,
-                    }
+                    Guard { value: RELOAD_FORCE - force, rate: 0.0, interpolates: true, apart: delta < 0.0 }
                 }
             }
         });
@@ -75,7 +67,7 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
         let which = Site::ALL[site];
         match mode[site] {
             SiteState::Free => self.normal_law(which).map_or(0.0, landing_depth),
-            _ => force_tolerance(which),
+            _ => FORCE_TOLERANCE,
         }
     }
 

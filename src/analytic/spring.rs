@@ -3,7 +3,7 @@
 use super::kinematics::{Directions, PassiveRates, passive_rates, straight};
 use crate::gripper::Lengths;
 use crate::numeric::Real;
-use crate::numeric::plane::{angle_between, rotate};
+use crate::numeric::plane::{angle_between, opening_angle, rotate};
 use crate::scene::{Placement, Spring, SpringKind};
 
 /// A spring with what its placement needs of the straight configuration.
@@ -41,16 +41,16 @@ fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
 }
 
 impl SpringModel {
-    /// The spring of a finger, relaxed least in its straight configuration.
+    /// The spring of a finger, stretched least in its straight configuration.
     pub fn new(spring: &Spring, lengths: &Lengths) -> Self {
         let pose = straight(lengths);
         let [from, to] = ends(spring.placement, &pose);
         let q_s: f64 = angle_between(from, to);
-        let opening = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
+        let closing = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
         Self {
             kind: spring.kind,
             placement: spring.placement,
-            closing_sign: opening.signum(),
+            closing_sign: closing.signum(),
             straight: [q_s.cos(), -q_s.sin()],
         }
     }
@@ -59,7 +59,9 @@ impl SpringModel {
     #[inline(always)]
     pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
         let [from, to] = ends(self.placement, pose);
-        angle_between(from, rotate(to, self.straight)) * self.closing_sign
+        let to = rotate(to, self.straight);
+        // Counted in the closing sense, so that the seam lies behind straight and not half a turn ahead of it.
+        if self.closing_sign > 0.0 { opening_angle(from, to) } else { opening_angle(to, from) }
     }
 
     /// Generalised force τ_s (2.30): −(∂q_s/∂q_a)ᵀ s T with T = k_s, or c_s (q_p + Δq_s).

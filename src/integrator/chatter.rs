@@ -10,13 +10,11 @@ const ENOUGH: u32 = 6;
 pub struct Chatter<const S: usize> {
     recent: [(f64, u32); S],
     natural: bool,
-    /// Site of an event that was found to be here and now.
-    pub last_site: Option<usize>,
 }
 
 impl<const S: usize> Chatter<S> {
     pub fn new() -> Self {
-        Self { recent: [(f64::NEG_INFINITY, 0); S], natural: false, last_site: None }
+        Self { recent: [(f64::NEG_INFINITY, 0); S], natural: false }
     }
 
     /// Notes an event; true if the next step should take the natural branches at this site.

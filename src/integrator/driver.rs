@@ -22,7 +22,9 @@ pub struct Options {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     pub steps: u64,
+    /// Attempts refused by the error, made to land on an event, or cut before a fold.
     pub rejected: u64,
+    /// Right-hand sides, without those an observer asked for.
     pub rhs: u64,
     pub jacobians: u64,
     pub events: u64,
@@ -103,7 +105,7 @@ where
         counters: Counters::default(),
     };
     let result = loop {
-        if run.clock.until(t_end) <= 0.0 {
+        if run.clock.until(t_end) <= SMALLEST_STEP_S {
             break Ok(());
         }
         if let Err(reason) = run.advance(t_end, observer) {
@@ -129,6 +131,13 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     h: f64,
     chatter: Chatter<S>,
     counters: Counters,
+}
+
+/// What comes next.
+enum Found<const N: usize, const Z: usize> {
+    Step(Accepted<N, Z>),
+    /// An event at this site, where the run stands: no time passes.
+    Event(usize),
 }
 
 /// A step that may be taken.
@@ -161,9 +170,12 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         let corner = self.system.next_corner(t);
         self.latest = corner.next_down();
         let stop = corner.min(t_end);
-        let Some(accepted) = self.find_step(&linearised, stop)? else {
-            self.take_event(observer);
-            return Ok(());
+        let accepted = match self.find_step(&linearised, stop)? {
+            Found::Step(accepted) => accepted,
+            Found::Event(site) => {
+                self.apply_event(site, observer);
+                return Ok(());
+            }
         };
         self.take_step(&linearised, &accepted, stop, observer)?;
         if let Some(site) = accepted.event {
@@ -175,8 +187,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         Ok(())
     }
 
-    /// A step whose error is acceptable, cut short at the first event within it; `None` if the event is here and now.
-    fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Option<Accepted<N, Z>>, Reason> {
+    /// A step whose error is acceptable, cut short at the first event within it.
+    fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Found<N, Z>, Reason> {
         let (state, mode) = (self.state, self.mode);
         let origin = Origin {
             system: self.system,
@@ -194,7 +206,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             // A step that would leave a sliver before the stop takes the sliver along.
             let stops = 1.0001 * h >= left;
             let size = if stops { left } else { h };
-            if size < SMALLEST_STEP_S {
+            if size < SMALLEST_STEP_S && !stops {
                 return Err(Reason::StepUnderflow { h_s: size });
             }
             let attempt = self.method.attempt(&origin, size);
@@ -206,7 +218,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             }
             let watch = self.system.watch(&attempt.end.q, &attempt.end.v, &mode);
             let clearance = |w: &Watch<S>| (w.clearance, w.clearance_rate);
-            if may_have_passed(clearance(&self.watch), clearance(&watch), size) {
+            if watch.clearance.is_nan() || may_have_passed(clearance(&self.watch), clearance(&watch), size) {
                 if size < NEAREST_APPROACH_S {
                     return Err(Reason::Obstacle(self.system.obstacle(&attempt.end.q)));
                 }
@@ -219,21 +231,30 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             let Some(crossing) = crossing else {
                 self.watch = watch;
                 let resume = if stops { wanted } else { size };
-                return Ok(Some(Accepted { attempt, size, resume, event: None, stops }));
+                return Ok(Found::Step(Accepted { attempt, size, resume, event: None, stops }));
             };
-            match self.land(&origin, crossing, size) {
-                Landing::Done(accepted) => return Ok(Some(accepted)),
+            match self.land_on_first(&origin, crossing, size) {
+                Landing::Done(accepted) => return Ok(Found::Step(accepted)),
+                Landing::Now(site) => return Ok(Found::Event(site)),
                 Landing::Refused { size, error } => h = self.controller.reject(size, error),
-                Landing::Now(site) => {
-                    self.mode = self.system.switch(site, &mode);
-                    self.chatter.last_site = Some(site);
-                    return Ok(None);
-                }
+                Landing::Elsewhere(..) => unreachable!("land_on_first follows these"),
             }
         }
     }
 
-    /// Longest step that still leaves half of a small and shrinking clearance.
+    /// Lands on a crossing, or on an earlier one at another site that the landing brings to light.
+    fn land_on_first(&mut self, origin: &Origin<Y, N, Z>, mut crossing: Crossing, size: f64) -> Landing<N, Z> {
+        let mut whole = size;
+        loop {
+            match self.land(origin, crossing, whole) {
+                Landing::Elsewhere(earlier, shorter) => (crossing, whole) = (earlier, shorter),
+                Landing::Done(accepted) => return Landing::Done(Accepted { resume: size, ..accepted }),
+                other => return other,
+            }
+        }
+    }
+
+    /// Half the time in which a small clearance would be used up at its present rate.
     fn approach_limit(&self) -> f64 {
         let Watch { clearance, clearance_rate, .. } = self.watch;
         if clearance < NEAR_OBSTACLE && clearance_rate < 0.0 {
@@ -278,12 +299,19 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             } else {
                 low = target
             }
+            // The landed step shows where the crossing is, if it is within it, or an earlier one elsewhere.
+            let (now, then) = (&self.watch.guards, &watch.guards);
+            let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
+            if let Some(earlier) = again.filter(|c| c.site != site && c.theta < 1.0) {
+                let value = watch.guards[earlier.site].value;
+                let landed_too = value.abs() <= self.system.landing_tolerance(earlier.site, origin.mode);
+                if !landed_too {
+                    return Landing::Elsewhere(earlier, target);
+                }
+            }
             if near || high - low <= 4.0 * f64::EPSILON * high {
                 break;
             }
-            // The landed step shows where the crossing is, if it is within it.
-            let (now, then) = (&self.watch.guards, &watch.guards);
-            let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
             target = again.map_or(0.5 * (low + high), |c| c.theta * target);
         }
         // Where positions have no digits left to land more exactly, past the event is better than short of it: from short of it
@@ -336,7 +364,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         if !observer.step(&step, &self.mode, &mut tools) {
             return Err(Reason::Stopped);
         }
-        if self.chatter.over() {
+        if accepted.event.is_none() && self.chatter.over() {
             self.mode = self.system.read_mode(self.clock.now(), &self.state.q, &self.state.v);
             self.refresh_watch();
         } else if let Some(mode) = self.system.relax(&self.watch.guards, &self.mode) {
@@ -346,15 +374,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         Ok(())
     }
 
-    /// The event that [`find_step`](Self::find_step) found where it stood.
-    fn take_event<O: Observer<N, Z, Y::Mode>>(&mut self, observer: &mut O) {
-        if let Some(site) = self.chatter.last_site {
-            self.announce(site, observer);
-            self.forget();
-        }
-    }
-
-    /// Switches the mode at the end of a landed step.
+    /// Switches the mode where the run stands, and starts anew from there.
     fn apply_event<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, observer: &mut O) {
         self.mode = self.system.switch(site, &self.mode);
         self.announce(site, observer);
@@ -393,6 +413,8 @@ enum Landing<const N: usize, const Z: usize> {
     },
     /// The event is where the step starts.
     Now(usize),
+    /// Another site has an earlier event, within a step of this size.
+    Elsewhere(Crossing, f64),
 }
 
 /// What an observer may ask of the step just taken.

@@ -28,7 +28,7 @@ pub trait Observer<const N: usize, const Z: usize, M> {
     /// An accepted step, taken in `mode`. `false` ends the integration.
     fn step(&mut self, step: &Step<N, Z>, mode: &M, tools: &mut dyn StepTools<N, Z>) -> bool;
 
-    /// An event at `site`, at the end of the step just reported; `mode` is the one after it.
+    /// An event at `site`, where the step just reported ended; several may follow each other there. `mode` is the one after it.
     fn event(&mut self, t: f64, state: &State<N, Z>, site: usize, mode: &M);
 }
 

@@ -10,4 +10,4 @@ mod sink;
 pub use analytic::{RunError, run_analytic};
 pub use outcome::{Outcome, SiteSummary, Work};
 pub use sample::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
-pub use sink::{Sink, SinkError, Tee};
+pub use sink::{Sink, SinkError};

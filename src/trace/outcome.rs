@@ -21,11 +21,11 @@ pub struct SiteSummary {
 pub struct Work {
     /// Accepted steps.
     pub steps: u64,
-    /// Steps repeated because the error was too large or to land on an event.
+    /// Steps repeated because the error was too large, to land on an event, or to approach a fold.
     pub rejected: u64,
     pub rhs_evaluations: u64,
     pub jacobian_evaluations: u64,
-    /// Events located (touch-down, lift-off, clamp, limit, torque steps).
+    /// Events: touch-downs, lift-offs and reloads at any site.
     pub events: u64,
 }
 

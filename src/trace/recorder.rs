@@ -64,9 +64,13 @@ impl<'a, S: Sink> Recorder<'a, S> {
         if self.last.q13_rad.is_finite() { self.sink.sample(&self.last) } else { Ok(()) }
     }
 
-    pub fn finish(self, end: &Point, work: Work) -> Result<Outcome, SinkError> {
-        if let Some(error) = self.error {
+    /// The last sample, if the run broke off between grid points, and the summary.
+    pub fn finish(mut self, end: &Point, work: Work) -> Result<Outcome, SinkError> {
+        if let Some(error) = self.error.take() {
             return Err(error);
+        }
+        if self.emitted_s < self.last.time_s {
+            self.sink.sample(&self.last)?;
         }
         let mut sites = self.sites;
         for (summary, impulse) in sites.iter_mut().zip(end.z) {
@@ -88,6 +92,8 @@ impl<'a, S: Sink> Recorder<'a, S> {
         tools: &mut dyn StepTools<2, QUADRATURES>,
     ) -> Result<(), SinkError> {
         let end = step.t1;
+        // A damper's force cannot be read off the dense output.
+        let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
         loop {
             let t = self.next as f64 * self.interval_s;
             if t >= end || t >= self.end_s {
@@ -96,8 +102,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
             self.next += 1;
             let theta = (t - step.t0) / step.h;
             if theta > 0.0 {
-                let state =
-                    if mode.contains(&SiteState::Active) { tools.resolve(theta) } else { tools.interpolate(theta) };
+                let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
                 let snapshot = self.model.snapshot(state.q, state.v, mode);
                 self.emit(&sample(self.model, t, &state, &snapshot, &self.start_energy))?;
             }
@@ -137,7 +142,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
                     read(&tools.resolve(theta)).map_or(0.0, |r| r.normal)
                 };
                 let peak = parabola_peak(start.normal, end.normal, |theta| force(theta, tools));
-                summary.peak_normal_n = summary.peak_normal_n.max(peak);
+                summary.peak_normal_n = summary.peak_normal_n.max(highest).max(peak);
             }
         }
     }
@@ -160,7 +165,8 @@ impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
         let Some(reading) = self.model.reading(state.q, state.v, Site::ALL[site], mode[site]) else {
             return;
         };
-        let parted = !matches!(self.mode[site], SiteState::Released);
+        let apart = self.at_end.sites[site].is_some_and(|r| r.delta < 0.0);
+        let parted = apart || !matches!(self.mode[site], SiteState::Released);
         let kind = match mode[site] {
             SiteState::Active if parted => EventKind::TouchDown,
             SiteState::Active => EventKind::Reload,

@@ -91,8 +91,8 @@ pub struct Event {
     pub time_s: f64,
     pub site: Site,
     pub kind: EventKind,
-    /// Closing speed −gap rate at a touch-down (m/s; limit: rad/s); 0 at a lift-off.
+    /// Closing speed −gap rate at a touch-down (m/s; limit: rad/s); 0 otherwise.
     pub approach_speed: f64,
-    /// Normal impulse gathered since the last touch-down at this site (N·s; limit: N·m·s); 0 at a touch-down.
+    /// Normal impulse since the last touch-down at this site, at a lift-off (N·s; limit: N·m·s); 0 otherwise.
     pub impulse: f64,
 }

@@ -27,18 +27,3 @@ impl Sink for () {
         Ok(())
     }
 }
-
-/// Feeds two sinks.
-pub struct Tee<A, B>(pub A, pub B);
-
-impl<A: Sink, B: Sink> Sink for Tee<A, B> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.sample(sample)?;
-        self.1.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.0.event(event)?;
-        self.1.event(event)
-    }
-}
