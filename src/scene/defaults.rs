@@ -40,7 +40,7 @@ impl Integrator {
                 method: Method::Rodas5p,
                 rtol: 1e-5,
                 atol_angle_rad: 1e-9,
-                atol_rate_rad_s: 1e-4,
+                atol_rate_rad_s: 1e-5,
                 max_steps: MAX_STEPS,
             },
             Preset::Reference => Self {
