@@ -106,7 +106,7 @@ fn dense_errors<K: Method<2, QUADRATURES>>() -> Vec<f64> {
             let mut worst = 0.0f64;
             for t0 in [0.0, 0.7, 1.9] {
                 march::<K, _, 2, QUADRATURES>(&Forced, &(), (t0, exact_state(t0)), h, 1, |dense| {
-                    assert!((dense.end_time() - (t0 + h)).abs() < 1e-15);
+                    assert!((dense.t0 + dense.h - (t0 + h)).abs() < 1e-15);
                     for i in 0..=20 {
                         let theta = f64::from(i) / 20.0;
                         let want = exact_state(t0 + theta * h);

@@ -4,7 +4,7 @@
 mod support;
 
 use phalanx::analytic::{Mode, Model, QUADRATURES, SiteState};
-use phalanx::gripper::Site;
+use phalanx::gripper::{self, Site};
 use phalanx::integrator::{Rates, System};
 use phalanx::law::unclamped_normal_force;
 use phalanx::scene::{Actuation, Interpolation, Placement, Scene, Spring, SpringKind};
@@ -231,10 +231,9 @@ fn tip_contact_on_its_end() {
     let model = Model::new(&scene);
     let reading = model.reading(GRASP, [0.0; 2], Site::Distal, Active).expect("an object");
     let face = reading.geometry.tangent_row;
-    let tip = phalanx::analytic::dynamics::joints(
-        &scene.finger.lengths,
-        &phalanx::analytic::kinematics::directions(&scene.finger.lengths, model.dynamics().gamma, GRASP),
-    )[3];
+    let (lengths, [q11, q21]) = (&scene.finger.lengths, GRASP);
+    let posture = gripper::close(lengths, scene.finger.assembly, q11, q21).expect("the grasp closes the loop");
+    let tip = gripper::joints(lengths, &posture).tip_m;
     let reach = scene.finger.lengths.half_width_m + 20e-3 - 4e-6;
     let along = reading.geometry.normal.map(|n| -n);
     let out = [along[0] * 0.8 + along[1] * 0.6, along[1] * 0.8 - along[0] * 0.6];

@@ -20,7 +20,6 @@ fn swing<K: Method<2, QUADRATURES>>(model: &Model, start: Point, span: f64) -> E
             rtol_v: settings.rtol,
         },
         max_steps: settings.max_steps,
-        max_step_s: f64::INFINITY,
     };
     integrate::<2, QUADRATURES, 3, _, K, _>(model, &options, 0.0, start, span, &mut ())
 }

@@ -56,7 +56,7 @@ impl Ours {
         K: Stepper<2, QUADRATURES>,
         O: Observer<2, QUADRATURES, Mode>,
     {
-        let options = Options { tolerances: self.tolerances, max_steps: MAX_STEPS, max_step_s: f64::INFINITY };
+        let options = Options { tolerances: self.tolerances, max_steps: MAX_STEPS };
         let Problem { model, start, .. } = problem;
         integrate::<2, QUADRATURES, 3, Model, K, O>(model, &options, 0.0, *start, problem.duration_s(), observer)
     }

@@ -3,7 +3,7 @@
 use super::kinematics::{Directions, PassiveBias, PassiveRates, passive_bias, passive_rates};
 use crate::gripper::{Body, Finger, Lengths};
 use crate::numeric::Real;
-use crate::numeric::plane::{Vector, cross, dot, perp, rotate, scale_by};
+use crate::numeric::plane::{Vector, cross, dot, perp, rotate};
 
 /// The constants of one tree l_i1–l_i2 (2.19)–(2.22).
 #[derive(Clone, Copy, Debug)]
@@ -193,13 +193,4 @@ pub fn gravity_energy(dynamics: &Dynamics, pose: &Directions<f64>) -> f64 {
     };
     let (m1, m2) = (moment(&dynamics.driven, pose.e1, pose.e3), moment(&dynamics.proximal, pose.e2, pose.e4));
     -dot(dynamics.gravity, [m1[0] + m2[0], m1[1] + m2[1]])
-}
-
-/// Joint positions A12, A22, A13 and the tip end, in m.
-pub fn joints(lengths: &Lengths, pose: &Directions<f64>) -> [[f64; 2]; 4] {
-    let a12 = scale_by(pose.e1, lengths.l11_m);
-    let a22 = scale_by(pose.e2, lengths.l21_m);
-    let along = |from: [f64; 2], e: [f64; 2], l: f64| [from[0] + l * e[0], from[1] + l * e[1]];
-    let (sin, cos) = lengths.phi22_rad.sin_cos();
-    [a12, a22, along(a12, pose.e3, lengths.l12_m), along(a22, rotate(pose.e4, [cos, sin]), lengths.t22_m)]
 }

@@ -2,7 +2,7 @@
 
 use super::contact::{self, Distal, Geometry};
 use super::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms};
-use super::kinematics::{Singularity, directions, nearest_singularity, reference_gamma};
+use super::kinematics::{directions, reference_gamma};
 use super::motor;
 use super::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
@@ -264,11 +264,6 @@ impl Model {
     /// Motor torque at time `t`, in N·m.
     pub fn motor_torque(&self, t: f64) -> f64 {
         motor::torque(&self.actuation, t).0
-    }
-
-    /// The singularity nearest to `q`.
-    pub fn singularity(&self, q: [f64; 2]) -> Singularity {
-        nearest_singularity(&self.dynamics.lengths, q)
     }
 }
 

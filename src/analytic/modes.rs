@@ -1,7 +1,7 @@
 //! Which branch of its law each contact is on, and where that changes.
 
 use super::dynamics::{absolute_rates, solve_mass};
-use super::kinematics::SINGULAR_SINE;
+use super::kinematics::{SINGULAR_SINE, nearest_singularity};
 use super::model::{Mode, Model, QUADRATURES, SiteState};
 use super::motor;
 use crate::gripper::Site;
@@ -140,7 +140,7 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
     }
 
     fn obstacle(&self, q: &[f64; 2]) -> String {
-        format!("singular configuration: {}", self.singularity(*q))
+        format!("singular configuration: {}", nearest_singularity(&self.dynamics.lengths, *q))
     }
 }
 

@@ -26,8 +26,4 @@ impl<const N: usize, const Z: usize> Dense<N, Z> {
             z: std::array::from_fn(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
         }
     }
-
-    pub fn end_time(&self) -> f64 {
-        self.t0 + self.h
-    }
 }

@@ -14,8 +14,6 @@ pub struct Options {
     pub tolerances: Tolerances,
     /// Budget of accepted steps.
     pub max_steps: u64,
-    /// Longest step.
-    pub max_step_s: f64,
 }
 
 /// What an integration cost.
@@ -200,7 +198,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             state: &state,
         };
         let wanted = self.h;
-        let mut h = wanted.min(self.options.max_step_s).min(self.approach_limit());
+        let mut h = wanted.min(self.approach_limit());
         let left = self.clock.until(stop);
         loop {
             // A step that would leave a sliver before the stop takes the sliver along.
@@ -233,23 +231,10 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 let resume = if stops { wanted } else { size };
                 return Ok(Found::Step(Accepted { attempt, size, resume, event: None, stops }));
             };
-            match self.land_on_first(&origin, crossing, size) {
+            match self.land(&origin, crossing, size) {
                 Landing::Done(accepted) => return Ok(Found::Step(accepted)),
                 Landing::Now(site) => return Ok(Found::Event(site)),
                 Landing::Refused { size, error } => h = self.controller.reject(size, error),
-                Landing::Elsewhere(..) => unreachable!("land_on_first follows these"),
-            }
-        }
-    }
-
-    /// Lands on a crossing, or on an earlier one at another site that the landing brings to light.
-    fn land_on_first(&mut self, origin: &Origin<Y, N, Z>, mut crossing: Crossing, size: f64) -> Landing<N, Z> {
-        let mut whole = size;
-        loop {
-            match self.land(origin, crossing, whole) {
-                Landing::Elsewhere(earlier, shorter) => (crossing, whole) = (earlier, shorter),
-                Landing::Done(accepted) => return Landing::Done(Accepted { resume: size, ..accepted }),
-                other => return other,
             }
         }
     }
@@ -264,69 +249,69 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         }
     }
 
-    /// Repeats a step with the size that ends on the event, until it does.
-    fn land(&mut self, origin: &Origin<Y, N, Z>, crossing: Crossing, whole: f64) -> Landing<N, Z> {
-        let site = crossing.site;
-        let tolerance = self.system.landing_tolerance(site, origin.mode);
-        let (mut low, mut high) = (0.0, whole);
-        let mut target = crossing.theta * whole;
-        // The tightest landing past the event, and the last one short of it.
-        let (mut past, mut short) = (None, None);
-        let mut tried = 0.0;
-        for _ in 0..MAX_LANDINGS {
-            if target < SMALLEST_STEP_S {
-                break;
-            }
-            let attempt = self.method.attempt(origin, target);
-            tried = target;
-            self.counters.rhs += attempt.rhs;
-            self.counters.rejected += 1;
-            if !attempt.is_acceptable() {
-                return Landing::Refused { size: target, error: attempt.error };
-            }
-            let watch = self.system.watch(&attempt.end.q, &attempt.end.v, origin.mode);
-            let value = watch.guards[site].value;
-            let near = value.abs() <= tolerance;
-            let event = (near || value < 0.0).then_some(site);
-            let landed = Some((Accepted { attempt, size: target, resume: whole, event, stops: false }, watch));
-            if event.is_some() {
-                past = landed
-            } else {
-                short = landed
-            }
-            if value < 0.0 {
-                high = target
-            } else {
-                low = target
-            }
-            // The landed step shows where the crossing is, if it is within it, or an earlier one elsewhere.
-            let (now, then) = (&self.watch.guards, &watch.guards);
-            let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
-            if let Some(earlier) = again.filter(|c| c.site != site && c.theta < 1.0) {
-                let value = watch.guards[earlier.site].value;
-                let landed_too = value.abs() <= self.system.landing_tolerance(earlier.site, origin.mode);
-                if !landed_too {
-                    return Landing::Elsewhere(earlier, target);
+    /// Repeats a step of `size` with the size that ends on the event, until it does; an earlier event at another site that
+    /// comes to light on the way is landed on instead.
+    fn land(&mut self, origin: &Origin<Y, N, Z>, mut crossing: Crossing, size: f64) -> Landing<N, Z> {
+        let mut whole = size;
+        'site: loop {
+            let site = crossing.site;
+            let tolerance = self.system.landing_tolerance(site, origin.mode);
+            let (mut low, mut high) = (0.0, whole);
+            let mut target = crossing.theta * whole;
+            // The tightest landing past the event, and the last one short of it.
+            let (mut past, mut short) = (None, None);
+            let mut tried = 0.0;
+            for _ in 0..MAX_LANDINGS {
+                if target < SMALLEST_STEP_S {
+                    break;
                 }
-            }
-            if near || high - low <= 4.0 * f64::EPSILON * high {
-                break;
-            }
-            target = again.map_or(0.5 * (low + high), |c| c.theta * target);
-        }
-        // Where positions have no digits left to land more exactly, past the event is better than short of it: from short of it
-        // the next step would try the same again.
-        match past.or(short) {
-            Some((accepted, watch)) => {
-                self.watch = watch;
-                if accepted.size != tried {
-                    // The method remembers its last attempt: make that the one that is kept.
-                    self.method.attempt(origin, accepted.size);
-                    self.counters.rhs += accepted.attempt.rhs;
+                let attempt = self.method.attempt(origin, target);
+                tried = target;
+                self.counters.rhs += attempt.rhs;
+                self.counters.rejected += 1;
+                if !attempt.is_acceptable() {
+                    return Landing::Refused { size: target, error: attempt.error };
                 }
-                Landing::Done(accepted)
+                let watch = self.system.watch(&attempt.end.q, &attempt.end.v, origin.mode);
+                let value = watch.guards[site].value;
+                let near = value.abs() <= tolerance;
+                let event = (near || value < 0.0).then_some(site);
+                let landed = Some((Accepted { attempt, size: target, resume: size, event, stops: false }, watch));
+                if event.is_some() {
+                    past = landed
+                } else {
+                    short = landed
+                }
+                if value < 0.0 {
+                    high = target
+                } else {
+                    low = target
+                }
+                // The landed step shows where the crossing is, if it is within it, or an earlier one elsewhere.
+                let (now, then) = (&self.watch.guards, &watch.guards);
+                let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
+                if let Some(earlier) = again.filter(|c| c.site != site && c.theta < 1.0) {
+                    let value = watch.guards[earlier.site].value;
+                    if value.abs() > self.system.landing_tolerance(earlier.site, origin.mode) {
+                        (crossing, whole) = (earlier, target);
+                        continue 'site;
+                    }
+                }
+                if near || high - low <= 4.0 * f64::EPSILON * high {
+                    break;
+                }
+                target = again.map_or(0.5 * (low + high), |c| c.theta * target);
             }
-            None => Landing::Now(site),
+            // Where positions have no digits left to land more exactly, past the event is better than short of it: from
+            // short of it the next step would try the same again.
+            let Some((accepted, watch)) = past.or(short) else { return Landing::Now(site) };
+            self.watch = watch;
+            if accepted.size != tried {
+                // The method remembers its last attempt: make that the one that is kept.
+                self.method.attempt(origin, accepted.size);
+                self.counters.rhs += accepted.attempt.rhs;
+            }
+            return Landing::Done(accepted);
         }
     }
 
@@ -413,8 +398,6 @@ enum Landing<const N: usize, const Z: usize> {
     },
     /// The event is where the step starts.
     Now(usize),
-    /// Another site has an earlier event, within a step of this size.
-    Elsewhere(Crossing, f64),
 }
 
 /// What an observer may ask of the step just taken.

@@ -19,7 +19,7 @@ pub enum RunError {
 }
 
 /// Integration options of a scene.
-pub fn options(scene: &Scene) -> Options {
+fn options(scene: &Scene) -> Options {
     let settings = &scene.integrator;
     Options {
         tolerances: Tolerances {
@@ -28,12 +28,11 @@ pub fn options(scene: &Scene) -> Options {
             rtol_v: settings.rtol,
         },
         max_steps: settings.max_steps,
-        max_step_s: f64::INFINITY,
     }
 }
 
 /// The initial state of a scene.
-pub fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
+fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
     let start = &scene.initial;
     State { q: [start.q11_rad, start.q21_rad], v: [start.qd11_rad_s, start.qd21_rad_s], z: [0.0; QUADRATURES] }
 }

@@ -142,7 +142,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
                     read(&tools.resolve(theta)).map_or(0.0, |r| r.normal)
                 };
                 let peak = parabola_peak(start.normal, end.normal, |theta| force(theta, tools));
-                summary.peak_normal_n = summary.peak_normal_n.max(highest).max(peak);
+                summary.peak_normal_n = summary.peak_normal_n.max(peak);
             }
         }
     }
@@ -205,10 +205,10 @@ fn bisect(mut rate: impl FnMut(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Largest value of a smooth function on 0…1 by successive parabolas, given its ends.
+/// Largest value that successive parabolas find of a smooth function on 0…1, its given ends included.
 fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) -> f64 {
     let mut points = [(0.0, at_start), (0.5, value(0.5)), (1.0, at_end)];
-    let highest = |p: &[(f64, f64); 3]| p.iter().map(|x| x.1).fold(f64::MIN, f64::max);
+    let mut highest = points.iter().map(|p| p.1).fold(f64::MIN, f64::max);
     for _ in 0..3 {
         let [(a, fa), (b, fb), (c, fc)] = points;
         let (p, q) = ((b - a) * (fb - fc), (b - c) * (fb - fa));
@@ -217,11 +217,12 @@ fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) 
             break;
         }
         let at = value(vertex);
+        highest = highest.max(at);
         points = if vertex < b { [(a, fa), (vertex, at), (b, fb)] } else { [(b, fb), (vertex, at), (c, fc)] };
         if at < fb {
             // The middle point was higher: keep it in the middle.
             points = if vertex < b { [(vertex, at), (b, fb), (c, fc)] } else { [(a, fa), (b, fb), (vertex, at)] };
         }
     }
-    highest(&points)
+    highest
 }

@@ -202,11 +202,7 @@ impl Log {
 
 /// As tight as numbers of size 0.01 m and 1 m/s allow.
 pub fn tight() -> Options {
-    Options {
-        tolerances: Tolerances { atol_q: 1e-14, atol_v: 1e-12, rtol_v: 1e-12 },
-        max_steps: 1_000_000,
-        max_step_s: f64::INFINITY,
-    }
+    Options { tolerances: Tolerances { atol_q: 1e-14, atol_v: 1e-12, rtol_v: 1e-12 }, max_steps: 1_000_000 }
 }
 
 /// A mass at x with rate v.
