@@ -24,6 +24,7 @@ pub mod analytic;
 pub mod cli;
 pub mod criteria;
 pub mod docs;
+pub mod engine;
 pub mod gripper;
 pub mod integrator;
 pub mod law;

@@ -1,6 +1,6 @@
 //! What holds when a scene does not say otherwise: thesis Table 3.2, and the settings of the integrator.
 
-use super::{Integrator, Method, Preset};
+use super::{Bounds, Construction, Engine, Integrator, Method, Preset, Response, Stepping};
 use crate::law::NormalLaw;
 
 pub const DURATION_S: f64 = 0.020;
@@ -17,6 +17,9 @@ pub const V_DYNAMIC_M_S: f64 = 0.2;
 pub const OFFSET_DEG: f64 = 25.0;
 pub const NUMERIC_RATE_HZ: f64 = 10e3;
 pub const MAX_STEPS: u64 = 10_000_000;
+pub const ENGINE_TOLERANCE_M: f64 = 2e-8;
+pub const ENGINE_MAX_STEP_S: f64 = 1e-4;
+pub const ENGINE_ITERATIONS: u32 = 20;
 
 /// μ_d = 0.7 μ_s; 0.56 for 0.8, to the last bit.
 pub fn mu_dynamic(mu_static: f64) -> f64 {
@@ -30,6 +33,30 @@ pub const CONTACT: NormalLaw =
 /// Law of the joint limit, in rad for m.
 pub const LIMIT: NormalLaw =
     NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
+
+impl Engine {
+    pub const DEFAULT: Self = Self {
+        construction: Construction::Maximal,
+        response: Response::Laws,
+        stepping: Stepping::Adaptive { tolerance_m: ENGINE_TOLERANCE_M, max_step_s: ENGINE_MAX_STEP_S },
+        iterations: ENGINE_ITERATIONS,
+        max_steps: MAX_STEPS,
+    };
+}
+
+impl Bounds {
+    /// What every scene is held to unless it says otherwise.
+    pub const fn over(duration_s: f64) -> Self {
+        Self {
+            angle_rad: 2e-5,
+            contact_time_s: 5e-7,
+            final_force: 1e-4,
+            impulse: 5e-3,
+            loop_gap_m: 1e-7,
+            until_s: duration_s,
+        }
+    }
+}
 
 impl Integrator {
     /// The settings a preset stands for.

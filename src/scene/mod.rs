@@ -54,6 +54,8 @@ pub struct Scene {
     pub duration_s: f64,
     pub initial: Initial,
     pub integrator: Integrator,
+    pub engine: Engine,
+    pub bounds: Bounds,
     pub log: LogRates,
 }
 
@@ -166,6 +168,66 @@ pub enum Preset {
 pub enum Method {
     Rodas5p,
     RadauIIa5,
+}
+
+/// How the engine model is built and stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Engine {
+    pub construction: Construction,
+    pub response: Response,
+    pub stepping: Stepping,
+    /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
+    pub iterations: u32,
+    /// Step budget; a run that needs more ends with an error and keeps its log.
+    pub max_steps: u64,
+}
+
+/// Coordinates of the engine model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Construction {
+    /// Every body moves freely, every joint is a constraint between two of them: second order.
+    Maximal,
+    /// A tree of joints in its own coordinates, closed by one constraint: first order.
+    Reduced,
+}
+
+/// What answers when bodies of the engine model touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Response {
+    /// The scene's contact laws, through the contact-force hook.
+    Laws,
+    /// rapier's own rigid contact, with its Coulomb friction and Newton restitution.
+    Rapier { friction: f64, restitution: f64 },
+}
+
+/// Step sizes of the engine model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    Fixed {
+        step_s: f64,
+    },
+    /// Steps as long as a joint opens by no more than `tolerance_m` in one of them; shorter around impacts.
+    Adaptive {
+        tolerance_m: f64,
+        max_step_s: f64,
+    },
+}
+
+/// How far the engine model may be from the analytic one before `phalanx validate` says no.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Largest difference of any joint angle over the run.
+    pub angle_rad: f64,
+    /// Largest difference of a first touch-down.
+    pub contact_time_s: f64,
+    /// Largest relative difference of a normal force at the end.
+    pub final_force: f64,
+    /// Largest relative difference of the normal impulse of an impact.
+    pub impulse: f64,
+    /// Largest opening of a joint of the engine model.
+    pub loop_gap_m: f64,
+    /// Trajectories are compared up to here (rebounds beyond may be chaotic); the run's duration unless said.
+    pub until_s: f64,
 }
 
 /// How often the log gets a sample, besides every integrator step within an impact.

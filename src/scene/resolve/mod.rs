@@ -16,7 +16,7 @@ use super::defaults;
 use super::error::Problem;
 use super::raw::RawScene;
 use super::words::SceneKind;
-use super::{LogRates, Scene};
+use super::{Bounds, Engine, LogRates, Scene};
 
 /// Resolves a scene; `file_name` gives its default name.
 pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
@@ -62,6 +62,8 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
                 duration_s,
                 initial,
                 integrator,
+                engine: Engine::DEFAULT,
+                bounds: Bounds::over(duration_s),
                 log,
             })
         }
