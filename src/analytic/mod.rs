@@ -7,7 +7,6 @@ pub mod dynamics;
 pub mod kinematics;
 mod model;
 mod modes;
-mod motor;
 pub mod spring;
 
 pub use model::{Energies, Mode, Model, Passive, QUADRATURES, SiteReading, SiteState, Snapshot};

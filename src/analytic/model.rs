@@ -3,7 +3,7 @@
 use super::contact::{self, Distal, Geometry};
 use super::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms};
 use super::kinematics::{directions, reference_gamma};
-use super::motor;
+
 use super::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
 use crate::integrator::{Linearised, Rates, System};
@@ -13,7 +13,7 @@ use crate::law::{
 };
 use crate::numeric::plane::{angle_between, dot, opening_angle, rotate};
 use crate::numeric::{Dual, Real};
-use crate::scene::{Actuation, Disc, Scene};
+use crate::scene::{Actuation, Disc, Scene, torque};
 
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
@@ -263,7 +263,7 @@ impl Model {
 
     /// Motor torque at time `t`, in N·m.
     pub fn motor_torque(&self, t: f64) -> f64 {
-        motor::torque(&self.actuation, t).0
+        torque(&self.actuation, t).0
     }
 }
 
@@ -274,7 +274,7 @@ impl System<2, QUADRATURES> for Model {
     fn rates(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Rates<2, QUADRATURES> {
         let terms = self.terms(*q);
         let sites = self.touching(&terms, mode);
-        let torque = motor::torque(&self.actuation, t).0;
+        let torque = torque(&self.actuation, t).0;
         let (a, g) = self.accelerations(torque, &terms, &sites, mode, *v);
         Rates { a, g }
     }
@@ -286,7 +286,7 @@ impl System<2, QUADRATURES> for Model {
         let sites = self.touching(&narrow, mode).map(|site| site.map(|geometry| geometry.widen()));
         let wide = narrow.widen();
         let rate = [Dual::<4>::variable(v[0], 2), Dual::variable(v[1], 3)];
-        let (torque, slope) = motor::torque(&self.actuation, t);
+        let (torque, slope) = torque(&self.actuation, t);
         let (a, g) = self.accelerations(Dual::constant(torque), &wide, &sites, mode, rate);
         let mass = narrow.mass.map(|m| m.value);
         Linearised {

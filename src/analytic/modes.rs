@@ -3,7 +3,7 @@
 use super::dynamics::{absolute_rates, solve_mass};
 use super::kinematics::{SINGULAR_SINE, nearest_singularity};
 use super::model::{Mode, Model, QUADRATURES, SiteState};
-use super::motor;
+use crate::scene::next_corner;
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{NormalLaw, unclamped_normal_force};
@@ -24,7 +24,7 @@ fn landing_depth(law: &NormalLaw) -> f64 {
 
 impl Hybrid<2, QUADRATURES, 3> for Model {
     fn next_corner(&self, t: f64) -> f64 {
-        motor::next_corner(&self.actuation, t)
+        next_corner(&self.actuation, t)
     }
 
     #[inline(always)]

@@ -21,6 +21,7 @@ mod rodas5p;
 mod system;
 mod tableau;
 
+pub use clock::Clock;
 pub use control::Tolerances;
 pub use dense::Dense;
 pub use driver::{Counters, End, Failure, Options, Reason, integrate};

@@ -8,6 +8,7 @@
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
 //! | `resolve`, `defaults` | raw → [`Scene`], physics checked |
 //! | `show` | [`Scene`] → a complete scene file |
+//! | `torque` | the motor torque of an actuation over time |
 
 mod check;
 mod defaults;
@@ -21,12 +22,14 @@ mod resolve;
 mod schema;
 mod show;
 mod suggest;
+mod torque;
 mod words;
 
 pub use error::{Problem, SceneError};
 pub use file::{load, parse};
 pub use schema::schema;
 pub use show::show;
+pub use torque::{next_corner, torque};
 
 use crate::gripper::Finger;
 use crate::law::{ContactLaw, NormalLaw};

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::law::smoothstep;
-use crate::scene::{Actuation, Interpolation};
+use super::{Actuation, Interpolation};
 
 /// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the later branch holds (t in [tᵢ, tᵢ₊₁)).
 #[inline(always)]

@@ -1,0 +1,64 @@
+//! Smooth forces on the bodies: gravity, motor and spring.
+
+use super::linkage::{Linkage, Twist};
+use super::plan::{L11, Plan, PlannedSpring};
+use crate::scene::{Scene, SpringKind, torque};
+
+/// Forces and torques about the centres of mass at time `t`, at the places the linkage has.
+pub fn smooth(scene: &Scene, plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
+    let [gx, gy] = scene.gravity_m_s2;
+    for (force, inertia) in out.iter_mut().zip(&linkage.inertias) {
+        *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
+    }
+    // The motor stands on the ground, which takes the reaction.
+    out[L11][2] += torque(&scene.actuation, t).0;
+    if let Some(spring) = &plan.spring {
+        let torque = -spring.closing_sign * pull(spring, extension(spring, linkage));
+        out[spring.on][2] += torque;
+        out[spring.against][2] -= torque;
+    }
+}
+
+/// Δq_s, positive in closing, in rad.
+fn extension(spring: &PlannedSpring, linkage: &Linkage) -> f64 {
+    let angle = linkage.places[spring.on].angle - linkage.places[spring.against].angle;
+    spring.closing_sign * (angle - spring.straight_rad)
+}
+
+fn pull(spring: &PlannedSpring, extension: f64) -> f64 {
+    match spring.kind {
+        SpringKind::Constant { torque_n_m } => torque_n_m,
+        SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+            stiffness_n_m_per_rad * (preload_rad + extension)
+        }
+    }
+}
+
+/// Energies of gravity and spring, in J; the spring's is zero in the straight configuration.
+pub fn potential(scene: &Scene, plan: &Plan, linkage: &Linkage) -> (f64, f64) {
+    let [gx, gy] = scene.gravity_m_s2;
+    let gravity = linkage
+        .inertias
+        .iter()
+        .zip(&linkage.places)
+        .map(|(inertia, place)| -inertia.mass * (gx * place.com[0] + gy * place.com[1]))
+        .sum();
+    let spring = plan.spring.as_ref().map_or(0.0, |spring| {
+        let extension = extension(spring, linkage);
+        match spring.kind {
+            SpringKind::Constant { torque_n_m } => torque_n_m * extension,
+            SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+                stiffness_n_m_per_rad * extension * (preload_rad + 0.5 * extension)
+            }
+        }
+    });
+    (gravity, spring)
+}
+
+/// Kinetic energy of all bodies, in J.
+pub fn kinetic(linkage: &Linkage, velocities: &[Twist]) -> f64 {
+    let of = |(inertia, v): (&super::linkage::Inertia, &Twist)| {
+        0.5 * (inertia.mass * (v[0] * v[0] + v[1] * v[1]) + inertia.inertia * v[2] * v[2])
+    };
+    linkage.inertias.iter().zip(velocities).map(of).sum()
+}

@@ -1,0 +1,155 @@
+//! One implicit stage of contact: find the rates at which the laws' forces agree with the motion they cause.
+//!
+//! u = ũ + h (b + W F(g̃ + h u_n, u)), F the contact laws with clamp and friction. Newton's method with the exact
+//! Jacobian; a step that does not bring the residual down is halved. Every solution carries its certificate: the residual,
+//! relative to the terms of the equation, is below [`CERTIFIED`]. Where none is found the caller shortens h; for h → 0
+//! the equation becomes u = ũ, so that it is found in the end.
+
+use super::dense;
+use super::space::Space;
+use crate::law::{friction_coefficient, normal_force};
+
+/// Relative residual a solution must have…
+pub const CERTIFIED: f64 = 1e-9;
+/// …and the one that is tried for.
+const WANTED: f64 = 1e-12;
+const MAX_ITERATIONS: u32 = 30;
+const MAX_HALVINGS: u32 = 12;
+
+/// What an implicit stage starts from.
+pub struct Stage<'a> {
+    /// Rates ũ and gaps g̃ (one per site) at h = 0.
+    pub rate: &'a [f64],
+    pub gap: &'a [f64],
+    pub h: f64,
+}
+
+/// Arrays a stage works in, sized once per contact space.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    residual: Vec<f64>,
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    jacobian: Vec<f64>,
+    /// ∂F/∂u: of each row's force by its own rate, and of tangent rows by the normal rate.
+    own: Vec<f64>,
+    cross: Vec<f64>,
+    pub force: Vec<f64>,
+}
+
+/// The laws have no solution within the iterations allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotConverged {
+    pub residual: f64,
+}
+
+impl Workspace {
+    pub fn resize(&mut self, rows: usize) {
+        for list in
+            [&mut self.residual, &mut self.step, &mut self.trial, &mut self.own, &mut self.cross, &mut self.force]
+        {
+            list.clear();
+            list.resize(rows, 0.0);
+        }
+        self.jacobian.clear();
+        self.jacobian.resize(rows * rows, 0.0);
+    }
+
+    /// Solves a stage; `rate` holds a guess on entry and the solution on return, `self.force` the forces there. Returns the
+    /// number of iterations.
+    pub fn solve(&mut self, space: &Space, stage: &Stage, rate: &mut [f64]) -> Result<u32, NotConverged> {
+        let rows = space.len();
+        let mut size = self.evaluate(space, stage, rate);
+        for iteration in 0..MAX_ITERATIONS {
+            if size <= WANTED {
+                return Ok(iteration);
+            }
+            self.assemble_jacobian(space, stage.h);
+            self.step.copy_from_slice(&self.residual);
+            if !dense::solve(&mut self.jacobian, &mut self.step, rows) {
+                break;
+            }
+            let before = size;
+            let mut fraction = 1.0;
+            for _ in 0..MAX_HALVINGS {
+                for i in 0..rows {
+                    self.trial[i] = rate[i] - fraction * self.step[i];
+                }
+                let trial = std::mem::take(&mut self.trial);
+                size = self.evaluate(space, stage, &trial);
+                self.trial = trial;
+                if size < before || before <= CERTIFIED {
+                    break;
+                }
+                fraction *= 0.5;
+            }
+            if size < before {
+                rate.copy_from_slice(&self.trial);
+                continue;
+            }
+            // No progress left: rounding, or a kink Newton cannot pass.
+            size = self.evaluate(space, stage, rate);
+            if size <= CERTIFIED {
+                return Ok(iteration);
+            }
+            break;
+        }
+        if size <= CERTIFIED { Ok(MAX_ITERATIONS) } else { Err(NotConverged { residual: size }) }
+    }
+
+    /// Largest entry of (1 − h W ∂F/∂u)⁻¹ e at the last solution; `error` is overwritten.
+    pub fn filtered(&mut self, space: &Space, h: f64, error: &mut [f64]) -> f64 {
+        self.assemble_jacobian(space, h);
+        dense::solve(&mut self.jacobian, error, space.len());
+        error.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()))
+    }
+
+    /// Forces and their derivatives at given rates, the residual, and its size relative to the terms it is made of.
+    fn evaluate(&mut self, space: &Space, stage: &Stage, rate: &[f64]) -> f64 {
+        let h = stage.h;
+        for (index, site) in space.sites.iter().enumerate() {
+            let n = site.normal;
+            let gap = stage.gap[index] + h * rate[n];
+            let law = normal_force(&site.touch.law, -gap, -rate[n]);
+            // The law counts in penetration, the row in gap.
+            let slope = -(h * law.d_delta + law.d_rate);
+            (self.force[n], self.own[n]) = (law.force, slope);
+            if let (Some(t), Some(friction)) = (site.tangent, &site.touch.friction) {
+                let (mu, mu_slope) = friction_coefficient(friction, rate[t]);
+                self.force[t] = -mu * law.force;
+                self.own[t] = -mu_slope * law.force;
+                self.cross[t] = -mu * slope;
+            }
+        }
+        let rows = space.len();
+        let mut largest: f64 = 0.0;
+        for i in 0..rows {
+            let pushed: f64 = (0..rows).map(|j| space.w[i * rows + j] * self.force[j]).sum();
+            let scale = rate[i].abs() + stage.rate[i].abs() + h * (space.free[i].abs() + pushed.abs());
+            self.residual[i] = rate[i] - stage.rate[i] - h * (space.free[i] + pushed);
+            if scale > 0.0 {
+                largest = largest.max(self.residual[i].abs() / scale);
+            }
+        }
+        // A force that is no number must not pass as a small residual.
+        if self.residual.iter().all(|r| r.is_finite()) { largest } else { f64::INFINITY }
+    }
+
+    /// 1 − h W ∂F/∂u.
+    fn assemble_jacobian(&mut self, space: &Space, h: f64) {
+        let rows = space.len();
+        for i in 0..rows {
+            let w = &space.w[i * rows..(i + 1) * rows];
+            let line = &mut self.jacobian[i * rows..(i + 1) * rows];
+            for site in &space.sites {
+                let n = site.normal;
+                line[n] = -h * w[n] * self.own[n];
+                if let Some(t) = site.tangent {
+                    line[n] -= h * w[t] * self.cross[t];
+                    line[t] = -h * w[t] * self.own[t];
+                }
+            }
+            line[i] += 1.0;
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! The engine in motion: one rapier step at a time, centred by half kicks, with contact from the hook.
+//!
+//! Between nodes n and n + 1 rapier moves every body with one velocity, which is the mean over the step. It starts from
+//! the mean of the step before; what lies between the two centres is applied as a force over the step: the second half of
+//! the last step's smooth forces and its late contact impulses, and the first half of this step's with its early ones.
+//! That is leapfrog, second order also where the step size changes. The velocity *at* a node is the last mean plus the
+//! second halves, with the joints' reactions.
+
+use rapier2d_f64::prelude::*;
+
+use super::forces;
+use super::hook::Governed;
+use super::linkage::{Linkage, Locked, Twist};
+use super::plan::{L11, Plan};
+use super::settle::Settled;
+use super::space::Space;
+use super::substeps::{Contact, Unsolved};
+use super::touch::{self, Touch};
+use super::world::World;
+use crate::integrator::Clock;
+use crate::scene::{Construction, Scene, torque};
+
+/// Why a step could not be taken.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    #[error(transparent)]
+    Locked(#[from] Locked),
+    #[error(transparent)]
+    Contact(#[from] Unsolved),
+    #[error("a body's position is not finite: rapier's joints did not hold at this step size")]
+    NotFinite,
+}
+
+/// A world at a node in time.
+pub struct Motion<'a> {
+    pub scene: &'a Scene,
+    pub plan: &'a Plan,
+    pub world: World,
+    pub linkage: Linkage,
+    pub clock: Clock,
+    /// Velocities and accelerations (contact not counted) at the node, and what may touch there.
+    pub velocities: Vec<Twist>,
+    pub accelerations: Vec<Twist>,
+    pub touches: Vec<Touch>,
+    /// Contact in the last step: its space as it was at the step's start.
+    pub space: Space,
+    pub contact: Contact,
+    pub last_dt_s: f64,
+    pub motor_work_j: f64,
+    pub contact_work_j: f64,
+    forces: Vec<Twist>,
+    means: Vec<Twist>,
+    step_accelerations: Vec<Twist>,
+    impulse: Vec<Twist>,
+    middle: Vec<Twist>,
+    open: Vec<[f64; 2]>,
+    settled: Settled,
+    /// Places before the step, from which a multibody's mean velocity is read.
+    before: Vec<[f64; 3]>,
+}
+
+impl<'a> Motion<'a> {
+    /// A world at t = 0.
+    pub fn new(scene: &'a Scene, plan: &'a Plan, world: World) -> Result<Self, StepError> {
+        let linkage = Linkage::new(&world, &plan.pins);
+        let bodies = plan.bodies.len();
+        let mut motion = Self {
+            scene,
+            plan,
+            world,
+            linkage,
+            clock: Clock::at(0.0),
+            velocities: vec![[0.0; 3]; bodies],
+            accelerations: vec![[0.0; 3]; bodies],
+            touches: Vec::new(),
+            space: Space::default(),
+            contact: Contact::default(),
+            last_dt_s: 0.0,
+            motor_work_j: 0.0,
+            contact_work_j: 0.0,
+            forces: vec![[0.0; 3]; bodies],
+            means: vec![[0.0; 3]; bodies],
+            step_accelerations: vec![[0.0; 3]; bodies],
+            impulse: vec![[0.0; 3]; bodies],
+            middle: vec![[0.0; 3]; bodies],
+            open: vec![[0.0; 2]; plan.pins.len()],
+            settled: Settled::default(),
+            before: vec![[0.0; 3]; bodies],
+        };
+        motion.linkage.factorise()?;
+        motion.read_means();
+        motion.velocities.copy_from_slice(&motion.means);
+        motion.linkage.project(&mut motion.velocities);
+        touch::measure(&motion.world, plan, &motion.linkage, &mut motion.touches);
+        motion.look();
+        Ok(motion)
+    }
+
+    /// One step of rapier, with everything that acts in it.
+    pub fn advance(&mut self, dt: f64) -> Result<(), StepError> {
+        self.aim(dt);
+        let Self { world, plan, linkage, .. } = self;
+        self.space.assemble(world, plan, linkage, &self.touches, &self.velocities, &self.step_accelerations, dt);
+        self.contact.solve(&self.space, dt)?;
+        self.contact_work_j += self.contact.work;
+
+        for (place, before) in self.linkage.places.iter().zip(&mut self.before) {
+            *before = [place.com[0], place.com[1], place.angle];
+        }
+        let torque_before = torque(&self.scene.actuation, self.clock.now()).0;
+        self.push(dt);
+        self.clock.advance(dt);
+        self.last_dt_s = dt;
+
+        self.linkage.read_places(&self.world);
+        if self.linkage.places.iter().any(|place| !(place.angle + place.com[0] + place.com[1]).is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        self.linkage.factorise()?;
+        self.read_means();
+        touch::measure(&self.world, self.plan, &self.linkage, &mut self.touches);
+        // A jump of the torque at the node belongs to the next step.
+        let before_node = self.clock.now() - 1e-9 * dt;
+        forces::smooth(self.scene, self.plan, &self.linkage, before_node, &mut self.forces);
+        self.kick(0.5 * dt);
+        self.settle();
+
+        let torque_after = torque(&self.scene.actuation, before_node).0;
+        let turned = self.linkage.places[L11].angle - self.before[L11][2];
+        self.motor_work_j += 0.5 * (torque_before + torque_after) * turned;
+        self.look();
+        Ok(())
+    }
+
+    /// From the mean velocities of the last step to those at its end: the second half of the smooth forces, and the late
+    /// impulses of contact along the rows as they are now.
+    fn kick(&mut self, half: f64) {
+        self.velocities.copy_from_slice(&self.means);
+        self.impulse.copy_from_slice(&self.forces);
+        self.impulse.iter_mut().flatten().for_each(|force| *force *= half);
+        for site in &self.space.sites {
+            let touch = self.touches.iter().find(|touch| touch.site == site.touch.site).unwrap_or(&site.touch);
+            touch.normal_row.add_to(&mut self.impulse, self.contact.late[site.normal]);
+            if let (Some(row), Some(tangent)) = (&touch.tangent_row, site.tangent) {
+                row.add_to(&mut self.impulse, self.contact.late[tangent]);
+            }
+        }
+        for ((v, impulse), inertia) in self.velocities.iter_mut().zip(&self.impulse).zip(&self.linkage.inertias) {
+            v[0] += inertia.inverse_mass * impulse[0];
+            v[1] += inertia.inverse_mass * impulse[1];
+            v[2] += inertia.inverse_inertia * impulse[2];
+        }
+        self.linkage.project(&mut self.velocities);
+    }
+
+    /// Late impulses were found with the directions and loads of the step's start. Where a contact presses on, what they
+    /// miss at its end shows as a rate the contact cannot have: as joints are, such rows are brought back to the rate that
+    /// the contact's own equations end with. Nothing may pull: a contact whose late impulse would turn negative is let go.
+    fn settle(&mut self) {
+        let Self { space, contact, touches, settled, .. } = self;
+        settled.begin();
+        for site in &space.sites {
+            if contact.force[site.normal] <= 0.0 {
+                continue;
+            }
+            let Some(touch) = touches.iter().find(|touch| touch.site == site.touch.site) else { continue };
+            settled.take(touch.normal_row, contact.rate[site.normal], contact.late[site.normal]);
+        }
+        settled.solve(&mut self.linkage, &mut self.velocities);
+    }
+
+    /// Forces and accelerations at the node, for what comes.
+    fn look(&mut self) {
+        forces::smooth(self.scene, self.plan, &self.linkage, self.clock.now(), &mut self.forces);
+        self.linkage.accelerations(&self.forces, &self.velocities, &mut self.accelerations);
+    }
+
+    /// rapier closes a joint along the tangent at the step's start, so that it is open by ½ dt² |J̇ v| at the end. Moving the
+    /// anchors by as much beforehand leaves a third-order rest.
+    fn aim(&mut self, dt: f64) {
+        for (v, a) in self.middle.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
+            *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
+        }
+        for (pin, (planned, joint)) in self.plan.pins.iter().zip(&self.world.joints).enumerate() {
+            let overshoot = self.linkage.overshoot(&self.middle, pin, dt);
+            let open = self.linkage.open(pin);
+            self.open[pin] = [open[0] + overshoot[0], open[1] + overshoot[1]];
+            let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
+                continue;
+            };
+            let shift = self.linkage.in_first(pin, overshoot);
+            let [x, y] = planned.anchor_first_m;
+            joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
+        }
+        self.linkage.accelerations_closing(&self.forces, &self.open, dt, &mut self.step_accelerations);
+    }
+
+    /// Takes rapier from the last mean velocity to the next one, by forces over the step: to the node's velocity, half a step
+    /// of acceleration on, and what the early impulses of contact add. The joints' reactions are in it, so that rapier's
+    /// iterative joint solver starts next to its solution.
+    fn push(&mut self, dt: f64) {
+        for (body, impulse) in self.impulse.iter_mut().enumerate() {
+            let inertia = &self.linkage.inertias[body];
+            let change: Twist = std::array::from_fn(|axis| {
+                self.velocities[body][axis] - self.means[body][axis] + 0.5 * dt * self.step_accelerations[body][axis]
+            });
+            *impulse = [inertia.mass * change[0], inertia.mass * change[1], inertia.inertia * change[2]];
+        }
+        self.space.add_impulses(&self.linkage, &self.contact.early, &mut self.impulse);
+        let physics = &mut self.world.physics;
+        for (impulse, handle) in self.impulse.iter().zip(&self.world.bodies) {
+            let body = &mut physics.bodies[*handle];
+            body.reset_forces(false);
+            body.reset_torques(false);
+            body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
+            body.add_torque(impulse[2] / dt, false);
+        }
+        physics.integration_parameters.dt = dt;
+        physics.step_with_events(&Governed, &());
+    }
+
+    /// Mean velocities of the last step.
+    fn read_means(&mut self) {
+        let dt = self.last_dt_s;
+        for (i, v) in self.means.iter_mut().enumerate() {
+            let body = &self.world.physics.bodies[self.world.bodies[i]];
+            *v = match self.world.construction {
+                // The links of a multibody show velocities that are a step old.
+                Construction::Reduced if dt > 0.0 => {
+                    let (place, before) = (&self.linkage.places[i], &self.before[i]);
+                    let mean = |now: f64, then: f64| (now - then) / dt;
+                    [mean(place.com[0], before[0]), mean(place.com[1], before[1]), mean(place.angle, before[2])]
+                }
+                _ => [body.linvel().x, body.linvel().y, body.angvel()],
+            };
+        }
+    }
+}

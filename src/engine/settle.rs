@@ -1,0 +1,64 @@
+//! Brings the rates of pressing contacts to what their equations say, by impulses along their normals.
+
+use super::dense;
+use super::linkage::{Linkage, Twist};
+use super::touch::Row;
+
+/// Rows to be settled, the rates they shall have, and the impulses that are already under way along them.
+#[derive(Clone, Debug, Default)]
+pub struct Settled {
+    rows: Vec<Row>,
+    wanted: Vec<f64>,
+    available: Vec<f64>,
+    response: Vec<Twist>,
+    w: Vec<f64>,
+    size: Vec<f64>,
+}
+
+impl Settled {
+    pub fn begin(&mut self) {
+        self.rows.clear();
+        self.wanted.clear();
+        self.available.clear();
+    }
+
+    pub fn take(&mut self, row: Row, wanted: f64, available: f64) {
+        self.rows.push(row);
+        self.wanted.push(wanted);
+        self.available.push(available);
+    }
+
+    /// Changes velocities so that every row has its rate.
+    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) {
+        let (count, bodies) = (self.rows.len(), velocities.len());
+        if count == 0 {
+            return;
+        }
+        self.response.clear();
+        self.response.resize(count * bodies, [0.0; 3]);
+        self.w.clear();
+        self.w.resize(count * count, 0.0);
+        for j in 0..count {
+            let response = &mut self.response[j * bodies..(j + 1) * bodies];
+            self.rows[j].add_to(response, 1.0);
+            linkage.respond(response);
+            for i in 0..count {
+                self.w[i * count + j] = self.rows[i].rate(response);
+            }
+        }
+        self.size.clear();
+        self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
+        if !dense::solve(&mut self.w, &mut self.size, count) {
+            return;
+        }
+        for (j, size) in self.size.iter().enumerate() {
+            let size = size.max(-self.available[j]);
+            let response = &self.response[j * bodies..(j + 1) * bodies];
+            for (v, change) in velocities.iter_mut().zip(response) {
+                for axis in 0..3 {
+                    v[axis] += size * change[axis];
+                }
+            }
+        }
+    }
+}

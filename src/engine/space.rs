@@ -1,0 +1,137 @@
+//! Contact space: the few unknowns in which contact is solved, and how they respond to impulses.
+
+use super::linkage::{Linkage, Place, Twist};
+use super::plan::Plan;
+use super::touch::{Row, Touch, gap_at};
+use super::world::World;
+
+/// One touch in contact space.
+#[derive(Clone, Copy, Debug)]
+pub struct Site {
+    pub touch: Touch,
+    /// Index of the normal row, and of the tangent row behind it.
+    pub normal: usize,
+    pub tangent: Option<usize>,
+}
+
+/// W and the free motion of every row, for one step: all of it frozen at the step's start.
+#[derive(Clone, Debug, Default)]
+pub struct Space {
+    pub sites: Vec<Site>,
+    pub rows: Vec<Row>,
+    /// Contact-space inverse inertia, joints included, row by row: rate of row i per unit impulse along row j.
+    pub w: Vec<f64>,
+    /// Acceleration of every row without contact.
+    pub free: Vec<f64>,
+    /// Rate of every row at the start of the step.
+    pub rate: Vec<f64>,
+    /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each row, body by body.
+    response: Vec<Twist>,
+    places: Vec<Place>,
+}
+
+impl Space {
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Takes in the touches that may press within `dt`, judged by gap, rate and acceleration with a margin.
+    #[allow(clippy::too_many_arguments)]
+    pub fn assemble(
+        &mut self,
+        world: &World,
+        plan: &Plan,
+        linkage: &mut Linkage,
+        touches: &[Touch],
+        velocities: &[Twist],
+        accelerations: &[Twist],
+        dt: f64,
+    ) {
+        self.sites.clear();
+        self.rows.clear();
+        for touch in touches.iter().filter(|touch| touch.governed) {
+            let (rate, free) = (touch.normal_row.rate(velocities), touch.normal_row.rate(accelerations));
+            if touch.gap > SAFETY * dt * (rate.abs() + dt * free.abs()) {
+                continue;
+            }
+            let normal = self.rows.len();
+            self.rows.push(touch.normal_row);
+            let tangent = touch.tangent_row.map(|row| {
+                self.rows.push(row);
+                normal + 1
+            });
+            self.sites.push(Site { touch: *touch, normal, tangent });
+        }
+        if self.rows.is_empty() {
+            return;
+        }
+        self.rate.clear();
+        self.rate.extend(self.rows.iter().map(|row| row.rate(velocities)));
+        self.free.clear();
+        self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
+        self.add_curvature(world, plan, linkage, velocities, accelerations, dt);
+
+        let (count, bodies) = (self.rows.len(), velocities.len());
+        self.response.clear();
+        self.response.resize(count * bodies, [0.0; 3]);
+        self.w.clear();
+        self.w.resize(count * count, 0.0);
+        for j in 0..count {
+            let response = &mut self.response[j * bodies..(j + 1) * bodies];
+            self.rows[j].add_to(response, 1.0);
+            linkage.respond(response);
+            for i in 0..count {
+                self.w[i * count + j] = self.rows[i].rate(response);
+            }
+        }
+    }
+
+    /// Surfaces curve and normals turn: the gap's second derivative is not the row's acceleration alone. The rest of it is
+    /// read off the gap that free motion would lead to.
+    fn add_curvature(
+        &mut self,
+        world: &World,
+        plan: &Plan,
+        linkage: &Linkage,
+        velocities: &[Twist],
+        accelerations: &[Twist],
+        dt: f64,
+    ) {
+        // Long enough that the difference is not rounding, short enough that it stays local.
+        let ahead = dt.max(SHORTEST_LOOK_S);
+        self.places.clear();
+        for ((place, v), a) in linkage.places.iter().zip(velocities).zip(accelerations) {
+            let shift = |axis: usize| ahead * (v[axis] + 0.5 * ahead * a[axis]);
+            let angle = place.angle + shift(2);
+            let (sin, cos) = angle.sin_cos();
+            let com = [place.com[0] + shift(0), place.com[1] + shift(1)];
+            self.places.push(Place { com, direction: [cos, sin], angle });
+        }
+        for site in self.sites.iter().filter(|site| site.touch.normal_row.against.is_none()) {
+            let gap = gap_at(&site.touch, world, plan, &self.places);
+            let straight = site.touch.gap + ahead * self.rate[site.normal];
+            self.free[site.normal] = 2.0 * (gap - straight) / (ahead * ahead);
+        }
+    }
+
+    /// Adds what impulses along all rows do to every body, reactions of the joints included, as generalised impulses.
+    pub fn add_impulses(&self, linkage: &Linkage, along: &[f64], out: &mut [Twist]) {
+        let bodies = out.len();
+        for (j, size) in along.iter().enumerate().filter(|(_, size)| **size != 0.0) {
+            let response = &self.response[j * bodies..(j + 1) * bodies];
+            for ((impulse, v), inertia) in out.iter_mut().zip(response).zip(&linkage.inertias) {
+                impulse[0] += size * inertia.mass * v[0];
+                impulse[1] += size * inertia.mass * v[1];
+                impulse[2] += size * inertia.inertia * v[2];
+            }
+        }
+    }
+}
+
+/// A touch is taken in when its gap is below this many times what it closes freely in a step.
+const SAFETY: f64 = 3.0;
+const SHORTEST_LOOK_S: f64 = 1e-7;

@@ -1,0 +1,58 @@
+//! How long the next step may be, judged by what is known at its start.
+//!
+//! * Free motion: a joint opens by ½ dt² |J̇ v| before rapier closes it again; no step may open one beyond the tolerance.
+//! * Touch: a step ends where a gap is predicted to close, and the last steps before it shrink by halves.
+//! * Impact: no step may press a surface in by more than a part of its damper's transition at the present rate.
+//! * Effort: a step after a contact solve that needed many sub-steps is not longer than the one before.
+//! * Steps at most double, end at jumps of the motor torque and at the end of the run.
+
+use super::motion::Motion;
+use super::substeps::time_to_zero;
+use crate::scene::{Stepping, next_corner};
+
+/// Part of the damper's transition an impact may cross in one step.
+const CROSSING: f64 = 0.05;
+/// Sub-steps from which a contact counts as hard.
+const HARD_SUBSTEPS: u32 = 60;
+const FIRST_STEP_S: f64 = 1e-6;
+const SHORTEST_S: f64 = 1e-10;
+
+/// The next step, ending at `end_s` at the latest.
+pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
+    let corner = next_corner(&motion.scene.actuation, motion.clock.now());
+    let left = motion.clock.until(end_s.min(corner));
+    match stepping {
+        Stepping::Fixed { step_s } => if left < 1.000_001 * step_s { left } else { step_s },
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
+            let wanted = adaptive(motion, tolerance_m, max_step_s);
+            // Two even steps rather than one and a rest.
+            if left <= wanted { left } else { wanted.min(if left < 2.0 * wanted { 0.5 * left } else { left }) }
+        }
+    }
+}
+
+fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
+    let growth = match motion.last_dt_s {
+        0.0 => FIRST_STEP_S,
+        last if motion.contact.substeps > HARD_SUBSTEPS => last,
+        last => 2.0 * last,
+    };
+    let opening = motion.linkage.opening(&motion.velocities);
+    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / opening).sqrt());
+    for touch in motion.touches.iter().filter(|touch| touch.governed) {
+        let rate = touch.normal_row.rate(&motion.velocities);
+        let crossing = CROSSING * touch.law.transition_m / rate.abs();
+        if touch.gap <= 0.0 {
+            if rate < 0.0 {
+                dt = dt.min(crossing);
+            }
+            continue;
+        }
+        let ahead = time_to_zero(touch.gap, rate, touch.normal_row.rate(&motion.accelerations));
+        if ahead < 2.0 * dt {
+            // Step onto the touch by halves, and over it with the step an impact asks for.
+            dt = dt.min(if ahead > 2.0 * crossing { 0.5 * ahead } else { ahead.max(crossing) });
+        }
+    }
+    dt.max(SHORTEST_S)
+}

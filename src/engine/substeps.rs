@@ -1,0 +1,331 @@
+//! Contact within one step of the engine: ġ = u_n, u̇ = b + W F(g, u), integrated with W and b frozen.
+//!
+//! SDIRK2 (Alexander 1977, γ = 1 − 1/√2: two stages, second order, L-stable) with steps chosen from its embedded
+//! first-order solution; flight up to the next touch-down in closed form. What comes out are impulses along the rows,
+//! split so that the engine's leapfrog is centred: the *early* part moves the bodies within this step, the *late* part
+//! is felt from the next one on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
+
+use super::implicit::{Stage, Workspace};
+use super::space::Space;
+
+/// Sub-steps are as long as their error in the rates allows, relative to the largest closing rate of the step…
+const RELATIVE_TOLERANCE: f64 = 2e-4;
+/// …and to rates that creep.
+const ABSOLUTE_TOLERANCE: f64 = 1e-7;
+/// Part of the damper's transition that a first sub-step may cross.
+const FIRST_CROSSING: f64 = 0.05;
+const GROWTH: f64 = 4.0;
+/// Sub-steps one step may take before the contact counts as unsolved.
+const MAX_SUBSTEPS: u32 = 100_000;
+const SMALLEST_FRACTION: f64 = 1e-14;
+
+/// SDIRK2.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+/// Weights of the stage forces in the double integral over a sub-step: Σᵢ bᵢ aᵢⱼ with b = (1 − γ, γ).
+const DOUBLE: [f64; 2] = [2.0 * GAMMA * (1.0 - GAMMA), GAMMA * GAMMA];
+
+/// A change of one site within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// Time after the start of the step.
+    pub after_s: f64,
+    /// Index of the site in the contact space.
+    pub site: usize,
+    pub kind: ChangeKind,
+    /// Closing rate, and the normal impulse of this step up to here.
+    pub closing: f64,
+    pub impulse: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeKind {
+    Meets,
+    Parts,
+    Presses,
+    LetsGo,
+}
+
+/// What contact did in one step.
+#[derive(Clone, Debug, Default)]
+pub struct Contact {
+    /// Impulses along each row.
+    pub early: Vec<f64>,
+    pub late: Vec<f64>,
+    /// Forces at the end, gaps (per site) and rates there.
+    pub force: Vec<f64>,
+    pub gap: Vec<f64>,
+    pub rate: Vec<f64>,
+    /// Largest normal force and penetration of each site.
+    pub peak: Vec<f64>,
+    pub deepest: Vec<f64>,
+    /// Work on the bodies.
+    pub work: f64,
+    pub changes: Vec<Change>,
+    pub substeps: u32,
+    pub iterations: u32,
+    /// Worst residual is below the certificate by construction; this counts sub-steps repeated to get there.
+    pub repeated: u32,
+    work_space: Workspace,
+    buffers: Buffers,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Buffers {
+    total: Vec<f64>,
+    double: Vec<f64>,
+    first: Vec<f64>,
+    second: Vec<f64>,
+    first_force: Vec<f64>,
+    base_rate: Vec<f64>,
+    base_gap: Vec<f64>,
+    error: Vec<f64>,
+    touching: Vec<bool>,
+    pressing: Vec<bool>,
+}
+
+/// Contact could not be solved.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Unsolved {
+    #[error("the contact solve did not converge (relative residual {residual:.1e} at sub-steps of {h_s:.1e} s)")]
+    NotConverged { residual: f64, h_s: f64 },
+    #[error("contact needs more than {MAX_SUBSTEPS} sub-steps within one step of {dt_s:.1e} s: take smaller steps")]
+    Budget { dt_s: f64 },
+}
+
+impl Contact {
+    /// Integrates contact over `dt`. `first_h` is a sub-step to begin with where contact goes on, `f64::INFINITY` if unknown.
+    pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
+        self.begin(space);
+        let closing = space.sites.iter().map(|site| -space.rate[site.normal]).fold(0.0, f64::max);
+        let tolerance = RELATIVE_TOLERANCE * closing + ABSOLUTE_TOLERANCE;
+        let (mut now, mut h) = (0.0, dt);
+        while now < dt {
+            let left = dt - now;
+            if left <= SMALLEST_FRACTION * dt {
+                break;
+            }
+            let flight = self.until_touch(space, left);
+            if !self.buffers.touching.contains(&true) && flight > 0.0 {
+                self.fly(space, flight);
+                now += flight;
+                self.meet(space, now);
+                h = self.first_crossing(space, dt);
+                continue;
+            }
+            // Another site may touch on the way: end there.
+            let ahead = if flight > SMALLEST_FRACTION * dt { flight } else { left };
+            h = h.min(ahead).min(left);
+            match self.substep(space, h, left) {
+                Ok(error) => {
+                    let ratio = (tolerance / error.max(1e-300)).sqrt();
+                    if error > tolerance && h > SMALLEST_FRACTION * dt {
+                        self.repeated += 1;
+                        h *= (0.9 * ratio).clamp(0.1, 0.7);
+                        continue;
+                    }
+                    self.accept(space, h, left);
+                    now += h;
+                    if self.look(space, now) {
+                        h = h.min(self.first_crossing(space, dt));
+                    } else {
+                        h *= (0.9 * ratio).clamp(0.3, GROWTH);
+                    }
+                }
+                Err(failed) => {
+                    self.repeated += 1;
+                    h *= 0.25;
+                    if h < SMALLEST_FRACTION * dt {
+                        return Err(Unsolved::NotConverged { residual: failed.residual, h_s: h });
+                    }
+                }
+            }
+            if self.substeps > MAX_SUBSTEPS {
+                return Err(Unsolved::Budget { dt_s: dt });
+            }
+        }
+        let buffers = &self.buffers;
+        for i in 0..space.len() {
+            self.early[i] = buffers.double[i] / dt;
+            self.late[i] = buffers.total[i] - self.early[i];
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, space: &Space) {
+        let rows = space.len();
+        let Buffers { total, double, first, second, first_force, base_rate, error, .. } = &mut self.buffers;
+        let own = [&mut self.early, &mut self.late, &mut self.force];
+        for list in own.into_iter().chain([total, double, first, second, first_force, base_rate, error]) {
+            list.clear();
+            list.resize(rows, 0.0);
+        }
+        self.work_space.resize(rows);
+        self.rate.clear();
+        self.rate.extend_from_slice(&space.rate);
+        self.gap.clear();
+        self.gap.extend(space.sites.iter().map(|site| site.touch.gap));
+        self.buffers.base_gap.clear();
+        self.buffers.base_gap.resize(space.sites.len(), 0.0);
+        for list in [&mut self.peak, &mut self.deepest] {
+            list.clear();
+            list.resize(space.sites.len(), 0.0);
+        }
+        self.changes.clear();
+        (self.work, self.substeps, self.iterations, self.repeated) = (0.0, 0, 0, 0);
+        self.buffers.touching.clear();
+        self.buffers.touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
+        self.buffers.pressing.clear();
+        for site in &space.sites {
+            let force =
+                crate::law::normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
+            self.force[site.normal] = force;
+            self.buffers.pressing.push(force > 0.0);
+        }
+    }
+
+    /// Time until the first site that is apart touches at its present rate and acceleration; `left` if none does.
+    fn until_touch(&self, space: &Space, left: f64) -> f64 {
+        let rows = space.len();
+        let mut soonest = left;
+        for (index, site) in space.sites.iter().enumerate() {
+            if self.buffers.touching[index] {
+                continue;
+            }
+            let n = site.normal;
+            let pushed: f64 = (0..rows).map(|j| space.w[n * rows + j] * self.force[j]).sum();
+            soonest = soonest.min(time_to_zero(self.gap[index], self.rate[n], space.free[n] + pushed));
+        }
+        soonest
+    }
+
+    /// Motion without any contact.
+    fn fly(&mut self, space: &Space, time: f64) {
+        for (gap, site) in self.gap.iter_mut().zip(&space.sites) {
+            *gap += time * (self.rate[site.normal] + 0.5 * time * space.free[site.normal]);
+        }
+        for (rate, free) in self.rate.iter_mut().zip(&space.free) {
+            *rate += time * free;
+        }
+    }
+
+    /// Marks the sites that a flight has brought to touch: those whose gap is rounding.
+    fn meet(&mut self, space: &Space, now: f64) {
+        for (index, site) in space.sites.iter().enumerate() {
+            let scale = space.sites[index].touch.gap.abs().max(site.touch.law.transition_m * 1e-9);
+            if !self.buffers.touching[index] && self.gap[index] <= 1e-9 * scale && self.rate[site.normal] < 0.0 {
+                self.gap[index] = self.gap[index].min(0.0);
+                self.note(space, index, now, ChangeKind::Meets);
+                self.buffers.touching[index] = true;
+            }
+        }
+    }
+
+    /// Time in which the fastest closing site crosses the first part of its damper's transition.
+    fn first_crossing(&self, space: &Space, dt: f64) -> f64 {
+        let mut shortest = dt;
+        for (index, site) in space.sites.iter().enumerate() {
+            let closing = -self.rate[site.normal];
+            if self.buffers.touching[index] && closing > 0.0 {
+                shortest = shortest.min(FIRST_CROSSING * site.touch.law.transition_m / closing);
+            }
+        }
+        shortest
+    }
+
+    /// Both stages of a sub-step of length h; returns its error in the rates.
+    fn substep(&mut self, space: &Space, h: f64, left: f64) -> Result<f64, super::implicit::NotConverged> {
+        debug_assert!(h <= left * (1.0 + 1e-12));
+        self.substeps += 1;
+        let Buffers { first, second, first_force, base_rate, base_gap, error, .. } = &mut self.buffers;
+        let implicit = GAMMA * h;
+
+        first.copy_from_slice(&self.rate);
+        let stage = Stage { rate: &self.rate, gap: &self.gap, h: implicit };
+        self.iterations += self.work_space.solve(space, &stage, first)?;
+        first_force.copy_from_slice(&self.work_space.force);
+
+        let ratio = (1.0 - GAMMA) / GAMMA;
+        for i in 0..space.len() {
+            base_rate[i] = self.rate[i] + ratio * (first[i] - self.rate[i]);
+        }
+        for (index, site) in space.sites.iter().enumerate() {
+            base_gap[index] = self.gap[index] + (1.0 - GAMMA) * h * first[site.normal];
+        }
+        second.copy_from_slice(first);
+        let stage = Stage { rate: base_rate, gap: base_gap, h: implicit };
+        self.iterations += self.work_space.solve(space, &stage, second)?;
+
+        // γ h (a₂ − a₁), aᵢ the stages' accelerations; the filter takes out what decays within the sub-step anyway.
+        for i in 0..space.len() {
+            let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
+            error[i] = a2 - a1;
+        }
+        Ok(self.work_space.filtered(space, implicit, error))
+    }
+
+    /// Takes over a sub-step: state, impulses, work and extremes.
+    fn accept(&mut self, space: &Space, h: f64, left: f64) {
+        let Buffers { total, double, first, second, first_force, base_gap, .. } = &mut self.buffers;
+        let second_force = &self.work_space.force;
+        // ∫ (end − s) F ds over the whole step grows by what has been and by what is coming.
+        let rest = left - h;
+        for i in 0..space.len() {
+            let impulse = h * ((1.0 - GAMMA) * first_force[i] + GAMMA * second_force[i]);
+            double[i] += h * h * (DOUBLE[0] * first_force[i] + DOUBLE[1] * second_force[i]) + rest * impulse;
+            total[i] += impulse;
+            self.work += h * ((1.0 - GAMMA) * first_force[i] * first[i] + GAMMA * second_force[i] * second[i]);
+        }
+        for (index, site) in space.sites.iter().enumerate() {
+            let n = site.normal;
+            self.gap[index] = base_gap[index] + GAMMA * h * second[n];
+            self.peak[index] = self.peak[index].max(first_force[n]).max(second_force[n]);
+            self.deepest[index] = self.deepest[index].max(-self.gap[index]);
+        }
+        self.rate.copy_from_slice(second);
+        self.force.copy_from_slice(second_force);
+    }
+
+    /// Notes what has changed since the last look; true if a site has just met.
+    fn look(&mut self, space: &Space, now: f64) -> bool {
+        let mut met = false;
+        for (index, site) in space.sites.iter().enumerate() {
+            let (touching, pressing) = (self.gap[index] <= 0.0, self.force[site.normal] > 0.0);
+            let rounding = 1e-9 * site.touch.law.transition_m;
+            if !self.buffers.touching[index] && self.gap[index] <= rounding && self.rate[site.normal] < 0.0 {
+                self.note(space, index, now, ChangeKind::Meets);
+                (self.buffers.touching[index], met) = (true, true);
+                continue;
+            }
+            if pressing != self.buffers.pressing[index] {
+                let kind = if pressing { ChangeKind::Presses } else { ChangeKind::LetsGo };
+                self.note(space, index, now, kind);
+                self.buffers.pressing[index] = pressing;
+            }
+            if self.buffers.touching[index] && !touching && !pressing {
+                self.note(space, index, now, ChangeKind::Parts);
+                self.buffers.touching[index] = false;
+            }
+        }
+        met
+    }
+
+    fn note(&mut self, space: &Space, site: usize, after_s: f64, kind: ChangeKind) {
+        let normal = space.sites[site].normal;
+        let (closing, impulse) = (-self.rate[normal], self.buffers.total[normal]);
+        self.changes.push(Change { after_s, site, kind, closing, impulse });
+    }
+}
+
+/// Smallest positive time at which gap + rate t + ½ acceleration t² is zero; infinite if none.
+pub fn time_to_zero(gap: f64, rate: f64, acceleration: f64) -> f64 {
+    if gap <= 0.0 {
+        return if rate < 0.0 { 0.0 } else { f64::INFINITY };
+    }
+    let discriminant = rate * rate - 2.0 * acceleration * gap;
+    if discriminant < 0.0 {
+        return f64::INFINITY;
+    }
+    // The root of the smaller time, without cancellation.
+    let time = 2.0 * gap / (-rate + discriminant.sqrt());
+    if time > 0.0 { time } else { f64::INFINITY }
+}

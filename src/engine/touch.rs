@@ -1,0 +1,135 @@
+//! Where surfaces and stops are to each other: gaps, normals and the rows that give their rates from body velocities.
+
+use parry2d_f64::query;
+use rapier2d_f64::prelude::*;
+
+use super::linkage::{Linkage, Place, Twist};
+use super::plan::Plan;
+use super::world::World;
+use crate::gripper::Site;
+use crate::law::{FrictionLaw, NormalLaw};
+use crate::numeric::plane::{cross, perp, rotate, sub};
+use crate::scene::Response;
+
+/// A generalised direction: what a unit impulse along it gives to each body it acts on.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    pub on: (usize, Twist),
+    pub against: Option<(usize, Twist)>,
+}
+
+impl Row {
+    /// Rate along the row.
+    pub fn rate(&self, velocities: &[Twist]) -> f64 {
+        let along = |(body, row): &(usize, Twist)| {
+            let v = &velocities[*body];
+            row[0] * v[0] + row[1] * v[1] + row[2] * v[2]
+        };
+        along(&self.on) + self.against.as_ref().map_or(0.0, along)
+    }
+
+    /// Adds a multiple of the row to a generalised impulse.
+    pub fn add_to(&self, impulse: &mut [Twist], size: f64) {
+        for (body, row) in std::iter::once(&self.on).chain(&self.against) {
+            for axis in 0..3 {
+                impulse[*body][axis] += size * row[axis];
+            }
+        }
+    }
+}
+
+/// One place of possible contact at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    pub site: Site,
+    pub law: NormalLaw,
+    pub friction: Option<FrictionLaw>,
+    /// Distance, negative in penetration.
+    pub gap: f64,
+    pub normal: [f64; 2],
+    pub point: [f64; 2],
+    pub normal_row: Row,
+    pub tangent_row: Option<Row>,
+    /// Whether the scene's laws answer here, and not rapier.
+    pub governed: bool,
+    /// What to ask again for the gap at other places.
+    source: Source,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Stop(usize),
+    Contact(usize),
+}
+
+/// Every stop, and every phalanx whose pair with the object rapier's broad phase has in reach.
+pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<Touch>) {
+    touches.clear();
+    for (index, stop) in plan.stops.iter().enumerate() {
+        touches.push(Touch {
+            site: stop.site,
+            law: stop.law,
+            friction: None,
+            gap: stop_gap(plan, index, &linkage.places),
+            normal: [0.0; 2],
+            point: [0.0; 2],
+            normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
+            tangent_row: None,
+            governed: true,
+            source: Source::Stop(index),
+        });
+    }
+    let Some(object) = world.object else { return };
+    for (index, contact) in plan.contacts.iter().enumerate() {
+        if world.physics.narrow_phase.contact_pair(world.phalanges[index], object).is_none() {
+            continue;
+        }
+        let place = &linkage.places[contact.body];
+        let Some((gap, point, normal)) = surface(world, plan, index, place) else { continue };
+        let arm = sub(point, place.com);
+        let row = |direction: [f64; 2]| Row {
+            on: (contact.body, [direction[0], direction[1], cross(arm, direction)]),
+            against: None,
+        };
+        touches.push(Touch {
+            site: contact.site,
+            law: contact.law.normal,
+            friction: contact.law.friction,
+            gap,
+            normal,
+            point,
+            normal_row: row(normal),
+            tangent_row: contact.law.friction.map(|_| row(perp(normal))),
+            governed: world.response == Response::Laws,
+            source: Source::Contact(index),
+        });
+    }
+}
+
+/// The gap of a touch when the bodies are elsewhere.
+pub fn gap_at(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> f64 {
+    match touch.source {
+        Source::Stop(index) => stop_gap(plan, index, places),
+        Source::Contact(index) => {
+            surface(world, plan, index, &places[plan.contacts[index].body]).map_or(touch.gap, |found| found.0)
+        }
+    }
+}
+
+fn stop_gap(plan: &Plan, index: usize, places: &[Place]) -> f64 {
+    let stop = &plan.stops[index];
+    places[stop.on].angle - places[stop.against].angle - stop.least_rad
+}
+
+/// Gap, point on the phalanx and normal (object → phalanx) of a phalanx at a place, from parry.
+fn surface(world: &World, plan: &Plan, index: usize, place: &Place) -> Option<(f64, [f64; 2], [f64; 2])> {
+    let colliders = &world.physics.colliders;
+    let (phalanx, object) = (&colliders[world.phalanges[index]], &colliders[world.object?]);
+    let com = plan.bodies[plan.contacts[index].body].body.com_m;
+    let origin = sub(place.com, rotate(com, place.direction));
+    let rotation = Rotation { re: place.direction[0], im: place.direction[1] };
+    let pose = Pose::from_parts(Vector::new(origin[0], origin[1]), rotation);
+    let contact = query::contact(object.position(), object.shape(), &pose, phalanx.shape(), Real::MAX).ok()??;
+    let point = contact.point2;
+    Some((contact.dist, [point.x, point.y], [contact.normal1.x, contact.normal1.y]))
+}

@@ -1,0 +1,172 @@
+//! The rapier world of a plan, with the settings that make rapier accurate (the [module](super) says what each is worth).
+
+use rapier2d_f64::prelude::*;
+
+use super::hook::Governed;
+use super::plan::{Plan, PlannedPin};
+use crate::scene::{Construction, Response};
+
+/// Phalanges and the object pair with each other only: links of one finger pass through one another.
+const PHALANX: Group = Group::GROUP_1;
+const OBJECT: Group = Group::GROUP_2;
+
+/// A rapier world, and what of it belongs to which body of the plan.
+pub struct World {
+    pub physics: PhysicsWorld,
+    pub bodies: Vec<RigidBodyHandle>,
+    /// Collider of each contact of the plan.
+    pub phalanges: Vec<ColliderHandle>,
+    pub object: Option<ColliderHandle>,
+    /// Constraint between two bodies that stands for each pin of the plan; `None` where a multibody's own coordinate does.
+    pub joints: Vec<Option<ImpulseJointHandle>>,
+    pub construction: Construction,
+    pub response: Response,
+}
+
+/// How far apart rapier keeps a pair in mind, in radii of the object: far enough that no step outruns it.
+const REACH: f64 = 0.5;
+
+/// Builds the world. With [`Response::Laws`] every contact pair is left to the hook.
+pub fn build(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
+    let mut physics = PhysicsWorld::new();
+    // Applied as a force on each body, so that it can be halved where the step size changes.
+    physics.gravity = Vector::ZERO;
+    physics.integration_parameters = parameters(plan, response, iterations);
+
+    let ground = physics.insert_body(RigidBodyBuilder::fixed());
+    let bodies: Vec<RigidBodyHandle> = plan
+        .bodies
+        .iter()
+        .map(|planned| {
+            let body = &planned.body;
+            let com = Vector::new(body.com_m[0], body.com_m[1]);
+            let pose = Pose::new(Vector::new(planned.origin_m[0], planned.origin_m[1]), planned.angle_rad);
+            physics.insert_body(
+                RigidBodyBuilder::dynamic()
+                    .pose(pose)
+                    .additional_mass_properties(MassProperties::new(com, body.mass_kg, body.inertia_kg_m2))
+                    // A sleeping body misses forces; a fast link turns further than rapier's cap of 45° a step.
+                    .can_sleep(false)
+                    .allow_fast_rotation(true),
+            )
+        })
+        .collect();
+
+    let mut joints = Vec::new();
+    for pin in &plan.pins {
+        let first = pin.first.map_or(ground, |i| bodies[i]);
+        let joint = joint(pin);
+        match construction {
+            Construction::Reduced if !pin.closes_loop => {
+                let handle = physics.insert_multibody_joint(first, bodies[pin.second], joint);
+                let handle = handle.expect("the open tree of a plan has no loop");
+                if let Some((multibody, _)) = physics.multibody_joints.get_mut(handle) {
+                    // A revolute joint of a multibody comes with a damping of 0.1 N·m·s.
+                    multibody.damping_mut().fill(0.0);
+                }
+                joints.push(None);
+            }
+            _ => {
+                joints.push(Some(physics.insert_impulse_joint(first, bodies[pin.second], joint)));
+            }
+        }
+    }
+
+    let mut world = World { physics, bodies, phalanges: Vec::new(), object: None, joints, construction, response };
+    add_colliders(&mut world, plan, response);
+    // A step of no length: world mass properties and contact pairs are there before the first real one.
+    let dt = std::mem::replace(&mut world.physics.integration_parameters.dt, 0.0);
+    world.physics.step_with_events(&Governed, &());
+    world.physics.integration_parameters.dt = dt;
+    set_rates(&mut world, plan);
+    world
+}
+
+fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
+    let reach_m = REACH * plan.disc_m.map_or(0.0, |disc| disc.0);
+    IntegrationParameters {
+        num_solver_iterations: 1,
+        num_internal_pgs_iterations: iterations as usize,
+        // A stabilisation pass moves bodies without their velocities: the scheme would lose its order.
+        num_internal_stabilization_iterations: match response {
+            Response::Laws => 0,
+            Response::Rapier { .. } => 1,
+        },
+        warmstart_joints: true,
+        normalized_max_linear_velocity: Real::MAX,
+        normalized_max_corrective_velocity: Real::MAX,
+        normalized_prediction_distance: reach_m,
+        normalized_allowed_linear_error: 0.0,
+        max_ccd_substeps: 0,
+        contact_recycling: false,
+        ..IntegrationParameters::default()
+    }
+}
+
+fn joint(pin: &PlannedPin) -> RevoluteJoint {
+    RevoluteJointBuilder::new()
+        .local_anchor1(Vector::new(pin.anchor_first_m[0], pin.anchor_first_m[1]))
+        .local_anchor2(Vector::new(pin.anchor_second_m[0], pin.anchor_second_m[1]))
+        .contacts_enabled(false)
+        .softness(SpringCoefficients::new(1e14, 1.0))
+        .build()
+}
+
+fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
+    let Some((radius_m, centre_m)) = plan.disc_m else { return };
+    let finish = |builder: ColliderBuilder, own: Group, other: Group| {
+        let builder = builder
+            .density(0.0)
+            .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And));
+        match response {
+            Response::Laws => builder.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS),
+            Response::Rapier { friction, restitution } => builder.friction(friction).restitution(restitution),
+        }
+    };
+    let disc = ColliderBuilder::ball(radius_m).translation(Vector::new(centre_m[0], centre_m[1]));
+    world.object = Some(world.physics.insert_collider(finish(disc, OBJECT, PHALANX), None));
+    for contact in &plan.contacts {
+        let Some(capsule) = plan.bodies[contact.body].phalanx else { continue };
+        let end = Vector::new(capsule.angle_rad.cos(), capsule.angle_rad.sin()) * capsule.length_m;
+        let shape = ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m);
+        let parent = Some(world.bodies[contact.body]);
+        world.phalanges.push(world.physics.insert_collider(finish(shape, PHALANX, OBJECT), parent));
+    }
+}
+
+/// Initial rates: every body turns about its origin, and the origin moves with the links before it.
+fn set_rates(world: &mut World, plan: &Plan) {
+    if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0) {
+        return;
+    }
+    let mut origin_rates = vec![Vector::ZERO; plan.bodies.len()];
+    for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
+        let Some(first) = pin.first else { continue };
+        let planned = &plan.bodies[first];
+        let arm = Rotation::new(planned.angle_rad) * Vector::new(pin.anchor_first_m[0], pin.anchor_first_m[1]);
+        origin_rates[pin.second] = origin_rates[first] + arm.perp() * planned.rate_rad_s;
+    }
+    for (i, planned) in plan.bodies.iter().enumerate() {
+        let body = &mut world.physics.bodies[world.bodies[i]];
+        let arm = body.center_of_mass() - body.translation();
+        body.set_linvel(origin_rates[i] + arm.perp() * planned.rate_rad_s, true);
+        body.set_angvel(planned.rate_rad_s, true);
+    }
+    if world.construction == Construction::Reduced {
+        set_joint_rates(world, plan);
+    }
+}
+
+/// A multibody keeps its own joint rates: those of the bodies are only read from it.
+fn set_joint_rates(world: &mut World, plan: &Plan) {
+    for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
+        let rate = plan.bodies[pin.second].rate_rad_s - pin.first.map_or(0.0, |i| plan.bodies[i].rate_rad_s);
+        let joints = &mut world.physics.multibody_joints;
+        let Some(id) = joints.rigid_body_link(world.bodies[pin.second]).copied() else { continue };
+        let Some(multibody) = joints.get_multibody_mut(id.multibody) else { continue };
+        // Root links are fixed and have no degree of freedom; every other link has one, in the order of insertion.
+        if let Some(place) = id.id.checked_sub(1) {
+            multibody.generalized_velocity_mut()[place] = rate;
+        }
+    }
+}
