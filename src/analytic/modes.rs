@@ -3,11 +3,11 @@
 use super::dynamics::{absolute_rates, solve_mass};
 use super::kinematics::{SINGULAR_SINE, nearest_singularity};
 use super::model::{Mode, Model, QUADRATURES, SiteState};
-use crate::scene::next_corner;
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{NormalLaw, unclamped_normal_force};
 use crate::numeric::plane::{cross, dot};
+use crate::scene::next_corner;
 
 /// Touch-down is landed on to within this fraction of δ_max.
 const LANDING_FRACTION: f64 = 1e-5;

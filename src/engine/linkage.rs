@@ -112,7 +112,8 @@ impl Linkage {
             let (com, rotation) = (body.center_of_mass(), body.rotation());
             let direction = [rotation.re, rotation.im];
             // A step turns far less than half a turn: the change of the angle has no seam.
-            let turned = cross(place.direction, direction).atan2(crate::numeric::plane::dot(place.direction, direction));
+            let turned =
+                cross(place.direction, direction).atan2(crate::numeric::plane::dot(place.direction, direction));
             let exact = direction[1].atan2(direction[0]);
             let continued = place.angle + turned;
             let turns = ((continued - exact) / std::f64::consts::TAU).round();

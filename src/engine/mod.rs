@@ -6,6 +6,7 @@ mod hook;
 mod implicit;
 mod linkage;
 mod motion;
+mod native;
 mod plan;
 mod settle;
 mod space;
@@ -16,7 +17,8 @@ mod world;
 
 pub use forces::{kinetic, potential};
 pub use motion::{Motion, StepError};
-pub use plan::{Plan, plan};
+pub use native::Native;
+pub use plan::{L11, L12, L21, L22, Plan, plan};
 pub use stepper::next;
 pub use substeps::{Change, ChangeKind};
 pub use world::{World, build};

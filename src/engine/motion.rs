@@ -11,6 +11,7 @@ use rapier2d_f64::prelude::*;
 use super::forces;
 use super::hook::Governed;
 use super::linkage::{Linkage, Locked, Twist};
+use super::native::{self, Native};
 use super::plan::{L11, Plan};
 use super::settle::Settled;
 use super::space::Space;
@@ -45,6 +46,8 @@ pub struct Motion<'a> {
     /// Contact in the last step: its space as it was at the step's start.
     pub space: Space,
     pub contact: Contact,
+    /// What rapier's own contact did in the last step, where the scene asks for it.
+    pub native: Vec<Native>,
     pub last_dt_s: f64,
     pub motor_work_j: f64,
     pub contact_work_j: f64,
@@ -75,6 +78,7 @@ impl<'a> Motion<'a> {
             touches: Vec::new(),
             space: Space::default(),
             contact: Contact::default(),
+            native: Vec::new(),
             last_dt_s: 0.0,
             motor_work_j: 0.0,
             contact_work_j: 0.0,
@@ -118,6 +122,9 @@ impl<'a> Motion<'a> {
         }
         self.linkage.factorise()?;
         self.read_means();
+        // Where rapier answers contact, its impulses meet the bodies at the rates of before the step.
+        self.contact_work_j +=
+            native::read(&self.world, self.plan, &self.touches, &self.velocities, &self.means, &mut self.native);
         touch::measure(&self.world, self.plan, &self.linkage, &mut self.touches);
         // A jump of the torque at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
@@ -141,8 +148,8 @@ impl<'a> Motion<'a> {
         for site in &self.space.sites {
             let touch = self.touches.iter().find(|touch| touch.site == site.touch.site).unwrap_or(&site.touch);
             touch.normal_row.add_to(&mut self.impulse, self.contact.late[site.normal]);
-            if let (Some(row), Some(tangent)) = (&touch.tangent_row, site.tangent) {
-                row.add_to(&mut self.impulse, self.contact.late[tangent]);
+            if let Some(tangent) = site.tangent {
+                touch.slip_row.add_to(&mut self.impulse, self.contact.late[tangent]);
             }
         }
         for ((v, impulse), inertia) in self.velocities.iter_mut().zip(&self.impulse).zip(&self.linkage.inertias) {
@@ -167,6 +174,12 @@ impl<'a> Motion<'a> {
             settled.take(touch.normal_row, contact.rate[site.normal], contact.late[site.normal]);
         }
         settled.solve(&mut self.linkage, &mut self.velocities);
+        let mut sizes = settled.size.iter();
+        for site in space.sites.iter().filter(|site| contact.force[site.normal] > 0.0) {
+            if touches.iter().any(|touch| touch.site == site.touch.site) {
+                contact.late[site.normal] += sizes.next().copied().unwrap_or(0.0);
+            }
+        }
     }
 
     /// Forces and accelerations at the node, for what comes.

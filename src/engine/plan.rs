@@ -91,12 +91,8 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
     let lengths = &finger.lengths;
     let start = &scene.initial;
     let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
-    let angles = [
-        posture.q11_rad,
-        posture.q11_rad + posture.q12_rad,
-        posture.q21_rad,
-        posture.q21_rad + posture.q22_rad,
-    ];
+    let angles =
+        [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + posture.q22_rad];
     let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
     let (a12, a22) = (along(lengths.l11_m, angles[L11]), along(lengths.l21_m, angles[L21]));
     let rates = body_rates(scene, &angles);
@@ -182,12 +178,8 @@ fn spring(scene: &Scene) -> Option<Option<PlannedSpring>> {
     let lengths = &scene.finger.lengths;
     let at = |q21: f64| {
         let posture = straight(lengths, q21).ok()?;
-        let angles = [
-            posture.q11_rad,
-            posture.q11_rad + posture.q12_rad,
-            posture.q21_rad,
-            posture.q21_rad + posture.q22_rad,
-        ];
+        let angles =
+            [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + posture.q22_rad];
         Some(angles)
     };
     let (on, against) = match spring.placement {

@@ -12,7 +12,8 @@ pub struct Settled {
     available: Vec<f64>,
     response: Vec<Twist>,
     w: Vec<f64>,
-    size: Vec<f64>,
+    /// Impulse found for each row.
+    pub size: Vec<f64>,
 }
 
 impl Settled {
@@ -20,6 +21,7 @@ impl Settled {
         self.rows.clear();
         self.wanted.clear();
         self.available.clear();
+        self.size.clear();
     }
 
     pub fn take(&mut self, row: Row, wanted: f64, available: f64) {
@@ -46,17 +48,17 @@ impl Settled {
                 self.w[i * count + j] = self.rows[i].rate(response);
             }
         }
-        self.size.clear();
         self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
         if !dense::solve(&mut self.w, &mut self.size, count) {
+            self.size.fill(0.0);
             return;
         }
-        for (j, size) in self.size.iter().enumerate() {
-            let size = size.max(-self.available[j]);
+        for (j, size) in self.size.iter_mut().enumerate() {
+            *size = size.max(-self.available[j]);
             let response = &self.response[j * bodies..(j + 1) * bodies];
             for (v, change) in velocities.iter_mut().zip(response) {
                 for axis in 0..3 {
-                    v[axis] += size * change[axis];
+                    v[axis] += *size * change[axis];
                 }
             }
         }

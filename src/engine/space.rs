@@ -60,8 +60,8 @@ impl Space {
             }
             let normal = self.rows.len();
             self.rows.push(touch.normal_row);
-            let tangent = touch.tangent_row.map(|row| {
-                self.rows.push(row);
+            let tangent = touch.friction.map(|_| {
+                self.rows.push(touch.slip_row);
                 normal + 1
             });
             self.sites.push(Site { touch: *touch, normal, tangent });

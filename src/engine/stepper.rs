@@ -22,7 +22,13 @@ pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
     let corner = next_corner(&motion.scene.actuation, motion.clock.now());
     let left = motion.clock.until(end_s.min(corner));
     match stepping {
-        Stepping::Fixed { step_s } => if left < 1.000_001 * step_s { left } else { step_s },
+        Stepping::Fixed { step_s } => {
+            if left < 1.000_001 * step_s {
+                left
+            } else {
+                step_s
+            }
+        }
         Stepping::Adaptive { tolerance_m, max_step_s } => {
             let wanted = adaptive(motion, tolerance_m, max_step_s);
             // Two even steps rather than one and a rest.
@@ -39,7 +45,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     };
     let opening = motion.linkage.opening(&motion.velocities);
     let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / opening).sqrt());
-    for touch in motion.touches.iter().filter(|touch| touch.governed) {
+    for touch in &motion.touches {
         let rate = touch.normal_row.rate(&motion.velocities);
         let crossing = CROSSING * touch.law.transition_m / rate.abs();
         if touch.gap <= 0.0 {

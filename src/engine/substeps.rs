@@ -176,8 +176,7 @@ impl Contact {
         self.buffers.touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
         self.buffers.pressing.clear();
         for site in &space.sites {
-            let force =
-                crate::law::normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
+            let force = crate::law::normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
             self.force[site.normal] = force;
             self.buffers.pressing.push(force > 0.0);
         }

@@ -49,8 +49,9 @@ pub struct Touch {
     pub normal: [f64; 2],
     pub point: [f64; 2],
     pub normal_row: Row,
-    pub tangent_row: Option<Row>,
-    /// Whether the scene's laws answer here, and not rapier.
+    /// Slip of the phalanx over the object; nothing for a stop.
+    pub slip_row: Row,
+    /// Whether the scene's laws answer here: not where rapier does, nor where the pair is out of reach.
     pub governed: bool,
     /// What to ask again for the gap at other places.
     source: Source,
@@ -62,7 +63,7 @@ enum Source {
     Contact(usize),
 }
 
-/// Every stop, and every phalanx whose pair with the object rapier's broad phase has in reach.
+/// Every stop, and every phalanx against the object.
 pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<Touch>) {
     touches.clear();
     for (index, stop) in plan.stops.iter().enumerate() {
@@ -74,16 +75,14 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             normal: [0.0; 2],
             point: [0.0; 2],
             normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
-            tangent_row: None,
+            slip_row: Row { on: (stop.on, [0.0; 3]), against: None },
             governed: true,
             source: Source::Stop(index),
         });
     }
     let Some(object) = world.object else { return };
     for (index, contact) in plan.contacts.iter().enumerate() {
-        if world.physics.narrow_phase.contact_pair(world.phalanges[index], object).is_none() {
-            continue;
-        }
+        let in_reach = || world.physics.narrow_phase.contact_pair(world.phalanges[index], object).is_some();
         let place = &linkage.places[contact.body];
         let Some((gap, point, normal)) = surface(world, plan, index, place) else { continue };
         let arm = sub(point, place.com);
@@ -99,8 +98,8 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             normal,
             point,
             normal_row: row(normal),
-            tangent_row: contact.law.friction.map(|_| row(perp(normal))),
-            governed: world.response == Response::Laws,
+            slip_row: row(perp(normal)),
+            governed: world.response == Response::Laws && in_reach(),
             source: Source::Contact(index),
         });
     }

@@ -115,9 +115,8 @@ fn joint(pin: &PlannedPin) -> RevoluteJoint {
 fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
     let Some((radius_m, centre_m)) = plan.disc_m else { return };
     let finish = |builder: ColliderBuilder, own: Group, other: Group| {
-        let builder = builder
-            .density(0.0)
-            .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And));
+        let builder =
+            builder.density(0.0).collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And));
         match response {
             Response::Laws => builder.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS),
             Response::Rapier { friction, restitution } => builder.friction(friction).restitution(restitution),

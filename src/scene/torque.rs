@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::law::smoothstep;
 use super::{Actuation, Interpolation};
+use crate::law::smoothstep;
 
 /// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the later branch holds (t in [tᵢ, tᵢ₊₁)).
 #[inline(always)]

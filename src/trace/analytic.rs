@@ -79,5 +79,6 @@ fn work(counters: &Counters) -> Work {
         rhs_evaluations: counters.rhs,
         jacobian_evaluations: counters.jacobians,
         events: counters.events,
+        ..Work::default()
     }
 }

@@ -1,6 +1,10 @@
 //! What a simulation says, whichever model made it: samples, events, and the sinks that take them.
 
 mod analytic;
+mod between;
+mod engine;
+mod engine_reading;
+mod engine_recorder;
 mod outcome;
 mod reading;
 mod recorder;
@@ -8,6 +12,8 @@ mod sample;
 mod sink;
 
 pub use analytic::{RunError, run_analytic};
+pub use between::between;
+pub use engine::run_engine;
 pub use outcome::{Outcome, SiteSummary, Work};
 pub use sample::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
 pub use sink::{Sink, SinkError};

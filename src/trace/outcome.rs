@@ -25,17 +25,22 @@ pub struct Work {
     pub rejected: u64,
     pub rhs_evaluations: u64,
     pub jacobian_evaluations: u64,
+    /// Sub-steps of the engine's contact solver, and Newton iterations in them.
+    pub contact_substeps: u64,
+    pub newton_iterations: u64,
     /// Events: touch-downs, lift-offs and reloads at any site.
     pub events: u64,
 }
 
 /// A finished run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     pub last: Sample,
     /// In the order of [`Site::ALL`].
     pub sites: [SiteSummary; 3],
     pub work: Work,
+    /// Largest opening of a joint; 0 for the analytic model, whose loop is closed by construction.
+    pub loop_gap_m: f64,
 }
 
 impl Outcome {

@@ -30,12 +30,14 @@ pub(super) fn sample(
         qd12_rad_s: passive.qd12,
         qd22_rad_s: passive.qd22,
         motor_torque_n_m: model.motor_torque(t),
-        proximal: contact_sample(&sites[Site::Proximal as usize]),
-        distal: contact_sample(&sites[Site::Distal as usize]),
-        limit: sites[Site::Limit as usize].map_or(
-            LimitSample { gap_rad: f64::INFINITY, gap_rate_rad_s: 0.0, torque_n_m: 0.0 },
-            |r| LimitSample { gap_rad: -r.delta, gap_rate_rad_s: -r.delta_rate, torque_n_m: r.normal },
-        ),
+        proximal: contact_sample(&sites[Site::Proximal as usize], state.z[0]),
+        distal: contact_sample(&sites[Site::Distal as usize], state.z[1]),
+        limit: sites[Site::Limit as usize].map_or(LimitSample::NONE, |r| LimitSample {
+            gap_rad: -r.delta,
+            gap_rate_rad_s: -r.delta_rate,
+            torque_n_m: r.normal,
+            impulse_n_m_s: state.z[2],
+        }),
         energy: Energy {
             kinetic_j: energies.kinetic,
             gravity_j: energies.gravity,
@@ -48,25 +50,15 @@ pub(super) fn sample(
     }
 }
 
-fn contact_sample(reading: &Option<SiteReading>) -> ContactSample {
-    match reading {
-        None => ContactSample {
-            gap_m: f64::INFINITY,
-            gap_rate_m_s: 0.0,
-            slip_m_s: 0.0,
-            normal_n: 0.0,
-            tangential_n: 0.0,
-            point_m: [0.0; 2],
-            normal: [0.0; 2],
-        },
-        Some(r) => ContactSample {
-            gap_m: -r.delta,
-            gap_rate_m_s: -r.delta_rate,
-            slip_m_s: r.slip,
-            normal_n: r.normal,
-            tangential_n: r.tangential,
-            point_m: r.geometry.point,
-            normal: r.geometry.normal,
-        },
-    }
+fn contact_sample(reading: &Option<SiteReading>, impulse_n_s: f64) -> ContactSample {
+    reading.map_or(ContactSample::NONE, |r| ContactSample {
+        gap_m: -r.delta,
+        gap_rate_m_s: -r.delta_rate,
+        slip_m_s: r.slip,
+        normal_n: r.normal,
+        tangential_n: r.tangential,
+        impulse_n_s,
+        point_m: r.geometry.point,
+        normal: r.geometry.normal,
+    })
 }

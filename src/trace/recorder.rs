@@ -76,7 +76,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
         for (summary, impulse) in sites.iter_mut().zip(end.z) {
             summary.impulse_n_s = impulse;
         }
-        Ok(Outcome { last: self.last, sites, work })
+        Ok(Outcome { last: self.last, sites, work, loop_gap_m: 0.0 })
     }
 
     fn emit(&mut self, sample: &Sample) -> Result<(), SinkError> {

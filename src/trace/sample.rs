@@ -3,7 +3,7 @@
 pub use crate::gripper::Site;
 
 /// One phalanx against the object. Without an object every field is zero and `gap_m` infinite.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSample {
     /// Distance between the surfaces, negative in penetration (−δ).
     pub gap_m: f64,
@@ -15,6 +15,8 @@ pub struct ContactSample {
     pub normal_n: f64,
     /// Friction force on the phalanx along [`ContactSample::tangent`]; it opposes `slip_m_s`.
     pub tangential_n: f64,
+    /// Normal impulse since the start of the run.
+    pub impulse_n_s: f64,
     /// Contact point on the surface of the phalanx.
     pub point_m: [f64; 2],
     /// Unit normal, from the object to the phalanx.
@@ -30,12 +32,33 @@ impl ContactSample {
 }
 
 /// The joint limit: δ = −φ22 − q22 and the torque it puts on q22.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LimitSample {
     /// Angle to the stop, negative in penetration (−δ).
     pub gap_rad: f64,
     pub gap_rate_rad_s: f64,
     pub torque_n_m: f64,
+    /// Impulse of the torque since the start of the run.
+    pub impulse_n_m_s: f64,
+}
+
+impl ContactSample {
+    /// Where there is nothing to touch.
+    pub const NONE: Self = Self {
+        gap_m: f64::INFINITY,
+        gap_rate_m_s: 0.0,
+        slip_m_s: 0.0,
+        normal_n: 0.0,
+        tangential_n: 0.0,
+        impulse_n_s: 0.0,
+        point_m: [0.0; 2],
+        normal: [0.0; 2],
+    };
+}
+
+impl LimitSample {
+    /// Where there is no joint limit.
+    pub const NONE: Self = Self { gap_rad: f64::INFINITY, gap_rate_rad_s: 0.0, torque_n_m: 0.0, impulse_n_m_s: 0.0 };
 }
 
 /// Energies and works since the start, in joules.
@@ -55,7 +78,7 @@ pub struct Energy {
 }
 
 /// The state of a run at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     pub time_s: f64,
     pub q11_rad: f64,

@@ -1,0 +1,51 @@
+//! Runs the engine model of a scene and tells a sink about it.
+
+use super::engine_recorder::EngineRecorder;
+use super::{Outcome, RunError, Sink};
+use crate::engine::{Motion, build, next, plan};
+use crate::integrator::{Failure, Reason};
+use crate::scene::Scene;
+
+/// Simulates `scene` with the engine model, as `scene.engine` says.
+///
+/// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
+/// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
+pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
+    let failed = |time_s: f64, reason: String, outcome: Outcome| RunError::Simulation {
+        failure: Failure { time_s, reason: Reason::Obstacle(reason) },
+        so_far: Box::new(outcome),
+    };
+    let Some(plan) = plan(scene) else {
+        let reason = "the links do not close the loop at these initial angles; choose others".to_string();
+        return Err(failed(0.0, reason, Outcome::default()));
+    };
+    let settings = &scene.engine;
+    let world = build(&plan, settings.construction, settings.response, settings.iterations);
+    let mut motion = match Motion::new(scene, &plan, world) {
+        Ok(motion) => motion,
+        Err(error) => return Err(failed(0.0, error.to_string(), Outcome::default())),
+    };
+    let mut recorder = EngineRecorder::new(&motion, sink);
+    recorder.begin(&motion)?;
+    let mut steps = 0;
+    let broken = loop {
+        if motion.clock.now() >= scene.duration_s {
+            break None;
+        }
+        if steps == settings.max_steps {
+            break Some(Reason::Budget(settings.max_steps));
+        }
+        let dt = next(&motion, settings.stepping, scene.duration_s);
+        if let Err(error) = motion.advance(dt) {
+            break Some(Reason::Obstacle(error.to_string()));
+        }
+        steps += 1;
+        recorder.step(&motion)?;
+    };
+    let time_s = motion.clock.now();
+    let outcome = recorder.finish()?;
+    match broken {
+        None => Ok(outcome),
+        Some(reason) => Err(RunError::Simulation { failure: Failure { time_s, reason }, so_far: Box::new(outcome) }),
+    }
+}

@@ -1,0 +1,100 @@
+//! Turns a node of the engine model into a sample.
+
+use super::{ContactSample, Energy, LimitSample, Sample, Site};
+use crate::engine::{L11, L12, L21, L22, Motion, kinetic, potential};
+use crate::law::elastic_energy;
+use crate::scene::torque;
+
+/// Energies at the start of the run, from which works and losses count.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    kinetic: f64,
+    gravity: f64,
+    spring: f64,
+    elastic: f64,
+}
+
+impl Start {
+    pub fn new(motion: &Motion) -> Self {
+        let (gravity, spring) = potential(motion.scene, motion.plan, &motion.linkage);
+        Self { kinetic: kinetic(&motion.linkage, &motion.velocities), gravity, spring, elastic: elastic(motion) }
+    }
+}
+
+fn elastic(motion: &Motion) -> f64 {
+    let governed = motion.touches.iter().filter(|touch| touch.governed);
+    governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum()
+}
+
+/// Everything about the node; `impulses` are those of the three sites since the start.
+pub(super) fn sample(motion: &Motion, start: &Start, impulses: &[f64; 3]) -> Sample {
+    let places = &motion.linkage.places;
+    let (angle, rate) = (|body: usize| places[body].angle, |body: usize| motion.velocities[body][2]);
+    let now = Start::new(motion);
+    let gained = (now.kinetic - start.kinetic) + (now.gravity - start.gravity) + (now.spring - start.spring);
+    let time_s = motion.clock.now();
+    Sample {
+        time_s,
+        q11_rad: angle(L11),
+        q21_rad: angle(L21),
+        q12_rad: angle(L12) - angle(L11),
+        q22_rad: angle(L22) - angle(L21),
+        q13_rad: angle(L22),
+        qd11_rad_s: rate(L11),
+        qd21_rad_s: rate(L21),
+        qd12_rad_s: rate(L12) - rate(L11),
+        qd22_rad_s: rate(L22) - rate(L21),
+        motor_torque_n_m: torque(&motion.scene.actuation, time_s).0,
+        proximal: contact(motion, Site::Proximal, impulses),
+        distal: contact(motion, Site::Distal, impulses),
+        limit: limit(motion, impulses),
+        energy: Energy {
+            kinetic_j: now.kinetic,
+            gravity_j: now.gravity,
+            spring_j: now.spring,
+            elastic_j: now.elastic,
+            dissipated_j: start.elastic - now.elastic - motion.contact_work_j,
+            motor_work_j: motion.motor_work_j,
+            balance_j: gained - motion.contact_work_j - motion.motor_work_j,
+        },
+    }
+}
+
+/// Normal and tangential force at the end of the last step.
+fn forces(motion: &Motion, site: Site) -> (f64, f64) {
+    if let Some(at) = motion.space.sites.iter().find(|at| at.touch.site == site) {
+        let force = &motion.contact.force;
+        return (force.get(at.normal).copied().unwrap_or(0.0), at.tangent.map_or(0.0, |t| force[t]));
+    }
+    let native = motion.native.iter().find(|native| native.site == site);
+    native.map_or((0.0, 0.0), |native| (native.normal / motion.last_dt_s, native.tangential / motion.last_dt_s))
+}
+
+fn contact(motion: &Motion, site: Site, impulses: &[f64; 3]) -> ContactSample {
+    let Some(touch) = motion.touches.iter().find(|touch| touch.site == site) else {
+        return ContactSample::NONE;
+    };
+    let (normal_n, tangential_n) = forces(motion, site);
+    ContactSample {
+        gap_m: touch.gap,
+        gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
+        slip_m_s: touch.slip_row.rate(&motion.velocities),
+        normal_n,
+        tangential_n,
+        impulse_n_s: impulses[site as usize],
+        point_m: touch.point,
+        normal: touch.normal,
+    }
+}
+
+fn limit(motion: &Motion, impulses: &[f64; 3]) -> LimitSample {
+    let Some(touch) = motion.touches.iter().find(|touch| touch.site == Site::Limit) else {
+        return LimitSample::NONE;
+    };
+    LimitSample {
+        gap_rad: touch.gap,
+        gap_rate_rad_s: touch.normal_row.rate(&motion.velocities),
+        torque_n_m: forces(motion, Site::Limit).0,
+        impulse_n_m_s: impulses[Site::Limit as usize],
+    }
+}

@@ -1,0 +1,192 @@
+//! Turns the steps of the engine model into samples, events and summary figures.
+
+use super::engine_reading::{Start, sample};
+use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work, between};
+use crate::engine::{Change, ChangeKind, Motion};
+
+pub(super) struct EngineRecorder<'a, S: Sink> {
+    sink: &'a mut S,
+    interval_s: f64,
+    next: u64,
+    start: Start,
+    sites: [Tracked; 3],
+    last: Sample,
+    emitted_s: f64,
+    work: Work,
+    loop_gap_m: f64,
+}
+
+/// One site through time.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tracked {
+    summary: SiteSummary,
+    touching: bool,
+    pressing: bool,
+    /// Whether the force has ended since the last touch-down.
+    released: bool,
+    /// Impulse up to the start of the present step, and at the last touch-down.
+    impulse: f64,
+    at_touchdown: f64,
+}
+
+impl<'a, S: Sink> EngineRecorder<'a, S> {
+    pub fn new(motion: &Motion, sink: &'a mut S) -> Self {
+        let start = Start::new(motion);
+        Self {
+            sink,
+            interval_s: 1.0 / motion.scene.log.numeric_hz,
+            next: 1,
+            last: sample(motion, &start, &[0.0; 3]),
+            start,
+            sites: [Tracked::default(); 3],
+            emitted_s: 0.0,
+            work: Work::default(),
+            loop_gap_m: motion.linkage.gap(),
+        }
+    }
+
+    /// Contacts that are there from the start, and the first sample.
+    pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
+            self.change(touch.site, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
+        }
+        let first = self.last;
+        self.sink.sample(&first)
+    }
+
+    /// One step: its events, its samples, its figures.
+    pub fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        let (end_s, dt) = (motion.clock.now(), motion.last_dt_s);
+        self.work.steps += 1;
+        self.work.contact_substeps += u64::from(motion.contact.substeps);
+        self.work.newton_iterations += u64::from(motion.contact.iterations);
+        self.work.rejected += u64::from(motion.contact.repeated);
+        self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
+        for index in 0..motion.contact.changes.len() {
+            let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
+            let site = motion.space.sites[site].touch.site;
+            self.change(site, kind, end_s - dt + after_s, closing, impulse)?;
+        }
+        for site in Site::ALL {
+            self.close_step(motion, site, end_s)?;
+        }
+        let impulses = self.sites.map(|tracked| tracked.impulse);
+        let now = sample(motion, &self.start, &impulses);
+        self.emit(&now, dt, motion.scene.duration_s)
+    }
+
+    /// Sums and extremes of one site over the step, and changes that fell between two steps.
+    fn close_step(&mut self, motion: &Motion, site: Site, end_s: f64) -> Result<(), SinkError> {
+        let found = motion.space.sites.iter().enumerate().find(|(_, at)| at.touch.site == site);
+        let (mut force, mut impulse, mut peak, mut deepest) = (0.0, 0.0, 0.0, 0.0_f64);
+        if let Some((index, at)) = found {
+            let contact = &motion.contact;
+            (force, impulse) = (contact.force[at.normal], contact.early[at.normal] + contact.late[at.normal]);
+            (peak, deepest) = (contact.peak[index], contact.deepest[index]);
+        } else if let Some(native) = motion.native.iter().find(|native| native.site == site) {
+            (force, impulse) = (native.normal / motion.last_dt_s, native.normal);
+            peak = force;
+            if force > 0.0 && !self.sites[site as usize].touching {
+                let closing = native.closing;
+                self.change(site, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
+            }
+        }
+        if let Some(touch) = motion.touches.iter().find(|touch| touch.site == site) {
+            deepest = deepest.max(-touch.gap);
+            let tracked = &mut self.sites[site as usize];
+            tracked.touching &= touch.gap <= 0.0 || force > 0.0;
+        }
+        let tracked = &mut self.sites[site as usize];
+        tracked.impulse += impulse;
+        let summary = &mut tracked.summary;
+        summary.impulse_n_s = tracked.impulse;
+        summary.peak_normal_n = summary.peak_normal_n.max(peak);
+        summary.max_penetration_m = summary.max_penetration_m.max(deepest);
+        match (tracked.pressing, force > 0.0) {
+            (true, false) => self.change(site, ChangeKind::LetsGo, end_s, 0.0, 0.0),
+            (false, true) => self.change(site, ChangeKind::Presses, end_s, 0.0, 0.0),
+            _ => Ok(()),
+        }
+    }
+
+    /// A change of one site; `impulse` is that of the present step up to here.
+    fn change(
+        &mut self,
+        site: Site,
+        kind: ChangeKind,
+        time_s: f64,
+        closing: f64,
+        impulse: f64,
+    ) -> Result<(), SinkError> {
+        let tracked = &mut self.sites[site as usize];
+        let so_far = tracked.impulse + impulse;
+        let mut event = Event { time_s, site, kind: EventKind::TouchDown, approach_speed: 0.0, impulse: 0.0 };
+        match kind {
+            ChangeKind::Meets if !tracked.touching => {
+                (tracked.touching, tracked.released, tracked.at_touchdown) = (true, false, so_far);
+                event.approach_speed = closing;
+                tracked.summary.first_s.get_or_insert(time_s);
+                tracked.summary.touchdowns += 1;
+            }
+            ChangeKind::LetsGo if tracked.pressing => {
+                (tracked.pressing, tracked.released) = (false, true);
+                (event.kind, event.impulse) = (EventKind::LiftOff, so_far - tracked.at_touchdown);
+            }
+            ChangeKind::Presses if !tracked.pressing => {
+                tracked.pressing = true;
+                if !tracked.released {
+                    return Ok(());
+                }
+                tracked.released = false;
+                event.kind = EventKind::Reload;
+            }
+            ChangeKind::Parts => {
+                tracked.touching = false;
+                return Ok(());
+            }
+            _ => return Ok(()),
+        }
+        self.work.events += 1;
+        // Rates jump soon after an event: whoever interpolates needs the sample just before it.
+        if self.emitted_s < self.last.time_s {
+            let last = self.last;
+            self.emitted_s = last.time_s;
+            self.sink.sample(&last)?;
+        }
+        self.sink.event(&event)
+    }
+
+    /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
+    fn emit(&mut self, now: &Sample, dt: f64, duration_s: f64) -> Result<(), SinkError> {
+        let before = std::mem::replace(&mut self.last, *now);
+        loop {
+            let t = self.next as f64 * self.interval_s;
+            if t >= now.time_s {
+                break;
+            }
+            self.next += 1;
+            if t > before.time_s {
+                self.emitted_s = t;
+                self.sink.sample(&between(&before, now, t))?;
+            }
+        }
+        let on_grid = self.next as f64 * self.interval_s == now.time_s;
+        if on_grid {
+            self.next += 1;
+        }
+        if on_grid || dt < self.interval_s || now.time_s >= duration_s {
+            self.emitted_s = now.time_s;
+            self.sink.sample(now)?;
+        }
+        Ok(())
+    }
+
+    /// The last sample, if the run broke off between grid points, and the summary.
+    pub fn finish(self) -> Result<Outcome, SinkError> {
+        if self.emitted_s < self.last.time_s {
+            self.sink.sample(&self.last)?;
+        }
+        let sites = self.sites.map(|tracked| tracked.summary);
+        Ok(Outcome { last: self.last, sites, work: self.work, loop_gap_m: self.loop_gap_m })
+    }
+}
