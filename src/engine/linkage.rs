@@ -6,7 +6,6 @@
 //!
 //! General in bodies and joints: all it is told are rapier's masses and anchors.
 
-use rapier2d_f64::prelude::*;
 
 use super::dense;
 use super::plan::PlannedPin;
