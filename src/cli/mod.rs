@@ -8,6 +8,7 @@
 //! | 3 | the simulation could not be completed; the log up to there is kept and readable |
 
 mod output;
+mod overrides;
 mod progress;
 mod run;
 pub mod scene;

@@ -5,7 +5,8 @@ mod table;
 mod text;
 
 pub use document::{
-    Contacts, Dynamics, Energies, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport, WorkReport,
+    Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
+    WorkReport,
 };
 pub use text::{duration, text};
 
