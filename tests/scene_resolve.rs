@@ -2,7 +2,9 @@
 
 use phalanx::gripper::{self, Design, ProximalLength};
 use phalanx::law::{FrictionLaw, NormalLaw};
-use phalanx::scene::{self, Actuation, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind};
+use phalanx::scene::{
+    self, Actuation, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind,
+};
 use serde_json::Value;
 
 const FINGER: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
@@ -39,6 +41,7 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     let spring = scene.spring.expect("spring");
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
+    assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::over(0.02)));
     assert_eq!(scene.log.numeric_hz, 1e4);
     assert_eq!((scene.initial.qd11_rad_s, scene.initial.qd21_rad_s), (0.0, 0.0));
 }
@@ -75,6 +78,7 @@ fn documented_defaults_are_the_real_ones() {
                 "",
             ),
             "contact.exponent" => (FINGER, DRIVE, "contact.stiffness_si = 1e8\n"),
+            "engine.restitution" => (FINGER, DRIVE, "engine.law = \"rapier\"\n"),
             "limit.exponent" => (FINGER, DRIVE, "limit.stiffness_si = 1e11\n"),
             k if k.ends_with("friction.v_static") || k.ends_with("friction.v_dynamic") => (
                 FINGER,

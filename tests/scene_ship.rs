@@ -83,6 +83,11 @@ fn every_variant_comes_back_bit_for_bit() {
         "[limit]\nenabled = false",
         "[contact.friction]\nmu_static = 0.3\n[contact.distal.friction]\nmu_static = 0.0",
         "[object]\nradius = \"19 mm\"\ncentre = [\"-15 mm\", \"21 mm\"]\n[integrator]\npreset = \"reference\"",
+        "[engine]\nconstruction = \"reduced\"\nlaw = \"rapier\"\nrestitution = 0.1\nstepping = \"fixed\"\n\
+         step = \"3.3 us\"\n[contact.friction]\nmu_static = 0.7",
+        "[engine]\nlaw = \"rapier\"\nfriction = 0\ntolerance = \"0.07 um\"\nmax_step = \"1 s\"\n\
+         iterations = 1\nmax_steps = 1\n[validate]\nangle = \"0.1 deg\"\ncontact_time = \"3 us\"\nfinal_force = 0.07\nimpulse = 1\n\
+         loop_gap = \"0.3 mm\"\nuntil = \"0.7 ms\"",
         "[initial]\nqd11 = \"-3 rpm\"\nqd21 = \"12 deg/s\"\noffset = \"13.7 deg\"",
     ];
     for motor in motors {
@@ -118,13 +123,15 @@ proptest! {
     #[test]
     fn any_numbers_come_back_bit_for_bit(
         torque in -1e3..1e3f64, spring in 1e-6..1e2f64, mu in 1e-3..2.0f64, exponent in 1.0..3.0f64, k in 1e-3..1e25f64,
+        step in 1e-12..1.0f64, bound in 1e-12..1e3f64, until in 1e-9..=20e-3f64,
         base in 12e-3..22e-3f64, fraction in 0.0..=1.0f64, mass in 1e-9..1e3f64, name in "[^\\s]\\PC{0,20}",
     ) {
         let text = format!(
             "name = {}\n[design]\nbase = \"{base} m\"\nl21_fraction = {fraction:?}\nphi22 = \"2 rad\"\narm_ratio = 0.4\n\
              [bodies]\nl11 = {{ mass = \"{mass} kg\" }}\n[motor]\ntorque = \"{torque} N*m\"\n[spring]\n\
              torque = \"{spring:e} N*m\"\n[contact]\nstiffness_si = {k:?}\nexponent = {exponent:?}\n[contact.friction]\n\
-             mu_static = {mu:?}\n",
+             mu_static = {mu:?}\n[engine]\nstepping = \"fixed\"\nstep = \"{step} s\"\n[validate]\n\
+             angle = \"{bound} deg\"\nimpulse = {bound:?}\nloop_gap = \"{bound} um\"\nuntil = \"{until} s\"\n",
             toml::Value::String(name)
         );
         assert_round_trip(&parse(&text));
@@ -153,16 +160,20 @@ proptest! {
         }
     }
 
-    /// Any value in the place of any other.
+    /// Any value in the place of any other, in scenes as shipped and with everything filled in.
     #[test]
-    fn swapped_values_never_panic(which in 0usize..100, line in 0usize..200, value in 0usize..100) {
+    fn swapped_values_never_panic(
+        which in 0usize..100, shown in proptest::bool::ANY, line in 0usize..200, value in 0usize..100,
+    ) {
         let values = [
             "0", "-1", "1e300", "nan", "inf", "\"\"", "\"1e-300 mm\"", "\"1e300 mm\"", "\"1e308 deg\"", "\"-0 s\"", "true",
             "[]", "{}", "[[]]", "[\"1 m\", 2]", "{ mass = 1 }", "1979-05-27T07:32:00Z", "9223372036854775808",
             "\"1e-300 N*m\"", "\"1e300 N*m\"", "\"5e-324 kg\"", "5e-324", "1.7e308",
         ];
         let scenes = shipped();
-        let mut lines: Vec<String> = scenes[which % scenes.len()].1.lines().map(String::from).collect();
+        let text = &scenes[which % scenes.len()].1;
+        let text = if shown { scene::show(&parse(text)) } else { text.clone() };
+        let mut lines: Vec<String> = text.lines().map(String::from).collect();
         let count = lines.len();
         let target = &mut lines[line % count];
         if let Some((key, _)) = target.split_once(" = ") {

@@ -1,9 +1,15 @@
-//! Small dense systems, solved in place: the contact solver may not allocate.
+//! Small dense systems, row by row, solved in place: a step of the engine may not allocate.
 
 /// Solves a x = b by elimination with row pivoting; `a` (row by row) is destroyed, `b` becomes x. False if a is singular.
 pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
+    let (a, b) = (&mut a[..size * size], &mut b[..size]);
     for k in 0..size {
-        let pivot = (k..size).max_by(|&i, &j| a[i * size + k].abs().total_cmp(&a[j * size + k].abs())).unwrap_or(k);
+        let mut pivot = k;
+        for i in k + 1..size {
+            if a[i * size + k].abs() > a[pivot * size + k].abs() {
+                pivot = i;
+            }
+        }
         let value = a[pivot * size + k];
         if value == 0.0 || !value.is_finite() {
             return false;
@@ -14,19 +20,65 @@ pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
             }
             b.swap(k, pivot);
         }
-        for i in k + 1..size {
-            let factor = a[i * size + k] / value;
-            for column in k + 1..size {
-                a[i * size + column] -= factor * a[k * size + column];
+        let (above, below) = a.split_at_mut((k + 1) * size);
+        let row = &above[k * size..];
+        let inverse = 1.0 / value;
+        for (i, line) in below.chunks_exact_mut(size).enumerate() {
+            let factor = line[k] * inverse;
+            for (x, y) in line[k + 1..].iter_mut().zip(&row[k + 1..]) {
+                *x -= factor * y;
             }
-            b[i] -= factor * b[k];
+            b[k + 1 + i] -= factor * b[k];
         }
     }
     for k in (0..size).rev() {
-        let rest: f64 = (k + 1..size).map(|column| a[k * size + column] * b[column]).sum();
-        b[k] = (b[k] - rest) / a[k * size + k];
+        let row = &a[k * size..(k + 1) * size];
+        let rest: f64 = row[k + 1..].iter().zip(&b[k + 1..]).map(|(x, y)| x * y).sum();
+        b[k] = (b[k] - rest) / row[k];
     }
     true
+}
+
+/// Cholesky factor L of a symmetric positive definite matrix, over its lower triangle; the diagonal holds 1/Lᵢᵢ. Row i is
+/// zero before column `first[i]`, in the matrix as in the factor, and neither is touched there. False if the matrix is not
+/// positive definite.
+pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
+    let size = first.len();
+    for i in 0..size {
+        let (above, rest) = a.split_at_mut(i * size);
+        let row = &mut rest[..=i];
+        for j in first[i]..i {
+            let start = first[i].max(first[j]);
+            let other = &above[j * size..j * size + j + 1];
+            let sum: f64 = if start < j { row[start..j].iter().zip(&other[start..j]).map(|(x, y)| x * y).sum() } else { 0.0 };
+            row[j] = (row[j] - sum) * other[j];
+        }
+        let square = row[i] - row[first[i]..i].iter().map(|x| x * x).sum::<f64>();
+        // Also false for what is no number.
+        if !(square > 0.0) {
+            return false;
+        }
+        row[i] = 1.0 / square.sqrt();
+    }
+    true
+}
+
+/// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
+pub fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
+    let size = first.len();
+    for i in 0..size {
+        let row = &factor[i * size..i * size + i + 1];
+        let sum: f64 = row[first[i]..i].iter().zip(&b[first[i]..i]).map(|(x, y)| x * y).sum();
+        b[i] = (b[i] - sum) * row[i];
+    }
+    for i in (0..size).rev() {
+        let row = &factor[i * size..i * size + i + 1];
+        let x = b[i] * row[i];
+        b[i] = x;
+        for (y, l) in b[first[i]..i].iter_mut().zip(&row[first[i]..i]) {
+            *y -= l * x;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -41,5 +93,20 @@ mod tests {
             assert!((found - wanted).abs() < 1e-14);
         }
         assert!(!super::solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0], 2));
+    }
+
+    #[test]
+    fn factorises_what_is_positive_definite_and_nothing_else() {
+        let a = [4.0, 2.0, -1.0, 2.0, 5.0, 0.5, -1.0, 0.5, 3.0];
+        let x = [0.3, -1.0, 2.0];
+        let mut b: Vec<f64> = (0..3).map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum()).collect();
+        let mut factor = a;
+        assert!(super::factorise(&mut factor, &[0, 0, 0]));
+        super::solve_factorised(&factor, &[0, 0, 0], &mut b);
+        for (found, wanted) in b.iter().zip(x) {
+            assert!((found - wanted).abs() < 1e-14);
+        }
+        assert!(!super::factorise(&mut [1.0, 0.0, 2.0, 1.0], &[0, 0]));
+        assert!(!super::factorise(&mut [f64::NAN, 0.0, 0.0, 1.0], &[0, 0]));
     }
 }

@@ -6,10 +6,8 @@
 //!
 //! General in bodies and joints: all it is told are rapier's masses and anchors.
 
-use nalgebra::linalg::Cholesky;
-use nalgebra::{DMatrix, DVector, Dyn};
-use rapier2d_f64::prelude::*;
 
+use super::dense;
 use super::plan::PlannedPin;
 use super::world::World;
 use crate::numeric::plane::{cross, perp, rotate};
@@ -58,9 +56,11 @@ pub struct Linkage {
     pub inertias: Vec<Inertia>,
     pub places: Vec<Place>,
     pins: Vec<Pin>,
-    factor: Option<Cholesky<f64, Dyn>>,
+    /// Cholesky factor of A, and where its rows begin: pins that share no body do not couple.
+    factor: Vec<f64>,
+    first: Vec<usize>,
     /// Right-hand side and solution.
-    multipliers: DVector<f64>,
+    multipliers: Vec<f64>,
 }
 
 impl Linkage {
@@ -98,9 +98,11 @@ impl Linkage {
                     ground: pin.anchor_first_m,
                 })
                 .collect(),
-            factor: Cholesky::new(DMatrix::identity(size, size)),
-            multipliers: DVector::zeros(size),
+            factor: vec![0.0; size * size],
+            first: Vec::new(),
+            multipliers: vec![0.0; size],
         };
+        linkage.first = (0..size).map(|row| 2 * linkage.first_coupled(row / 2)).collect();
         linkage.read_places(world);
         linkage
     }
@@ -129,19 +131,22 @@ impl Linkage {
     /// Factorises A at the present places.
     pub fn factorise(&mut self) -> Result<(), Locked> {
         let size = 2 * self.pins.len();
-        let mut a = self.factor.take().map_or_else(|| DMatrix::zeros(size, size), Cholesky::unpack_dirty);
-        for (p, first) in self.pins.iter().enumerate() {
-            for (q, second) in self.pins.iter().enumerate().take(p + 1) {
-                let block = self.coupling(first, second);
-                for row in 0..2 {
-                    for column in 0..2 {
-                        a[(2 * p + row, 2 * q + column)] = block[row][column];
-                    }
+        for p in 0..self.pins.len() {
+            for q in self.first[2 * p] / 2..=p {
+                let block = self.coupling(&self.pins[p], &self.pins[q]);
+                for (row, line) in block.iter().enumerate() {
+                    let at = (2 * p + row) * size + 2 * q;
+                    self.factor[at..at + 2].copy_from_slice(line);
                 }
             }
         }
-        self.factor = Cholesky::new(a);
-        if self.factor.is_some() { Ok(()) } else { Err(Locked) }
+        if dense::factorise(&mut self.factor, &self.first) { Ok(()) } else { Err(Locked) }
+    }
+
+    /// The first pin that shares a body with a pin.
+    fn first_coupled(&self, p: usize) -> usize {
+        let shares = |q: &Pin| sides(q).any(|(b, _)| sides(&self.pins[p]).any(|(a, _)| a.body == b.body));
+        self.pins.iter().position(shares).unwrap_or(p)
     }
 
     /// Rate at which pin p opens per unit impulse at pin q.
@@ -265,8 +270,7 @@ impl Linkage {
                 self.multipliers[2 * p + 1] -= sign * (y + w * turn[1]);
             }
         }
-        let Some(factor) = &self.factor else { return };
-        factor.solve_mut(&mut self.multipliers);
+        dense::solve_factorised(&self.factor, &self.first, &mut self.multipliers);
         for (p, pin) in self.pins.iter().enumerate() {
             let impulse = [self.multipliers[2 * p], self.multipliers[2 * p + 1]];
             for (side, sign) in sides(pin) {

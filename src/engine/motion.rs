@@ -201,7 +201,10 @@ impl<'a> Motion<'a> {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
             };
-            let shift = self.linkage.in_first(pin, overshoot);
+            // The moved anchor turns with its body, by ω × shift in the step: what is left is (1 + ω dt ×) shift = overshoot.
+            let turn = dt * planned.first.map_or(0.0, |body| self.middle[body][2]);
+            let [a, b] = overshoot.map(|x| x / (1.0 + turn * turn));
+            let shift = self.linkage.in_first(pin, [a + turn * b, b - turn * a]);
             let [x, y] = planned.anchor_first_m;
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }

@@ -123,8 +123,8 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
     };
     let pins = vec![
         pin(None, L11, 0.0),
-        pin(None, L21, 0.0),
         pin(Some(L11), L12, lengths.l11_m),
+        pin(None, L21, 0.0),
         pin(Some(L21), L22, lengths.l21_m),
         PlannedPin {
             first: Some(L12),

@@ -6,12 +6,12 @@
 //! is felt from the next one on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
 use super::implicit::{Stage, Workspace};
-use super::space::Space;
+use super::space::{Site, Space};
 
-/// Sub-steps are as long as their error in the rates allows, relative to the largest closing rate of the step…
-const RELATIVE_TOLERANCE: f64 = 2e-4;
-/// …and to rates that creep.
-const ABSOLUTE_TOLERANCE: f64 = 1e-7;
+/// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site…
+const RELATIVE_TOLERANCE: f64 = 3e-3;
+/// …or absolute, in m/s or rad/s, where it creeps.
+const ABSOLUTE_TOLERANCE: f64 = 1e-5;
 /// Part of the damper's transition that a first sub-step may cross.
 const FIRST_CROSSING: f64 = 0.05;
 const GROWTH: f64 = 4.0;
@@ -96,8 +96,6 @@ impl Contact {
     /// Integrates contact over `dt`. `first_h` is a sub-step to begin with where contact goes on, `f64::INFINITY` if unknown.
     pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
         self.begin(space);
-        let closing = space.sites.iter().map(|site| -space.rate[site.normal]).fold(0.0, f64::max);
-        let tolerance = RELATIVE_TOLERANCE * closing + ABSOLUTE_TOLERANCE;
         let (mut now, mut h) = (0.0, dt);
         while now < dt {
             let left = dt - now;
@@ -117,8 +115,8 @@ impl Contact {
             h = h.min(ahead).min(left);
             match self.substep(space, h, left) {
                 Ok(error) => {
-                    let ratio = (tolerance / error.max(1e-300)).sqrt();
-                    if error > tolerance && h > SMALLEST_FRACTION * dt {
+                    let ratio = (1.0 / error.max(1e-300)).sqrt();
+                    if error > 1.0 && h > SMALLEST_FRACTION * dt {
                         self.repeated += 1;
                         h *= (0.9 * ratio).clamp(0.1, 0.7);
                         continue;
@@ -231,7 +229,7 @@ impl Contact {
         shortest
     }
 
-    /// Both stages of a sub-step of length h; returns its error in the rates.
+    /// Both stages of a sub-step of length h; returns its error in the rates, 1 being what is allowed.
     fn substep(&mut self, space: &Space, h: f64, left: f64) -> Result<f64, super::implicit::NotConverged> {
         debug_assert!(h <= left * (1.0 + 1e-12));
         self.substeps += 1;
@@ -259,7 +257,13 @@ impl Contact {
             let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
             error[i] = a2 - a1;
         }
-        Ok(self.work_space.filtered(space, implicit, error))
+        self.work_space.filter(space, implicit, error);
+        let relative = |site: &Site| {
+            let speed = site.tangent.map_or(0.0, |t| second[t]).hypot(second[site.normal]);
+            let size = site.tangent.map_or(0.0, |t| error[t].abs()).max(error[site.normal].abs());
+            size / (ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * speed)
+        };
+        Ok(space.sites.iter().map(relative).fold(0.0, f64::max))
     }
 
     /// Takes over a sub-step: state, impulses, work and extremes.

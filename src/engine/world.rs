@@ -74,12 +74,20 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
 
     let mut world = World { physics, bodies, phalanges: Vec::new(), object: None, joints, construction, response };
     add_colliders(&mut world, plan, response);
-    // A step of no length: world mass properties and contact pairs are there before the first real one.
-    let dt = std::mem::replace(&mut world.physics.integration_parameters.dt, 0.0);
-    world.physics.step_with_events(&Governed, &());
-    world.physics.integration_parameters.dt = dt;
+    refresh(&mut world);
+    if construction == Construction::Reduced {
+        // Only now does the multibody know that its root is fixed.
+        set_joint_coordinates(&mut world, plan);
+        refresh(&mut world);
+    }
     set_rates(&mut world, plan);
     world
+}
+
+/// A step of no length: world mass properties and contact pairs are there before the first real one.
+fn refresh(world: &mut World) {
+    world.physics.integration_parameters.dt = 0.0;
+    world.physics.step_with_events(&Governed, &());
 }
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
@@ -151,21 +159,30 @@ fn set_rates(world: &mut World, plan: &Plan) {
         body.set_linvel(origin_rates[i] + arm.perp() * planned.rate_rad_s, true);
         body.set_angvel(planned.rate_rad_s, true);
     }
-    if world.construction == Construction::Reduced {
-        set_joint_rates(world, plan);
-    }
 }
 
-/// A multibody keeps its own joint rates: those of the bodies are only read from it.
-fn set_joint_rates(world: &mut World, plan: &Plan) {
+/// A multibody has its own joint angles and rates, from zero; those of the bodies are only read from it.
+fn set_joint_coordinates(world: &mut World, plan: &Plan) {
+    let physics = &mut world.physics;
+    let mut angles = vec![0.0; plan.bodies.len()];
+    let mut found = None;
     for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
-        let rate = plan.bodies[pin.second].rate_rad_s - pin.first.map_or(0.0, |i| plan.bodies[i].rate_rad_s);
-        let joints = &mut world.physics.multibody_joints;
-        let Some(id) = joints.rigid_body_link(world.bodies[pin.second]).copied() else { continue };
-        let Some(multibody) = joints.get_multibody_mut(id.multibody) else { continue };
-        // Root links are fixed and have no degree of freedom; every other link has one, in the order of insertion.
-        if let Some(place) = id.id.checked_sub(1) {
-            multibody.generalized_velocity_mut()[place] = rate;
-        }
+        let Some(id) = physics.multibody_joints.rigid_body_link(world.bodies[pin.second]).copied() else { continue };
+        // The root is fixed and has no degree of freedom; every other link has one, in the order of insertion.
+        let (Some(place), Some(multibody)) =
+            (id.id.checked_sub(1), physics.multibody_joints.get_multibody_mut(id.multibody))
+        else {
+            continue;
+        };
+        let first = pin.first.map(|i| &plan.bodies[i]);
+        let second = &plan.bodies[pin.second];
+        angles[place] = second.angle_rad - first.map_or(0.0, |body| body.angle_rad);
+        multibody.generalized_velocity_mut()[place] = second.rate_rad_s - first.map_or(0.0, |body| body.rate_rad_s);
+        found = Some(id.multibody);
+    }
+    if let Some(multibody) = found.and_then(|index| physics.multibody_joints.get_multibody_mut(index)) {
+        multibody.apply_displacements(&angles);
+        multibody.forward_kinematics(&physics.bodies, false);
+        multibody.update_rigid_bodies(&mut physics.bodies, true);
     }
 }

@@ -17,9 +17,9 @@ pub const V_DYNAMIC_M_S: f64 = 0.2;
 pub const OFFSET_DEG: f64 = 25.0;
 pub const NUMERIC_RATE_HZ: f64 = 10e3;
 pub const MAX_STEPS: u64 = 10_000_000;
-pub const ENGINE_TOLERANCE_M: f64 = 2e-8;
-pub const ENGINE_MAX_STEP_S: f64 = 1e-4;
-pub const ENGINE_ITERATIONS: u32 = 20;
+pub const ENGINE_TOLERANCE_M: f64 = 1e-7;
+pub const ENGINE_MAX_STEP_S: f64 = 4e-5;
+pub const ENGINE_ITERATIONS: u32 = 2;
 
 /// μ_d = 0.7 μ_s; 0.56 for 0.8, to the last bit.
 pub fn mu_dynamic(mu_static: f64) -> f64 {

@@ -179,6 +179,38 @@ impl Kind for Count {
     }
 }
 
+/// How often a solver sweeps over its constraints in one step: a whole number within reason, because no budget of steps
+/// ends a run whose every step takes for ever.
+#[derive(Debug)]
+pub struct Sweeps;
+
+impl Sweeps {
+    const MOST: u32 = 10_000;
+}
+
+impl Kind for Sweeps {
+    type Value = u32;
+    const NAME: &'static str = "Sweeps";
+
+    fn read(key: &str, value: &Spanned<Any>) -> Result<u32, Vec<Problem>> {
+        let found = match value.get_ref() {
+            Any::Integer(i) => match u32::try_from(*i) {
+                Ok(count @ 1..=Self::MOST) => return Ok(count),
+                _ => i.to_string(),
+            },
+            other => other.name().to_string(),
+        };
+        let range = format!("from 1 to {}", Self::MOST);
+        let message = format!("`{key}` is {found}, but must be a whole number {range}");
+        let help = format!("write a number {range} without point, exponent or quotes: 20");
+        Err(vec![at(value, message, range, help)])
+    }
+
+    fn schema() -> Schema {
+        json_schema!({ "type": "integer", "minimum": 1, "maximum": Self::MOST })
+    }
+}
+
 /// `true` or `false`.
 #[derive(Debug)]
 pub struct Flag;

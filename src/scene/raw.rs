@@ -6,10 +6,10 @@ use serde::Deserialize;
 use super::entry::{Entry, Section};
 use super::kinds::{
     Acceleration, Angle, AngularDamping, AngularRate, AngularStiffness, Choice, Count, Density, Flag, Frequency,
-    Inertia, Length, LinearDamping, List, Mass, Number, Pair, Pressure, Speed, Text, Time, Torque,
+    Inertia, Length, LinearDamping, List, Mass, Number, Pair, Pressure, Speed, Sweeps, Text, Time, Torque,
 };
-use super::words::{MotorProfile, SceneKind, SpringType};
-use super::{Interpolation, Method, Placement, Preset};
+use super::words::{EngineLaw, MotorProfile, SceneKind, SpringType, StepSizes};
+use super::{Construction, Interpolation, Method, Placement, Preset};
 use crate::gripper::Assembly;
 
 /// A scene: one gripper variant, the object it grasps, and how it is simulated. A scene says only what differs from the
@@ -51,6 +51,8 @@ pub struct RawScene {
     pub contact: Section<RawContact>,
     pub initial: Section<RawInitial>,
     pub integrator: Section<RawIntegrator>,
+    pub engine: Section<RawEngine>,
+    pub validate: Section<RawValidate>,
     pub log: Section<RawLog>,
 }
 
@@ -315,6 +317,65 @@ pub struct RawIntegrator {
     /// Steps after which a run is given up.
     #[schemars(extend("default" = 10_000_000))]
     pub max_steps: Entry<Count>,
+}
+
+/// How the engine model is built and stepped.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RawEngine {
+    /// "maximal": every body moves freely, every joint is a constraint; "reduced": a tree of joints in its own
+    /// coordinates, closed by one constraint.
+    #[schemars(extend("default" = "maximal"))]
+    pub construction: Entry<Choice<Construction>>,
+    /// What answers when bodies touch: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
+    #[schemars(extend("default" = "scene"))]
+    pub law: Entry<Choice<EngineLaw>>,
+    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the proximal contact.
+    pub friction: Entry<Number>,
+    /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
+    #[schemars(extend("default" = 0.0))]
+    pub restitution: Entry<Number>,
+    /// "adaptive": steps as long as the joints allow, shorter around impacts; "fixed": all of size `step`.
+    #[schemars(extend("default" = "adaptive"))]
+    pub stepping: Entry<Choice<StepSizes>>,
+    /// Size of every step. Required with, and only with, stepping = "fixed".
+    pub step: Entry<Time>,
+    /// How far a joint may open in one step (stepping = "adaptive").
+    #[schemars(extend("default" = "2e-5 mm"))]
+    pub tolerance: Entry<Length>,
+    /// Longest step (stepping = "adaptive").
+    #[schemars(extend("default" = "100 us"))]
+    pub max_step: Entry<Time>,
+    /// Sweeps of rapier's joint solver in every step.
+    #[schemars(extend("default" = 20))]
+    pub iterations: Entry<Sweeps>,
+    /// Steps after which a run is given up.
+    #[schemars(extend("default" = 10_000_000))]
+    pub max_steps: Entry<Count>,
+}
+
+/// How far the engine model may be from the analytic one before `phalanx validate` says no.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RawValidate {
+    /// Difference of any joint angle, over the run up to `until`.
+    #[schemars(extend("default" = "2e-5 rad"))]
+    pub angle: Entry<Angle>,
+    /// Difference of the times a phalanx first touches the object.
+    #[schemars(extend("default" = "0.5 us"))]
+    pub contact_time: Entry<Time>,
+    /// Relative difference of a normal force at the end.
+    #[schemars(extend("default" = 1e-4))]
+    pub final_force: Entry<Number>,
+    /// Relative difference of the normal impulse of an impact.
+    #[schemars(extend("default" = 5e-3))]
+    pub impulse: Entry<Number>,
+    /// Opening of a joint of the engine model.
+    #[schemars(extend("default" = "1e-4 mm"))]
+    pub loop_gap: Entry<Length>,
+    /// End of the comparison of trajectories, at most the duration: rebounds beyond may be chaotic. Default: the
+    /// duration.
+    pub until: Entry<Time>,
 }
 
 /// What is logged.

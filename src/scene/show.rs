@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::kinds::Words;
-use super::words::SceneKind;
-use super::{Actuation, Scene, SpringKind};
+use super::words::{EngineLaw, SceneKind, StepSizes};
+use super::{Actuation, Bounds, Engine, Response, Scene, SpringKind, Stepping};
 use crate::gripper::Body;
 use crate::law::{ContactLaw, FrictionLaw};
 use crate::units::{Dimension, format, number};
@@ -165,8 +165,46 @@ fn run(out: &mut Out, scene: &Scene) {
     out.quantity("atol_angle", integrator.atol_angle_rad, Dimension::Angle);
     out.quantity("atol_rate", integrator.atol_rate_rad_s, Dimension::AngularRate);
     out.raw("max_steps", integrator.max_steps);
+    engine(out, &scene.engine);
+    validate(out, &scene.bounds);
     out.section("log");
     out.quantity("numeric_rate", scene.log.numeric_hz, Dimension::Frequency);
+}
+
+fn engine(out: &mut Out, engine: &Engine) {
+    out.section("engine");
+    out.text("construction", engine.construction.word());
+    match engine.response {
+        Response::Laws => out.text("law", EngineLaw::Scene.word()),
+        Response::Rapier { friction, restitution } => {
+            out.text("law", EngineLaw::Rapier.word());
+            out.float("friction", friction);
+            out.float("restitution", restitution);
+        }
+    }
+    match engine.stepping {
+        Stepping::Fixed { step_s } => {
+            out.text("stepping", StepSizes::Fixed.word());
+            out.quantity("step", step_s, Dimension::Time);
+        }
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
+            out.text("stepping", StepSizes::Adaptive.word());
+            out.quantity("tolerance", tolerance_m, Dimension::Length);
+            out.quantity("max_step", max_step_s, Dimension::Time);
+        }
+    }
+    out.raw("iterations", engine.iterations);
+    out.raw("max_steps", engine.max_steps);
+}
+
+fn validate(out: &mut Out, bounds: &Bounds) {
+    out.section("validate");
+    out.quantity("angle", bounds.angle_rad, Dimension::Angle);
+    out.quantity("contact_time", bounds.contact_time_s, Dimension::Time);
+    out.float("final_force", bounds.final_force);
+    out.float("impulse", bounds.impulse);
+    out.quantity("loop_gap", bounds.loop_gap_m, Dimension::Length);
+    out.quantity("until", bounds.until_s, Dimension::Time);
 }
 
 /// TOML text that grows line by line.

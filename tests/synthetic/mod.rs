@@ -4,7 +4,8 @@
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Contacts, Disc, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring, SpringKind,
+    Actuation, Bounds, Contacts, Disc, Engine, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring,
+    SpringKind,
 };
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
 
@@ -53,6 +54,8 @@ pub fn scene() -> Scene {
             atol_rate_rad_s: 1e-6,
             max_steps: 1_000_000,
         },
+        engine: Engine::DEFAULT,
+        bounds: Bounds::over(20e-3),
         log: LogRates { numeric_hz: 1e4 },
     }
 }

@@ -4,6 +4,7 @@
 
 mod contact;
 mod drive;
+mod engine;
 mod finger;
 mod object;
 mod run;
@@ -16,14 +17,17 @@ use super::defaults;
 use super::error::Problem;
 use super::raw::RawScene;
 use super::words::SceneKind;
-use super::{Bounds, Engine, LogRates, Scene};
+use super::{LogRates, Scene};
 
 /// Resolves a scene; `file_name` gives its default name.
 pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let SceneKind::Finger = c.or("kind", &raw.kind, SceneKind::Finger);
     let description = c.get("description", &raw.description).unwrap_or_default();
     let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
-    let duration_s = c.number_or("duration", &raw.duration, POSITIVE, defaults::DURATION_S);
+    let duration = match raw.duration.is_given() {
+        true => c.number("duration", &raw.duration, POSITIVE),
+        false => Some(defaults::DURATION_S),
+    };
     let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
     let palm = c.or("palm", &raw.palm, true);
 
@@ -36,6 +40,8 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
     let limit = contact::limit(&mut c, &raw.limit);
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
     let integrator = run::integrator(&mut c, &raw.integrator);
+    let engine = engine::engine(&mut c, &raw.engine, contact);
+    let bounds = engine::bounds(&mut c, &raw.validate, duration);
     let log = LogRates {
         numeric_hz: c.number_or("log.numeric_rate", &raw.log.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ),
     };
@@ -43,30 +49,33 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
     let sound = finger.zip(object).zip(limit);
     let initial = start::initial(&mut c, raw, &plan, sound);
 
-    match (sound, actuation, spring, contact, initial) {
-        (Some(((finger, object), limit)), Some(actuation), Some(spring), Some(contact), Some(initial))
-            if c.is_clean() =>
-        {
-            Ok(Scene {
-                name,
-                description,
-                source: c.text.to_string(),
-                finger,
-                object,
-                palm,
-                actuation,
-                spring,
-                limit,
-                contact,
-                gravity_m_s2,
-                duration_s,
-                initial,
-                integrator,
-                engine: Engine::DEFAULT,
-                bounds: Bounds::over(duration_s),
-                log,
-            })
-        }
+    let run = duration.zip(engine).zip(initial);
+    match (sound, actuation, spring, contact, run) {
+        (
+            Some(((finger, object), limit)),
+            Some(actuation),
+            Some(spring),
+            Some(contact),
+            Some(((duration_s, engine), initial)),
+        ) if c.is_clean() => Ok(Scene {
+            name,
+            description,
+            source: c.text.to_string(),
+            finger,
+            object,
+            palm,
+            actuation,
+            spring,
+            limit,
+            contact,
+            gravity_m_s2,
+            duration_s,
+            initial,
+            integrator,
+            engine,
+            bounds,
+            log,
+        }),
         _ => Err(c.into_problems()),
     }
 }

@@ -1,0 +1,136 @@
+//! What a scene says about the engine model and the bounds of its validation.
+
+use phalanx::scene::{self, Bounds, Construction, Engine, Response, Scene, Stepping};
+
+const GRASP: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n[motor]\n\
+                     torque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
+
+fn with(rest: &str) -> Scene {
+    scene::parse(&format!("{GRASP}{rest}"), "test.toml").unwrap_or_else(|e| panic!("{e}\n{rest}"))
+}
+
+fn engine(keys: &str) -> Engine {
+    with(&format!("[engine]\n{keys}\n")).engine
+}
+
+/// The messages a scene is refused with.
+fn refused(rest: &str) -> Vec<String> {
+    let error = scene::parse(&format!("{GRASP}{rest}"), "test.toml").expect_err(rest);
+    error.problems().iter().map(|p| p.message.clone()).collect()
+}
+
+#[test]
+fn left_out_or_empty_they_are_the_defaults() {
+    for rest in ["", "[engine]\n[validate]\n"] {
+        let scene = with(rest);
+        assert_eq!(scene.engine, Engine::DEFAULT);
+        assert_eq!(scene.bounds, Bounds::over(0.02));
+    }
+    let Engine { construction, response, stepping, iterations, max_steps } = Engine::DEFAULT;
+    assert_eq!((construction, response), (Construction::Maximal, Response::Laws));
+    assert_eq!(stepping, Stepping::Adaptive { tolerance_m: 2e-8, max_step_s: 1e-4 });
+    assert_eq!((iterations, max_steps), (20, 10_000_000));
+}
+
+#[test]
+fn every_key_of_the_engine_is_heard() {
+    let base = Engine::DEFAULT;
+    assert_eq!(engine("construction = \"maximal\"\nlaw = \"scene\"\nstepping = \"adaptive\""), base);
+    let construction = Construction::Reduced;
+    assert_eq!(engine("construction = \"reduced\""), Engine { construction, ..base });
+    let stepping = Stepping::Fixed { step_s: 1e-5 };
+    assert_eq!(engine("stepping = \"fixed\"\nstep = \"10 us\""), Engine { stepping, ..base });
+    let stepping = Stepping::Adaptive { tolerance_m: 1e-6, max_step_s: 2e-5 };
+    assert_eq!(engine("tolerance = \"1e-3 mm\"\nmax_step = \"20 us\""), Engine { stepping, ..base });
+    for iterations in [1, 10_000] {
+        assert_eq!(engine(&format!("iterations = {iterations}")), Engine { iterations, ..base });
+    }
+    assert_eq!(engine("max_steps = 7"), Engine { max_steps: 7, ..base });
+}
+
+#[test]
+fn rapiers_friction_is_that_of_the_proximal_contact_unless_given() {
+    let response = |rest: &str| with(rest).engine.response;
+    let contact = "[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0.3\n";
+    let law = "[engine]\nlaw = \"rapier\"\n";
+    assert_eq!(response(law), Response::Rapier { friction: 0.0, restitution: 0.0 });
+    assert_eq!(response(&format!("{contact}{law}")), Response::Rapier { friction: 0.8, restitution: 0.0 });
+    let given = format!("{contact}{law}friction = 0.5\nrestitution = 1\n");
+    assert_eq!(response(&given), Response::Rapier { friction: 0.5, restitution: 1.0 });
+    assert_eq!(
+        response(&format!("{contact}{law}friction = 0\n")),
+        Response::Rapier { friction: 0.0, restitution: 0.0 }
+    );
+}
+
+#[test]
+fn every_bound_is_heard_and_the_end_follows_the_duration() {
+    let bounds = |keys: &str| with(&format!("[validate]\n{keys}\n")).bounds;
+    let base = Bounds::over(0.02);
+    assert_eq!(bounds("angle = \"1e-3 rad\""), Bounds { angle_rad: 1e-3, ..base });
+    assert_eq!(bounds("contact_time = \"2 us\""), Bounds { contact_time_s: 2e-6, ..base });
+    assert_eq!(bounds("final_force = 0.5"), Bounds { final_force: 0.5, ..base });
+    assert_eq!(bounds("impulse = 2"), Bounds { impulse: 2.0, ..base });
+    assert_eq!(bounds("loop_gap = \"1 mm\""), Bounds { loop_gap_m: 1e-3, ..base });
+    assert_eq!(bounds("until = \"8 ms\""), Bounds { until_s: 0.008, ..base });
+    assert_eq!(bounds("until = \"20 ms\""), base);
+    let scene = scene::parse(&format!("duration = \"7 ms\"\n{GRASP}"), "test.toml").expect("scene");
+    assert_eq!(scene.bounds, Bounds::over(0.007));
+}
+
+#[test]
+fn keys_that_would_have_no_effect_are_refused() {
+    for (keys, key, why) in [
+        ("step = \"10 us\"", "step", "without stepping = \"fixed\""),
+        ("friction = 0.8", "friction", "without law = \"rapier\""),
+        ("law = \"scene\"\nrestitution = 0", "restitution", "without law = \"rapier\""),
+        ("stepping = \"fixed\"\nstep = \"1 us\"\ntolerance = \"1 um\"", "tolerance", "with stepping = \"fixed\""),
+        ("stepping = \"fixed\"\nstep = \"1 us\"\nmax_step = \"1 us\"", "max_step", "with stepping = \"fixed\""),
+    ] {
+        assert_eq!(refused(&format!("[engine]\n{keys}\n")), [format!("`engine.{key}` has no effect {why}")]);
+    }
+    assert_eq!(refused("[engine]\nstepping = \"fixed\"\n"), ["`engine.step` is missing"]);
+}
+
+#[test]
+fn values_out_of_range_are_refused() {
+    for (keys, problem) in [
+        ("engine.tolerance = \"0 mm\"", "`engine.tolerance` is 0 mm, but must be above 0"),
+        ("engine.max_step = \"-1 us\"", "`engine.max_step` is -1 us, but must be above 0"),
+        ("engine.stepping = \"fixed\"\nengine.step = \"0 s\"", "`engine.step` is 0 s, but must be above 0"),
+        ("engine.law = \"rapier\"\nengine.friction = -1", "`engine.friction` is -1, but must be at least 0"),
+        ("engine.law = \"rapier\"\nengine.restitution = 1.1", "`engine.restitution` is 1.1, but must be from 0 to 1"),
+        ("engine.iterations = 0", "`engine.iterations` is 0, but must be a whole number from 1 to 10000"),
+        ("engine.iterations = 10001", "`engine.iterations` is 10001, but must be a whole number from 1 to 10000"),
+        (
+            "engine.iterations = 4294967297",
+            "`engine.iterations` is 4294967297, but must be a whole number from 1 to 10000",
+        ),
+        ("engine.max_steps = 0", "`engine.max_steps` is 0, but must be a whole number from 1"),
+        ("validate.angle = \"0 rad\"", "`validate.angle` is 0 rad, but must be above 0"),
+        ("validate.contact_time = \"0 s\"", "`validate.contact_time` is 0 s, but must be above 0"),
+        ("validate.final_force = 0", "`validate.final_force` is 0, but must be above 0"),
+        ("validate.impulse = inf", "`validate.impulse` is inf, but must be finite"),
+        ("validate.loop_gap = \"-1 mm\"", "`validate.loop_gap` is -1 mm, but must be above 0"),
+        ("validate.until = \"0 ms\"", "`validate.until` is 0 ms, but must be above 0"),
+        ("validate.until = \"21 ms\"", "`validate.until` is 21 ms, but must be at most the duration of 20 ms"),
+    ] {
+        let text = format!("{keys}\n{GRASP}");
+        let error = scene::parse(&text, "test.toml").expect_err(keys);
+        let messages: Vec<&str> = error.problems().iter().map(|p| p.message.as_str()).collect();
+        assert_eq!(messages, [problem]);
+    }
+}
+
+/// A wrong value speaks for itself: what hangs on it is not judged by a guess.
+#[test]
+fn one_mistake_is_told_once() {
+    assert_eq!(
+        refused("[engine]\nstepping = \"fix\"\nstep = \"10 us\"\n"),
+        ["`engine.stepping` does not know \"fix\""]
+    );
+    assert_eq!(refused("[engine]\nlaw = \"rapir\"\nfriction = 0.8\n"), ["`engine.law` does not know \"rapir\""]);
+    let text = format!("duration = \"0 ms\"\n{GRASP}[validate]\nuntil = \"30 ms\"\n");
+    let error = scene::parse(&text, "test.toml").expect_err("duration");
+    assert_eq!(error.problems().len(), 1, "{error}");
+}
