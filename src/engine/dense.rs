@@ -50,7 +50,8 @@ pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
         for j in first[i]..i {
             let start = first[i].max(first[j]);
             let other = &above[j * size..j * size + j + 1];
-            let sum: f64 = if start < j { row[start..j].iter().zip(&other[start..j]).map(|(x, y)| x * y).sum() } else { 0.0 };
+            let sum: f64 =
+                if start < j { row[start..j].iter().zip(&other[start..j]).map(|(x, y)| x * y).sum() } else { 0.0 };
             row[j] = (row[j] - sum) * other[j];
         }
         let square = row[i] - row[first[i]..i].iter().map(|x| x * x).sum::<f64>();

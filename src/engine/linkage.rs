@@ -6,7 +6,6 @@
 //!
 //! General in bodies and joints: all it is told are rapier's masses and anchors.
 
-
 use super::dense;
 use super::plan::PlannedPin;
 use super::world::World;
