@@ -8,9 +8,12 @@
 //! | 3 | the simulation could not be completed; the log up to there is kept and readable |
 
 mod output;
+mod overrides;
 mod progress;
 mod run;
 pub mod scene;
+mod validate;
+mod validate_files;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -37,6 +40,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
+    Validate(validate::ValidateArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
@@ -82,6 +86,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Validate(args) => validate::run(args),
         Command::Scene(command) => scene::run(command),
     };
     let status = result.unwrap_or_else(|failure| {

@@ -3,24 +3,25 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::output::{complain, print};
+use super::overrides::{Model, Overrides};
 use super::progress::Progress;
 use super::{Failure, Status};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
 use crate::log::{self, FileWriter, RunInfo, Severity};
 use crate::report::{self, RunReport};
-use crate::scene::{self, Integrator, Preset, Scene};
-use crate::trace::{Event, RunError, Sample, Sink, SinkError, run_analytic};
-use crate::units::{self, Dimension};
+use crate::scene::{self, Scene};
+use crate::trace::{Event, RunError, Sample, Sink, SinkError, run_analytic, run_engine};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx run scenes/experiment-95.toml\n  phalanx run scenes/experiment-95.toml --log run.mcap\n  \
-                  phalanx run scenes/experiment-95.toml --duration \"30 ms\" --preset reference --json > run.json\n\nThe log \
+                  phalanx run scenes/experiment-95.toml --duration \"30 ms\" --preset reference --json > run.json\n  \
+                  phalanx run scenes/experiment-95.toml --model engine --step \"1 us\"\n\nThe log \
                   opens in Foxglove, Rerun and PlotJuggler. Exit status: 0 done; 2 bad input; 3 the simulation could not be \
                   completed (the log up to there is kept)."
 )]
@@ -40,48 +41,18 @@ pub struct RunArgs {
     #[arg(long)]
     json: bool,
 
-    /// Integrator method and tolerances, instead of those of the scene
-    #[arg(long, value_enum)]
-    preset: Option<PresetArg>,
-
-    /// Relative tolerance of the integrator, instead of that of the scene or preset
-    #[arg(long, value_name = "X", value_parser = tolerance)]
-    rtol: Option<f64>,
-
-    /// Length of the run with its unit, such as "30 ms", instead of that of the scene
-    #[arg(long, value_name = "TIME", value_parser = duration)]
-    duration: Option<f64>,
+    #[command(flatten)]
+    overrides: Overrides,
 }
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Model {
-    /// Closed-form Lagrange model with its own stiff integrator
-    Analytic,
-    /// Rigid-body engine (not in this version)
-    Engine,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PresetArg {
-    /// For everyday runs
-    Engineering,
-    /// Tight tolerances, for figures to compare with
-    Reference,
-}
-
-const MODEL: &str = "analytic";
 
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<Status, Failure> {
-    if args.model == Model::Engine {
-        return Err(Failure::bad_input(
-            "this version has only the analytic model, so --model engine cannot run; leave --model out or say --model analytic",
-        ));
-    }
-    let scene = scene(args)?;
+    let mut scene = scene::load(&args.scene)?;
+    args.overrides.apply(args.model, &mut scene)?;
+    let model = args.model.name();
     let mut sinks = Sinks {
         log: match &args.log {
-            Some(path) => Some(log::create(path, &info(&scene, &args.scene)).map_err(Failure::bad_input)?),
+            Some(path) => Some(log::create(path, &info(&scene, &args.scene, model)).map_err(Failure::bad_input)?),
             None => None,
         },
         tracker: final_angles(&scene).map(Tracker::new),
@@ -90,7 +61,10 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
     };
 
     let start = Instant::now();
-    let result = run_analytic(&scene, &mut sinks);
+    let result = match args.model {
+        Model::Analytic => run_analytic(&scene, &mut sinks),
+        Model::Engine => run_engine(&scene, &mut sinks),
+    };
     let wall_s = start.elapsed().as_secs_f64();
     sinks.progress.clear();
 
@@ -98,7 +72,7 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
         Ok(outcome) => {
             // Whether the grasp is statically stable is for the statics to say; the criteria here are the run's own.
             let criteria = sinks.tracker.as_ref().map(|tracker| tracker.criteria(true));
-            (RunReport::completed(&scene, MODEL, wall_s, outcome, criteria), None)
+            (RunReport::completed(&scene, model, wall_s, outcome, criteria), None)
         }
         Err(error) => {
             let (time_s, reason, so_far) = match error {
@@ -113,7 +87,7 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
                 report::duration(scene.duration_s)
             );
             let failure = report::Failure { time_s, reason };
-            (RunReport::failed(&scene, MODEL, wall_s, failure, so_far), Some(message))
+            (RunReport::failed(&scene, model, wall_s, failure, so_far), Some(message))
         }
     };
     report.log = args.log.as_ref().map(|path| path.display().to_string());
@@ -130,27 +104,9 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
     }
 }
 
-/// The scene with what the command line overrides.
-fn scene(args: &RunArgs) -> Result<Scene, Failure> {
-    let mut scene = scene::load(&args.scene)?;
-    if let Some(preset) = args.preset {
-        let preset = match preset {
-            PresetArg::Engineering => Preset::Engineering,
-            PresetArg::Reference => Preset::Reference,
-        };
-        scene.integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(preset) };
-    }
-    if let Some(rtol) = args.rtol {
-        scene.integrator.rtol = rtol;
-    }
-    if let Some(duration_s) = args.duration {
-        scene.duration_s = duration_s;
-    }
-    Ok(scene)
-}
-
-fn info<'a>(scene: &'a Scene, path: &'a Path) -> RunInfo<'a> {
-    RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model: MODEL }
+/// What the log says about the run.
+pub(super) fn info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> RunInfo<'a> {
+    RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 
 /// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
@@ -217,20 +173,5 @@ impl Sink for Sinks {
             Some(log) => log.event(event),
             None => Ok(()),
         }
-    }
-}
-
-fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
-        _ => Err("expected a number between 0 and 1, such as 1e-6".to_string()),
-    }
-}
-
-fn duration(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Time) {
-        Ok(value) if value > 0.0 => Ok(value),
-        Ok(_) => Err("a run must be longer than 0; expected a time such as \"30 ms\"".to_string()),
-        Err(error) => Err(error.to_string()),
     }
 }

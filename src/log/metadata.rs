@@ -2,13 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use crate::scene::{Method, Preset, Scene};
+use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
 
 /// Media type of the scene attachment.
 pub const ATTACHMENT_MEDIA_TYPE: &str = "application/toml";
+
+/// The name of the engine model.
+const ENGINE: &str = "engine";
+
+/// The version of rapier that is pinned in the manifest.
+const RAPIER_VERSION: &str = "0.36.1";
 
 /// Which run a log is of.
 #[derive(Clone, Copy, Debug)]
@@ -20,30 +26,84 @@ pub struct RunInfo<'a> {
     pub model: &'a str,
 }
 
-/// The entries of the metadata record: versions, model, and the settings in force.
+/// The entries of the metadata record: versions, model, and the settings in force for it.
 ///
 /// The attached scene is the file as written; where the command line overrode it, these settings are the ones that
 /// held. Numbers are printed in the shortest form that reads back to the same double.
 pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
-    let Scene { name, duration_s, integrator, log, .. } = run.scene;
-    [
+    let Scene { name, duration_s, log, .. } = run.scene;
+    let mut entries = vec![
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("model", run.model.to_string()),
         ("scene", name.clone()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{duration_s:?}")),
-        ("integrator_preset", preset_name(integrator.preset).to_string()),
-        ("integrator_method", method_name(integrator.method).to_string()),
-        ("integrator_rtol", format!("{:?}", integrator.rtol)),
-        ("integrator_atol_angle_rad", format!("{:?}", integrator.atol_angle_rad)),
-        ("integrator_atol_rate_rad_s", format!("{:?}", integrator.atol_rate_rad_s)),
-        ("integrator_max_steps", integrator.max_steps.to_string()),
         ("log_numeric_hz", format!("{:?}", log.numeric_hz)),
+    ];
+    match run.model {
+        ENGINE => entries.extend(engine(&run.scene.engine)),
+        _ => entries.extend(integrator(&run.scene.integrator)),
+    }
+    entries.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
+}
+
+fn integrator(settings: &Integrator) -> Vec<(&'static str, String)> {
+    vec![
+        ("integrator_preset", preset_name(settings.preset).to_string()),
+        ("integrator_method", method_name(settings.method).to_string()),
+        ("integrator_rtol", format!("{:?}", settings.rtol)),
+        ("integrator_atol_angle_rad", format!("{:?}", settings.atol_angle_rad)),
+        ("integrator_atol_rate_rad_s", format!("{:?}", settings.atol_rate_rad_s)),
+        ("integrator_max_steps", settings.max_steps.to_string()),
     ]
-    .into_iter()
-    .map(|(key, value)| (key.to_string(), value))
-    .collect()
+}
+
+fn engine(settings: &Engine) -> Vec<(&'static str, String)> {
+    let mut entries = vec![
+        ("engine_construction", construction_name(settings.construction).to_string()),
+        ("engine_law", law_name(settings.response).to_string()),
+        ("engine_stepping", stepping_name(settings.stepping).to_string()),
+        ("engine_iterations", settings.iterations.to_string()),
+        ("engine_max_steps", settings.max_steps.to_string()),
+        ("rapier_version", RAPIER_VERSION.to_string()),
+    ];
+    if let Response::Rapier { friction, restitution } = settings.response {
+        entries.push(("engine_friction", format!("{friction:?}")));
+        entries.push(("engine_restitution", format!("{restitution:?}")));
+    }
+    match settings.stepping {
+        Stepping::Fixed { step_s } => entries.push(("engine_step_s", format!("{step_s:?}"))),
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
+            entries.push(("engine_tolerance_m", format!("{tolerance_m:?}")));
+            entries.push(("engine_max_step_s", format!("{max_step_s:?}")));
+        }
+    }
+    entries
+}
+
+/// The construction in the words of scene files.
+pub fn construction_name(construction: Construction) -> &'static str {
+    match construction {
+        Construction::Maximal => "maximal",
+        Construction::Reduced => "reduced",
+    }
+}
+
+/// What answers to contact, in the words of scene files.
+pub fn law_name(response: Response) -> &'static str {
+    match response {
+        Response::Laws => "scene",
+        Response::Rapier { .. } => "rapier",
+    }
+}
+
+/// The stepping in the words of scene files.
+pub fn stepping_name(stepping: Stepping) -> &'static str {
+    match stepping {
+        Stepping::Fixed { .. } => "fixed",
+        Stepping::Adaptive { .. } => "adaptive",
+    }
 }
 
 /// The preset in the words of scene files.

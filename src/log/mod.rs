@@ -27,5 +27,8 @@ mod writer;
 
 pub use file::{FileWriter, LogError, create};
 pub use messages::{Contact, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
-pub use metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, method_name, preset_name};
+pub use metadata::{
+    ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, construction_name, law_name, metadata, method_name, preset_name,
+    stepping_name,
+};
 pub use writer::{CHUNK_BYTES, Severity, Writer};

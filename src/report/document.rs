@@ -5,8 +5,8 @@
 use serde::Serialize;
 
 use crate::criteria::Criteria;
-use crate::log::{method_name, preset_name};
-use crate::scene::{Integrator, Scene};
+use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
+use crate::scene::{Engine, Integrator, Scene, Stepping};
 use crate::trace::{ContactSample, Outcome, Sample, Site, SiteSummary, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came.
@@ -34,7 +34,12 @@ pub struct RunReport {
     pub error: Option<Failure>,
     pub energy: Option<Energies>,
     pub work: Option<WorkReport>,
-    pub integrator: IntegratorUsed,
+    /// Settings of the analytic model; null for a run of the engine.
+    pub integrator: Option<IntegratorUsed>,
+    /// Settings of the engine model; null for a run of the analytic one.
+    pub engine: Option<EngineUsed>,
+    /// Largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
+    pub loop_gap_m: Option<f64>,
     /// Path of the log as given; null if none was asked for.
     pub log: Option<String>,
 }
@@ -118,6 +123,9 @@ pub struct WorkReport {
     pub rhs_evaluations: u64,
     pub jacobian_evaluations: u64,
     pub events: u64,
+    /// Sub-steps of the engine's contact solver, and Newton iterations in them; 0 for the analytic model.
+    pub contact_substeps: u64,
+    pub newton_iterations: u64,
 }
 
 /// The integrator settings in force.
@@ -128,6 +136,20 @@ pub struct IntegratorUsed {
     pub rtol: f64,
     pub atol_angle_rad: f64,
     pub atol_rate_rad_s: f64,
+    pub max_steps: u64,
+}
+
+/// The engine settings in force; null is what the stepping does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EngineUsed {
+    pub construction: &'static str,
+    /// `scene`: the scene's contact laws; `rapier`: rapier's own rigid contact.
+    pub law: &'static str,
+    pub stepping: &'static str,
+    pub step_s: Option<f64>,
+    pub tolerance_m: Option<f64>,
+    pub max_step_s: Option<f64>,
+    pub iterations: u32,
     pub max_steps: u64,
 }
 
@@ -148,6 +170,7 @@ impl RunReport {
     }
 
     fn up_to(scene: &Scene, model: &str, wall_s: f64, outcome: Option<&Outcome>) -> Self {
+        let engine = model == "engine";
         RunReport {
             scene: scene.name.clone(),
             model: model.to_string(),
@@ -162,7 +185,9 @@ impl RunReport {
             error: None,
             energy: outcome.map(|outcome| Energies::from(&outcome.last)),
             work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
-            integrator: IntegratorUsed::from(&scene.integrator),
+            integrator: (!engine).then(|| IntegratorUsed::from(&scene.integrator)),
+            engine: engine.then(|| EngineUsed::from(&scene.engine)),
+            loop_gap_m: outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m),
             log: None,
         }
     }
@@ -248,6 +273,8 @@ impl From<&Work> for WorkReport {
             rhs_evaluations: work.rhs_evaluations,
             jacobian_evaluations: work.jacobian_evaluations,
             events: work.events,
+            contact_substeps: work.contact_substeps,
+            newton_iterations: work.newton_iterations,
         }
     }
 }
@@ -261,6 +288,25 @@ impl From<&Integrator> for IntegratorUsed {
             atol_angle_rad: integrator.atol_angle_rad,
             atol_rate_rad_s: integrator.atol_rate_rad_s,
             max_steps: integrator.max_steps,
+        }
+    }
+}
+
+impl From<&Engine> for EngineUsed {
+    fn from(engine: &Engine) -> Self {
+        let (step_s, tolerance_m, max_step_s) = match engine.stepping {
+            Stepping::Fixed { step_s } => (Some(step_s), None, None),
+            Stepping::Adaptive { tolerance_m, max_step_s } => (None, Some(tolerance_m), Some(max_step_s)),
+        };
+        EngineUsed {
+            construction: construction_name(engine.construction),
+            law: law_name(engine.response),
+            stepping: stepping_name(engine.stepping),
+            step_s,
+            tolerance_m,
+            max_step_s,
+            iterations: engine.iterations,
+            max_steps: engine.max_steps,
         }
     }
 }

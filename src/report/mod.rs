@@ -3,16 +3,28 @@
 mod document;
 mod table;
 mod text;
+mod validation;
 
 pub use document::{
-    Contacts, Dynamics, Energies, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport, WorkReport,
+    Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
+    WorkReport,
 };
 pub use text::{duration, text};
+pub use validation::{
+    AngleDifference, COLUMNS, CheckReport, ContactDifference, DifferencesReport, ImpactReport, ModelReport,
+    SettingReport, Status, ValidationReport, series, validation_json, validation_text,
+};
+
+use serde::Serialize;
 
 /// The report as one JSON document with a line end.
 ///
 /// Floats are printed in the shortest form that reads back to the same double; what is not finite becomes null.
 pub fn json(report: &RunReport) -> String {
+    document_text(report)
+}
+
+fn document_text(report: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(report).expect("a report is plain data with string keys");
     text.push('\n');
     text

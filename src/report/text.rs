@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::document::{Contacts, Dynamics, Energies, Final, PhalanxReport, RunReport};
+use super::document::{Contacts, Dynamics, Energies, EngineUsed, Final, IntegratorUsed, PhalanxReport, RunReport};
 use super::table::{figure, table};
 
 /// The whole summary, with a line end.
@@ -24,15 +24,19 @@ pub fn text(report: &RunReport) -> String {
 }
 
 fn heading(report: &RunReport) -> String {
-    let integrator = &report.integrator;
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} model, {} (rtol {:e}, {} preset)",
-        report.scene, report.model, integrator.method, integrator.rtol, integrator.preset
+        "{}: {} model{}",
+        report.scene,
+        report.model,
+        report.integrator.as_ref().map(integrator).or_else(|| report.engine.as_ref().map(engine)).unwrap_or_default()
     );
     let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
+    if let Some(gap_m) = report.loop_gap_m {
+        let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
+    }
     if let Some(error) = &report.error {
         let _ = writeln!(
             text,
@@ -48,19 +52,35 @@ fn heading(report: &RunReport) -> String {
     text
 }
 
+fn integrator(used: &IntegratorUsed) -> String {
+    format!(", {} (rtol {:e}, {} preset)", used.method, used.rtol, used.preset)
+}
+
+fn engine(used: &EngineUsed) -> String {
+    let stepping = match (used.step_s, used.tolerance_m, used.max_step_s) {
+        (Some(step_s), ..) => format!("steps of {}", duration(step_s)),
+        (None, Some(tolerance_m), Some(max_step_s)) => {
+            format!("joints within {} m a step, steps up to {}", figure(tolerance_m, 3), duration(max_step_s))
+        }
+        _ => String::new(),
+    };
+    let law = if used.law == "rapier" { ", rapier's own contact" } else { "" };
+    format!(", {} construction ({stepping}, {} sweeps{law})", used.construction, used.iterations)
+}
+
 fn cost(report: &RunReport) -> String {
     let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, &report.work) else {
         return String::new();
     };
-    format!(
-        "{} in {steps} steps ({} rejected), {} evaluations, {} Jacobians, {} event{}; ",
-        duration(end_s),
-        work.rejected_steps,
-        work.rhs_evaluations,
-        work.jacobian_evaluations,
-        work.events,
-        if work.events == 1 { "" } else { "s" }
-    )
+    let effort = match report.engine {
+        None => format!("{} evaluations, {} Jacobians", work.rhs_evaluations, work.jacobian_evaluations),
+        Some(_) => {
+            format!("{} contact sub-steps, {} Newton iterations", work.contact_substeps, work.newton_iterations)
+        }
+    };
+    let (rejected, events) = (work.rejected_steps, work.events);
+    let plural = if events == 1 { "" } else { "s" };
+    format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", duration(end_s))
 }
 
 fn final_state(last: &Final, end_s: f64) -> String {

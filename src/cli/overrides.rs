@@ -1,0 +1,169 @@
+//! Flags of `phalanx run` that stand in for what the scene says, and refusals of those that would do nothing.
+
+use clap::{Args, ValueEnum};
+
+use super::Failure;
+use crate::scene::{Construction, Engine, Integrator, Preset, Scene, Stepping};
+use crate::units::{self, Dimension};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    /// Closed-form Lagrange model with its own stiff integrator
+    Analytic,
+    /// Rigid-body engine with the same contact laws
+    Engine,
+}
+
+impl Model {
+    /// The model in reports and logs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Analytic => "analytic",
+            Model::Engine => "engine",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PresetArg {
+    /// For everyday runs
+    Engineering,
+    /// Tight tolerances, for figures to compare with
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ConstructionArg {
+    /// Free bodies, every joint a constraint
+    Maximal,
+    /// A tree of joints in its own coordinates, closed by one constraint
+    Reduced,
+}
+
+/// Settings given on the command line.
+#[derive(Debug, Args)]
+pub struct Overrides {
+    /// Integrator method and tolerances of the analytic model, instead of those of the scene
+    #[arg(long, value_enum)]
+    preset: Option<PresetArg>,
+
+    /// Relative tolerance of the analytic model, instead of that of the scene or preset
+    #[arg(long, value_name = "X", value_parser = relative)]
+    rtol: Option<f64>,
+
+    /// Coordinates of the engine model, instead of those of the scene
+    #[arg(long, value_enum)]
+    construction: Option<ConstructionArg>,
+
+    /// Fixed step of the engine model with its unit, such as "1 us", instead of the stepping of the scene
+    #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
+    step: Option<f64>,
+
+    /// Adaptive steps of the engine model: how far a joint may open in one, such as "0.02 um", instead of the stepping of the
+    /// scene
+    #[arg(long, value_name = "LENGTH", value_parser = opening)]
+    tolerance: Option<f64>,
+
+    /// Length of the run with its unit, such as "30 ms", instead of that of the scene
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    duration: Option<f64>,
+}
+
+impl Overrides {
+    /// Puts the flags into the scene.
+    ///
+    /// # Errors
+    /// A flag of the model that does not run.
+    pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
+        self.refuse_idle(model)?;
+        if let Some(preset) = self.preset {
+            let preset = match preset {
+                PresetArg::Engineering => Preset::Engineering,
+                PresetArg::Reference => Preset::Reference,
+            };
+            scene.integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(preset) };
+        }
+        if let Some(rtol) = self.rtol {
+            scene.integrator.rtol = rtol;
+        }
+        if let Some(construction) = self.construction {
+            scene.engine.construction = match construction {
+                ConstructionArg::Maximal => Construction::Maximal,
+                ConstructionArg::Reduced => Construction::Reduced,
+            };
+        }
+        if let Some(step_s) = self.step {
+            scene.engine.stepping = Stepping::Fixed { step_s };
+        }
+        if let Some(tolerance_m) = self.tolerance {
+            let max_step_s = longest_step(&scene.engine);
+            scene.engine.stepping = Stepping::Adaptive { tolerance_m, max_step_s };
+        }
+        if let Some(duration_s) = self.duration {
+            scene.duration_s = duration_s;
+        }
+        Ok(())
+    }
+
+    /// Refuses flags that the model would not look at.
+    fn refuse_idle(&self, model: Model) -> Result<(), Failure> {
+        let (flags, other) = match model {
+            Model::Analytic => (
+                [
+                    ("--construction", self.construction.is_some()),
+                    ("--step", self.step.is_some()),
+                    ("--tolerance", self.tolerance.is_some()),
+                ],
+                Model::Engine,
+            ),
+            Model::Engine => {
+                ([("--preset", self.preset.is_some()), ("--rtol", self.rtol.is_some()), ("", false)], Model::Analytic)
+            }
+        };
+        match flags.iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(Failure::bad_input(format!(
+                "{flag} is a setting of the {} model and would do nothing here, where the {} model runs; leave {flag} out or \
+                 say --model {}",
+                other.name(),
+                model.name(),
+                other.name()
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The longest adaptive step of the scene; the default where its steps are fixed.
+fn longest_step(engine: &Engine) -> f64 {
+    match (engine.stepping, Engine::DEFAULT.stepping) {
+        (Stepping::Adaptive { max_step_s, .. }, _) | (_, Stepping::Adaptive { max_step_s, .. }) => max_step_s,
+        (Stepping::Fixed { step_s }, Stepping::Fixed { .. }) => step_s,
+    }
+}
+
+fn relative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("expected a number between 0 and 1, such as 1e-6".to_string()),
+    }
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    positive(text, Dimension::Time, "a run must be longer than 0; expected a time such as \"30 ms\"")
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    positive(text, Dimension::Time, "a step must be longer than 0; expected a time such as \"1 us\"")
+}
+
+fn opening(text: &str) -> Result<f64, String> {
+    positive(text, Dimension::Length, "a tolerance must be more than 0; expected a length such as \"0.02 um\"")
+}
+
+fn positive(text: &str, dimension: Dimension, otherwise: &str) -> Result<f64, String> {
+    match units::parse(text, dimension) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(_) => Err(otherwise.to_string()),
+        Err(error) => Err(error.to_string()),
+    }
+}

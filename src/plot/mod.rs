@@ -1,0 +1,22 @@
+//! Pictures of a validation, as SVG text: the same figures give the same bytes.
+//!
+//! | file | job |
+//! |---|---|
+//! | `axis` | ranges and ticks, linear and logarithmic |
+//! | `canvas` | fonts, colours, frames, legends beside the frames |
+//! | `curve` | lines of as many points as a picture can show |
+//! | `speed_error` | wall time against error, every setting that was tried |
+//! | `overlay` | both models over time |
+//! | `difference` | difference of the joint angles over time |
+
+mod axis;
+mod canvas;
+mod curve;
+mod difference;
+mod overlay;
+mod speed_error;
+
+pub use canvas::DrawError;
+pub use difference::difference;
+pub use overlay::overlay;
+pub use speed_error::speed_error;

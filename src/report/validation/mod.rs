@@ -1,0 +1,18 @@
+//! What a validation is reported as: one document of plain figures, printed for people or as JSON, and the series of both
+//! models side by side.
+
+mod document;
+mod series;
+mod text;
+
+pub use document::{
+    AngleDifference, CheckReport, ContactDifference, DifferencesReport, ImpactReport, ModelReport, SettingReport,
+    Status, ValidationReport,
+};
+pub use series::{COLUMNS, series};
+pub use text::validation_text;
+
+/// The report as one JSON document with a line end.
+pub fn validation_json(report: &ValidationReport) -> String {
+    super::document_text(report)
+}

@@ -1,0 +1,229 @@
+//! The report of a validation for people: short tables with units.
+
+use std::fmt::Write;
+
+use super::super::table::{figure, table};
+use super::super::text::duration;
+use super::document::{
+    CheckReport, DifferencesReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport,
+};
+
+/// The whole report, with a line end.
+pub fn validation_text(report: &ValidationReport) -> String {
+    let mut sections = vec![heading(report), checks(&report.verdict), side_by_side(report)];
+    if !report.impacts.is_empty() {
+        sections.push(impacts(&report.impacts));
+    }
+    sections.push(differences(&report.differences));
+    sections.push(settings(report));
+    sections.join("\n")
+}
+
+fn heading(report: &ValidationReport) -> String {
+    let mut text = String::new();
+    let model = |model: &ModelReport| {
+        let steps = model.steps.map(|steps| format!(", {steps} steps")).unwrap_or_default();
+        let wall = model.wall_s.map(|wall_s| format!(", {} of wall time", duration(wall_s))).unwrap_or_default();
+        format!("{}{steps}{wall}", model.setting)
+    };
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{}: engine against analytic model: {}",
+        report.scene,
+        if report.passed { "within all bounds" } else { "OUT OF BOUNDS" }
+    );
+    let _ = writeln!(text, "analytic: {} (the reference)", model(&report.analytic));
+    let _ = writeln!(text, "engine:   {} (the scene's settings)", model(&report.engine));
+    let _ = writeln!(
+        text,
+        "compared up to {} of {}; differences are the worst of {} runs, motor torque {:e} apart",
+        duration(report.until_s),
+        duration(report.duration_s),
+        report.ensemble_runs,
+        report.ensemble_torque_step
+    );
+    if let Some(files) = &report.files {
+        let _ = writeln!(text, "files: {}", files.join(", "));
+    }
+    text
+}
+
+fn checks(checks: &[CheckReport]) -> String {
+    let mut rows = vec![row(["bound", "measured", "limit", ""])];
+    for check in checks {
+        let measured = match check.measured {
+            Some(value) if value.is_infinite() => "missing in one".to_string(),
+            Some(value) => figure(value, 3),
+            None => "nothing there".to_string(),
+        };
+        let passed = if check.passed { "pass" } else { "FAIL" };
+        rows.push(row([&format!("{} ({})", check.bound, check.meaning), &measured, &figure(check.limit, 3), passed]));
+    }
+    table(&rows)
+}
+
+fn side_by_side(report: &ValidationReport) -> String {
+    let (a, e) = (&report.analytic, &report.engine);
+    let line = |name: &str, analytic: f64, engine: f64, digits: usize| {
+        row([name, &figure(analytic, digits), &figure(engine, digits), &figure(engine - analytic, 3)])
+    };
+    let mut rows = vec![
+        row([&format!("at {}", duration(report.duration_s)), "analytic", "engine", "difference"]),
+        line("q11, deg", a.last.q11_rad.to_degrees(), e.last.q11_rad.to_degrees(), 8),
+        line("q21, deg", a.last.q21_rad.to_degrees(), e.last.q21_rad.to_degrees(), 8),
+        line("q22, deg", a.last.q22_rad.to_degrees(), e.last.q22_rad.to_degrees(), 8),
+        line("qd11, rad/s", a.last.qd11_rad_s, e.last.qd11_rad_s, 4),
+        line("qd21, rad/s", a.last.qd21_rad_s, e.last.qd21_rad_s, 4),
+    ];
+    let contacts =
+        [("proximal", &a.contacts.proximal, &e.contacts.proximal), ("distal", &a.contacts.distal, &e.contacts.distal)];
+    for (name, ours, theirs) in contacts {
+        rows.push(line(&format!("{name} normal, N"), ours.final_normal_n, theirs.final_normal_n, 7));
+        rows.push(line(&format!("{name} friction, N"), ours.final_tangential_n, theirs.final_tangential_n, 4));
+    }
+    for (name, ours, theirs) in contacts {
+        if let (Some(ours), Some(theirs)) = (ours.first_s, theirs.first_s) {
+            rows.push(line(&format!("{name} first touch, ms"), ours * 1e3, theirs * 1e3, 8));
+        }
+        let touchdowns = |count: u32| count.to_string();
+        rows.push(row([&format!("{name} touch-downs"), &touchdowns(ours.touchdowns), &touchdowns(theirs.touchdowns)]));
+        rows.push(line(&format!("{name} impulse, mN·s"), ours.impulse_n_s * 1e3, theirs.impulse_n_s * 1e3, 6));
+        rows.push(line(&format!("{name} peak, N"), ours.peak_normal_n, theirs.peak_normal_n, 4));
+    }
+    rows.push(line("kinetic energy, mJ", a.energy.kinetic_j * 1e3, e.energy.kinetic_j * 1e3, 4));
+    rows.push(line("dissipated, mJ", a.energy.dissipated_j * 1e3, e.energy.dissipated_j * 1e3, 6));
+    rows.push(line("motor work, mJ", a.energy.motor_work_j * 1e3, e.energy.motor_work_j * 1e3, 6));
+    rows.push(line("balance, mJ", a.energy.balance_j * 1e3, e.energy.balance_j * 1e3, 3));
+    table(&rows)
+}
+
+/// More impacts than this make no table for people; the JSON document has them all.
+const MOST_IMPACTS: usize = 12;
+
+fn impacts(impacts: &[ImpactReport]) -> String {
+    let window = impacts.first().map_or(0.0, |impact| impact.window_s);
+    let mut rows = vec![row([
+        "impact",
+        "analytic, ms",
+        "engine, ms",
+        &format!("impulse in {}: analytic, mN·s", duration(window)),
+        "engine, mN·s",
+        "difference, %",
+    ])];
+    let or_dash = |value: Option<f64>, digits: usize| value.map_or("–".to_string(), |value| figure(value, digits));
+    for impact in impacts.iter().take(MOST_IMPACTS) {
+        let relative = match (impact.analytic_n_s, impact.engine_n_s) {
+            (Some(ours), Some(theirs)) if ours != 0.0 => Some(100.0 * (theirs / ours - 1.0)),
+            _ => None,
+        };
+        rows.push(row([
+            impact.site,
+            &or_dash(impact.analytic_s.map(|s| s * 1e3), 7),
+            &or_dash(impact.engine_s.map(|s| s * 1e3), 7),
+            &or_dash(impact.analytic_n_s.map(|n_s| n_s * 1e3), 5),
+            &or_dash(impact.engine_n_s.map(|n_s| n_s * 1e3), 5),
+            &or_dash(relative, 3),
+        ]));
+    }
+    let mut text = table(&rows);
+    if impacts.len() > MOST_IMPACTS {
+        let _ = writeln!(text, "and {} more", impacts.len() - MOST_IMPACTS);
+    }
+    text
+}
+
+fn differences(found: &DifferencesReport) -> String {
+    let mut rows = vec![row(["difference", "max, rad", "at, ms", "RMS, rad", "at the end, rad", "rate RMS, rad/s"])];
+    for (name, joint) in &found.joints {
+        rows.push(row([
+            name,
+            &figure(joint.max_rad, 3),
+            &figure(joint.max_at_s * 1e3, 5),
+            &figure(joint.rms_rad, 3),
+            &figure(joint.end_rad, 3),
+            &figure(joint.rate_rms_rad_s, 3),
+        ]));
+    }
+    let mut text = table(&rows);
+    let _ = writeln!(
+        text,
+        "energy that came from nowhere: {} mJ, {} of the motor's work",
+        figure(found.energy_created_j * 1e3, 3),
+        figure(found.energy_created, 3)
+    );
+    text
+}
+
+fn settings(report: &ValidationReport) -> String {
+    let mut text = String::new();
+    let mut rows = vec![
+        row(["speed against error", "runs", "steps", "wall, ms", "× real", "× anal.", "angle,", "touch,", "impulse,"]),
+        row(["", "", "", "", "time", "everyday", "rad", "µs", "%"]),
+    ];
+    rows[0].extend(row(["force,", "gap,", "energy,"]));
+    rows[1].extend(row(["%", "µm", "%"]));
+    let mut notes = Vec::new();
+    let mut family = "";
+    for setting in &report.settings {
+        if setting.family != family {
+            family = setting.family;
+            rows.push(row([family]));
+        }
+        rows.push(cells(setting));
+        match (setting.status, &setting.reason) {
+            (Status::Done, _) | (_, None) => {}
+            (Status::Failed, Some(reason)) => notes.push(format!("{}, {}: {reason}", family, setting.setting)),
+            (Status::TooLong, Some(reason)) => {
+                notes.push(format!("{}, {}: left out, {reason}", family, setting.setting))
+            }
+        }
+    }
+    text.push_str(&table(&rows));
+    text.push_str(
+        "largest differences from the reference over so many runs; * the scene's settings; wall time of the model alone, median\n",
+    );
+    for note in notes {
+        let _ = writeln!(text, "{note}");
+    }
+    text
+}
+
+fn cells(setting: &SettingReport) -> Vec<String> {
+    let mark = if setting.own { " *" } else { "" };
+    let name = format!("  {}{mark}", setting.setting);
+    let (Some(steps), Some(wall_s)) = (setting.steps, setting.wall_s) else {
+        let word = if setting.status == Status::TooLong { "left out" } else { "failed" };
+        return row([&name, "–", "–", word]);
+    };
+    let number = |value: Option<f64>, digits: usize| value.map_or("–".to_string(), |value| figure(value, digits));
+    let found = setting.differences.as_ref();
+    let worst = |of: fn(&DifferencesReport) -> [Option<f64>; 2]| match found.map(of)? {
+        [Some(a), Some(b)] => Some(a.max(b)),
+        [a, b] => a.or(b),
+    };
+    let runs = if setting.reference { "–".to_string() } else { setting.ensemble_runs.to_string() };
+    let percent = |value: Option<f64>| number(value.map(|value| 100.0 * value), 2);
+    let mut cells = row([
+        &name,
+        &runs,
+        &steps.to_string(),
+        &figure(wall_s * 1e3, 3),
+        &number(setting.real_time_factor, 3),
+        &number(setting.analytic_factor, 3),
+        &number(setting.angle_max_rad, 2),
+        &number(worst(|found| [found.proximal.first_touch_s, found.distal.first_touch_s]).map(|s| s * 1e6), 2),
+        &percent(worst(|found| [found.proximal.impulse, found.distal.impulse])),
+        &percent(worst(|found| [found.proximal.final_force, found.distal.final_force])),
+        &number(found.map(|found| found.loop_gap_m * 1e6), 2),
+        &percent(found.map(|found| found.energy_created)),
+    ]);
+    if setting.reference {
+        cells[0].push_str(" (reference)");
+    }
+    cells
+}
+
+fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(String::from).to_vec()
+}

@@ -1,0 +1,69 @@
+//! Wall time of a setting, beside that of the everyday analytic run.
+
+use std::time::Instant;
+
+use super::{Model, run};
+use crate::scene::{Integrator, Preset, Scene};
+use crate::trace::RunError;
+
+/// Time spent on repeating one setting, and how often at most.
+const PATIENCE_S: f64 = 0.2;
+const MOST_RUNS: usize = 15;
+/// Runs of the analytic model per timed run: one is over in a fraction of a millisecond.
+const BESIDE: usize = 3;
+
+/// What a setting costs, alone and with nothing listening.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Timed runs; the wall time is their median.
+    pub runs: usize,
+    pub wall_s: f64,
+    /// Median wall time of the analytic model at its engineering preset, measured between those runs.
+    pub analytic_wall_s: f64,
+    pub steps: u64,
+    /// Simulated time of one run.
+    pub simulated_s: f64,
+}
+
+impl Cost {
+    /// Simulated time over wall time.
+    pub fn real_time_factor(&self) -> f64 {
+        self.simulated_s / self.wall_s
+    }
+
+    /// Wall time over that of the everyday analytic run.
+    pub fn analytic_factor(&self) -> f64 {
+        self.wall_s / self.analytic_wall_s
+    }
+}
+
+/// Times a scene with one of the models: the median of as many runs as fit in [`PATIENCE_S`], at least one.
+pub fn cost(model: Model, scene: &Scene) -> Result<Cost, RunError> {
+    let everyday = Scene {
+        integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Engineering) },
+        ..scene.clone()
+    };
+    let (mut times, mut beside) = (Vec::new(), Vec::new());
+    let (mut steps, mut wanted) = (0, 1);
+    while times.len() < wanted {
+        let start = Instant::now();
+        steps = run(model, scene, &mut ())?.work.steps;
+        times.push(start.elapsed().as_secs_f64());
+        if times.len() == 1 {
+            wanted = ((PATIENCE_S / times[0]) as usize).clamp(1, MOST_RUNS);
+        }
+        for _ in 0..BESIDE {
+            let start = Instant::now();
+            run(Model::Analytic, &everyday, &mut ())?;
+            beside.push(start.elapsed().as_secs_f64());
+        }
+    }
+    let runs = times.len();
+    let (wall_s, analytic_wall_s) = (median(times), median(beside));
+    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.duration_s })
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

@@ -1,0 +1,213 @@
+//! The settings that are tried: both models, from coarse to fine.
+
+use super::MEMBERS;
+use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+
+/// A setting that is predicted to need more steps than this is left out.
+pub const LONGEST_STEPS: f64 = 2e6;
+/// A fixed step that makes more steps than this is run once, not with the whole ensemble.
+const ONCE_STEPS: f64 = 15e3;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    Analytic,
+    Engine,
+}
+
+impl Model {
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Analytic => "analytic",
+            Model::Engine => "engine",
+        }
+    }
+}
+
+/// Settings that differ in a number only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Maximal construction, scene's laws: steps as long as a tolerance lets them be, or all the same.
+    EngineAdaptive,
+    EngineFixed,
+    /// Reduced construction, scene's laws.
+    Reduced,
+    /// rapier's own contact.
+    Native,
+    Analytic,
+}
+
+impl Family {
+    pub const ALL: [Family; 5] =
+        [Family::EngineAdaptive, Family::EngineFixed, Family::Reduced, Family::Native, Family::Analytic];
+
+    /// In tables and pictures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::EngineAdaptive => "engine, adaptive steps",
+            Family::EngineFixed => "engine, fixed steps",
+            Family::Reduced => "engine, reduced coordinates",
+            Family::Native => "engine, native contact",
+            Family::Analytic => "analytic",
+        }
+    }
+
+    fn of(engine: &Engine) -> Family {
+        match (engine.response, engine.construction, engine.stepping) {
+            (Response::Rapier { .. }, ..) => Family::Native,
+            (_, Construction::Reduced, _) => Family::Reduced,
+            (.., Stepping::Adaptive { .. }) => Family::EngineAdaptive,
+            (.., Stepping::Fixed { .. }) => Family::EngineFixed,
+        }
+    }
+}
+
+/// What a setting sets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Settings {
+    Analytic(Integrator),
+    Engine(Engine),
+}
+
+/// One setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rung {
+    pub family: Family,
+    pub settings: Settings,
+    /// Whether this is what the scene asks for: the setting that is judged.
+    pub own: bool,
+    /// Runs of which the worst counts.
+    pub members: usize,
+}
+
+impl Rung {
+    fn engine(engine: Engine, scene: &Scene) -> Self {
+        let own = engine == scene.engine;
+        let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > ONCE_STEPS);
+        let members = if long && !own { 1 } else { MEMBERS };
+        Rung { family: Family::of(&engine), settings: Settings::Engine(engine), own, members }
+    }
+
+    fn analytic(integrator: Integrator) -> Self {
+        Rung { family: Family::Analytic, settings: Settings::Analytic(integrator), own: false, members: MEMBERS }
+    }
+
+    pub fn model(&self) -> Model {
+        match self.settings {
+            Settings::Analytic(_) => Model::Analytic,
+            Settings::Engine(_) => Model::Engine,
+        }
+    }
+
+    /// The scene with this setting.
+    pub fn apply(&self, scene: &Scene) -> Scene {
+        match self.settings {
+            Settings::Analytic(integrator) => Scene { integrator, ..scene.clone() },
+            Settings::Engine(engine) => Scene { engine, ..scene.clone() },
+        }
+    }
+
+    /// Whether this is the reference: it has no error to speak of.
+    pub fn is_reference(&self) -> bool {
+        matches!(self.settings, Settings::Analytic(integrator) if integrator.preset == Preset::Reference)
+    }
+
+    /// Steps a run will take, as far as that can be told; `own` is what the scene's own engine run took.
+    pub fn predicted_steps(&self, scene: &Scene, own: u64) -> Option<f64> {
+        match (self.settings, scene.engine.stepping) {
+            (Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }), _) => {
+                Some(scene.duration_s / step_s)
+            }
+            (
+                Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }),
+                Stepping::Adaptive { tolerance_m: usual_m, .. },
+            ) => Some(own as f64 * (usual_m / tolerance_m).sqrt()),
+            _ => None,
+        }
+    }
+}
+
+/// The setting the scene asks for.
+pub fn own(scene: &Scene) -> Rung {
+    Rung::engine(scene.engine, scene)
+}
+
+/// A setting in few words, without its family.
+pub fn name(rung: &Rung) -> String {
+    match rung.settings {
+        Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => format!("rodas5p rtol {rtol:e}"),
+        Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => format!("radau5 rtol {rtol:e}"),
+        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("dt {step_s:e} s"),
+        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }) => {
+            format!("tolerance {tolerance_m:e} m")
+        }
+    }
+}
+
+/// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
+pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
+    let mut engines = adaptive(scene);
+    engines.extend(fixed(scene, Construction::Maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
+    if !quick {
+        engines.extend(fixed(scene, Construction::Reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
+    }
+    if scene.object.is_some() {
+        let friction = scene.contact.proximal.friction.map_or(0.0, |law| law.mu_static);
+        let native = Response::Rapier { friction, restitution: 0.0 };
+        engines.extend(fixed(scene, Construction::Maximal, native, &[1e-4, 1e-5, 1e-6], quick));
+    }
+    if !engines.contains(&scene.engine) {
+        let family = Family::of(&scene.engine);
+        let place = engines.iter().rposition(|engine| Family::of(engine) == family);
+        engines.insert(place.map_or(0, |place| place + 1), scene.engine);
+    }
+    let engines = engines.into_iter().map(|engine| Rung::engine(engine, scene));
+    engines.chain(analytic(scene).into_iter().map(Rung::analytic)).collect()
+}
+
+/// Tolerances around the scene's own, or around the usual one where its steps are fixed.
+fn adaptive(scene: &Scene) -> Vec<Engine> {
+    let stepping = match scene.engine.stepping {
+        Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
+        adaptive @ Stepping::Adaptive { .. } => adaptive,
+    };
+    let Stepping::Adaptive { tolerance_m, max_step_s } = stepping else { return Vec::new() };
+    [100.0, 10.0, 1.0, 0.1]
+        .map(|factor| Engine {
+            construction: Construction::Maximal,
+            response: Response::Laws,
+            stepping: Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s },
+            ..scene.engine
+        })
+        .to_vec()
+}
+
+fn fixed(scene: &Scene, construction: Construction, response: Response, steps_s: &[f64], quick: bool) -> Vec<Engine> {
+    let coarse = steps_s.iter().filter(|&&step_s| !quick || step_s > 5e-6);
+    coarse
+        .map(|&step_s| Engine { construction, response, stepping: Stepping::Fixed { step_s }, ..scene.engine })
+        .collect()
+}
+
+/// The everyday preset loosened and tightened as a whole, and two of the method of the reference.
+fn analytic(scene: &Scene) -> Vec<Integrator> {
+    let (usual, reference) = (Integrator::preset(Preset::Engineering), Integrator::preset(Preset::Reference));
+    let at = |preset: Integrator, rtol: f64| {
+        let factor = rtol / preset.rtol;
+        Integrator {
+            preset: if factor == 1.0 { preset.preset } else { Preset::Engineering },
+            rtol,
+            atol_angle_rad: scaled(preset.atol_angle_rad, factor),
+            atol_rate_rad_s: scaled(preset.atol_rate_rad_s, factor),
+            max_steps: scene.integrator.max_steps,
+            ..preset
+        }
+    };
+    let rodas = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8].map(|rtol| at(usual, rtol));
+    let radau = [1e-8, reference.rtol].map(|rtol| at(reference, rtol));
+    rodas.into_iter().chain(radau).collect()
+}
+
+/// A value times a power of ten, without the last bit's dust in tables.
+fn scaled(value: f64, factor: f64) -> f64 {
+    if factor == 1.0 { value } else { format!("{:.9e}", value * factor).parse().unwrap_or(value * factor) }
+}

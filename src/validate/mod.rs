@@ -1,0 +1,56 @@
+//! How far the engine model is from the analytic one, and what accuracy costs: speed against error.
+//!
+//! The *reference* is the analytic model at [`Preset::Reference`](crate::scene::Preset). The engine at the scene's own
+//! settings is compared with it and judged by the scene's bounds; a ladder of other settings of both models is compared and
+//! timed, but not judged.
+//!
+//! **Ensemble.** Where an integrator's steps fall relative to an impact is luck, and one run may be right by it. The error of
+//! a setting is therefore the worst over [`MEMBERS`] runs whose motor torque differs by parts in 1e9, each against a reference
+//! of its own. Settings that take long are run once, and say so.
+//!
+//! **What is compared.** Joint angles and rates at the sample times of the candidate, the reference interpolated between its
+//! (dense) samples; forces at the end of the run; times of first touch; the normal impulse in the first [`IMPACT_S`] of every
+//! impact, each model counted from its own touch-down; the opening of the engine's joints; energy that came from nowhere.
+//!
+//! | file | job |
+//! |---|---|
+//! | `recording` | the reference: a sink that keeps a run, on a grid dense enough to interpolate in |
+//! | `ensemble` | the members: the same scene with its motor torque a little changed |
+//! | `impacts` | normal impulse of every impact, as a run goes by |
+//! | `track` | differences of angles and rates along the way |
+//! | `difference` | everything in which a run differs from its reference |
+//! | `ladder` | the settings that are tried |
+//! | `cost` | wall time of a setting, beside that of the everyday analytic run |
+//! | `study` | the whole validation of a scene |
+//! | `verdict` | measured against bounds |
+
+mod cost;
+mod difference;
+mod ensemble;
+mod impacts;
+mod ladder;
+mod recording;
+mod study;
+mod track;
+mod verdict;
+
+pub use cost::{Cost, cost};
+pub use difference::{Comparison, Differences, compare};
+pub use ensemble::{MEMBERS, TORQUE_STEP, member};
+pub use impacts::{IMPACT_S, Impact, Impacts};
+pub use ladder::{Family, LONGEST_STEPS, Model, Rung, Settings, ladder, name, own};
+pub use recording::{Recording, dense, record};
+pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
+pub use track::{Angle, Rate, Track};
+pub use verdict::{Check, Verdict, verdicts};
+
+use crate::scene::Scene;
+use crate::trace::{Outcome, RunError, Sink, run_analytic, run_engine};
+
+/// Simulates the scene with one of the models.
+pub fn run(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
+    match model {
+        Model::Analytic => run_analytic(scene, sink),
+        Model::Engine => run_engine(scene, sink),
+    }
+}

@@ -1,0 +1,68 @@
+//! A run kept whole, and the dense grid that makes one fit to be compared with.
+
+use super::{Impacts, Model, run};
+use crate::scene::{Integrator, LogRates, Preset, Scene};
+use crate::trace::{Event, Outcome, RunError, Sample, Sink, SinkError, between};
+
+/// Samples that the grid of a reference has at most: five references of 350 bytes a sample stay below 200 MB.
+const MOST_SAMPLES: f64 = 1e5;
+/// Finest grid; beyond, interpolation is exact to rounding.
+const FINEST_HZ: f64 = 1e6;
+
+/// Everything a run said, in memory.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    /// In order of time; two may share one.
+    pub samples: Vec<Sample>,
+    pub events: Vec<Event>,
+    pub impacts: Impacts,
+    pub outcome: Outcome,
+}
+
+impl Sink for Recording {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.impacts.sample(sample)?;
+        self.samples.push(*sample);
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.impacts.event(event)?;
+        self.events.push(*event);
+        Ok(())
+    }
+}
+
+impl Recording {
+    /// The state at a time, between the samples around it; `cursor` is where the last search ended, and makes going through
+    /// in order cheap. `None` without samples.
+    pub fn at(&self, time_s: f64, cursor: &mut usize) -> Option<Sample> {
+        let last = self.samples.len().checked_sub(1)?;
+        *cursor = (*cursor).min(last);
+        if self.samples[*cursor].time_s > time_s {
+            *cursor = self.samples.partition_point(|sample| sample.time_s <= time_s).saturating_sub(1);
+        }
+        while *cursor < last && self.samples[*cursor + 1].time_s <= time_s {
+            *cursor += 1;
+        }
+        let next = self.samples[(*cursor + 1).min(last)];
+        Some(between(&self.samples[*cursor], &next, time_s.min(next.time_s)))
+    }
+}
+
+/// Runs the scene and keeps all of it.
+pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
+    let mut recording = Recording::default();
+    recording.outcome = run(model, scene, &mut recording)?;
+    Ok(recording)
+}
+
+/// The scene as the reference runs it: the tightest settings, on a dense grid.
+pub fn dense(scene: &Scene) -> Scene {
+    let numeric_hz = (MOST_SAMPLES / scene.duration_s).min(FINEST_HZ).max(scene.log.numeric_hz);
+    Scene {
+        integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Reference) },
+        log: LogRates { numeric_hz },
+        ..scene.clone()
+    }
+}

@@ -1,0 +1,62 @@
+//! Measured against bounds.
+
+use super::Differences;
+use super::difference::larger;
+use crate::scene::Bounds;
+
+/// One bound of the scene and what was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Check {
+    /// The key of the bound, with its unit.
+    pub bound: &'static str,
+    /// In words.
+    pub meaning: &'static str,
+    /// `None` if the scene has nothing to measure there; infinite if one of the models lacks it.
+    pub measured: Option<f64>,
+    pub limit: f64,
+}
+
+impl Check {
+    /// Whether the bound holds; what a scene does not have cannot break it.
+    pub fn passed(&self) -> bool {
+        self.measured.is_none_or(|measured| measured <= self.limit)
+    }
+}
+
+/// All bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    pub checks: Vec<Check>,
+}
+
+impl Verdict {
+    /// Whether every bound holds.
+    pub fn passed(&self) -> bool {
+        self.checks.iter().all(Check::passed)
+    }
+}
+
+/// Judges the differences of the engine at the scene's own settings.
+pub fn verdicts(found: &Differences, bounds: &Bounds) -> Verdict {
+    let check = |bound, meaning, measured, limit| Check { bound, meaning, measured, limit };
+    let worst = |[proximal, distal]: [Option<f64>; 2]| larger(proximal, distal);
+    Verdict {
+        checks: vec![
+            check("angle_rad", "largest difference of a joint angle", Some(found.angle_rad()), bounds.angle_rad),
+            check(
+                "contact_time_s",
+                "largest difference of a first touch",
+                worst(found.contact_time_s),
+                bounds.contact_time_s,
+            ),
+            check(
+                "final_force",
+                "relative difference of a normal force at the end",
+                worst(found.final_force),
+                bounds.final_force,
+            ),
+            check("impulse", "relative difference of the impulse of an impact", worst(found.impulse), bounds.impulse),
+            check("loop_gap_m", "largest opening of a joint", Some(found.loop_gap_m), bounds.loop_gap_m),
+        ],
+    }
+}
