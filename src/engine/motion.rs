@@ -56,7 +56,8 @@ pub struct Motion<'a> {
     pub contact_work_j: f64,
     forces: Vec<Twist>,
     means: Vec<Twist>,
-    step_accelerations: Vec<Twist>,
+    /// Those that the last step started with, as rapier's joints made them.
+    pub step_accelerations: Vec<Twist>,
     impulse: Vec<Twist>,
     middle: Vec<Twist>,
     open: Vec<[f64; 2]>,
