@@ -1,4 +1,20 @@
 //! The engine model: the gripper as rapier bodies and joints, with the contact laws in place of rapier's own response.
+//!
+//! [How it drives rapier, and what rapier limits](crate::docs::engine). Independent of the analytic model: both share the
+//! scene, lengths, masses and scalar laws, nothing else.
+//!
+//! | file | job |
+//! |---|---|
+//! | `plan` | what a scene needs, as plain lists of bodies, pins, stops and contacts |
+//! | `world`, `hook` | the rapier world of a plan; contact taken out of rapier's hands |
+//! | `linkage` | joints' reactions: the saddle-point system of bodies and joints |
+//! | `forces` | gravity, motor, spring; energies |
+//! | `touch`, `space` | gaps and their rows; the contact space of one step |
+//! | `implicit`, `substeps` | one implicit stage; contact integrated through one step |
+//! | `settle` | rates of pressing contacts at a node |
+//! | `motion`, `stepper` | one step, and how long it may be |
+//! | `native` | rapier's own contact, read back |
+//! | `dense` | small dense systems in place |
 
 mod dense;
 mod forces;
@@ -16,9 +32,15 @@ mod touch;
 mod world;
 
 pub use forces::{kinetic, potential};
+pub use implicit::CERTIFIED;
+pub use linkage::{Inertia, Linkage, Locked, Place, Twist};
 pub use motion::{Motion, StepError};
 pub use native::Native;
-pub use plan::{L11, L12, L21, L22, Plan, plan};
+pub use plan::{
+    Capsule, L11, L12, L21, L22, Plan, PlannedBody, PlannedContact, PlannedPin, PlannedSpring, PlannedStop, plan,
+};
+pub use space::{Site, Space};
 pub use stepper::next;
-pub use substeps::{Change, ChangeKind};
+pub use substeps::{Change, ChangeKind, Contact, Unsolved};
+pub use touch::{Row, Touch};
 pub use world::{World, build};
