@@ -28,7 +28,14 @@ fn outcome() -> Outcome {
     Outcome {
         last: last(),
         sites: [site(Some(4.501315e-3), 1, 98765.4), site(Some(6.883746e-3), 2, 51234.5), SiteSummary::default()],
-        work: Work { steps: 231, rejected: 12, rhs_evaluations: 1944, jacobian_evaluations: 231, events: 4 },
+        work: Work {
+            steps: 231,
+            rejected: 12,
+            rhs_evaluations: 1944,
+            jacobian_evaluations: 231,
+            events: 4,
+            ..Work::default()
+        },
     }
 }
 

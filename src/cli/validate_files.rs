@@ -13,7 +13,10 @@ use crate::report::{ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Integrator, Preset, Scene};
 use crate::validate::{Model, Validation, run};
 
-/// Makes the directory, before anything is simulated.
+/// The first file written: it shows whether the others can be.
+const REPORT: &str = "report.txt";
+
+/// Makes the directory and tries to write there, before anything is simulated.
 pub fn directory(out: &Path) -> Result<(), Failure> {
     if out.exists() && !out.is_dir() {
         return Err(Failure::bad_input(format!(
@@ -26,6 +29,10 @@ pub fn directory(out: &Path) -> Result<(), Failure> {
             "cannot make the directory {}: {error}; give one where you may write",
             out.display()
         ))
+    })?;
+    File::create(out.join(REPORT)).map(drop).map_err(|error| {
+        let path = out.join(REPORT);
+        Failure::bad_input(format!("cannot write {}: {error}; give a directory where you may write", path.display()))
     })
 }
 
@@ -70,7 +77,7 @@ pub fn write(
         written.push(path);
     }
 
-    let reports = [out.join("report.txt"), out.join("report.json")];
+    let reports = [out.join(REPORT), out.join("report.json")];
     written.extend(reports.clone());
     report.files = Some(written.iter().map(|path| path.display().to_string()).collect());
     for (path, text) in reports.iter().zip([validation_text(report), validation_json(report)]) {

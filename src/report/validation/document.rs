@@ -32,6 +32,8 @@ pub struct ValidationReport {
     pub impacts: Vec<ImpactReport>,
     /// Of the engine at the scene's settings: worst of the ensemble.
     pub differences: DifferencesReport,
+    /// Whether settings that take long were left out.
+    pub quick: bool,
     /// Speed against error: all settings that were tried.
     pub settings: Vec<SettingReport>,
     /// Files written, as given; null if none were asked for.
@@ -140,7 +142,7 @@ pub struct SettingReport {
 }
 
 impl ValidationReport {
-    pub fn new(scene: &Scene, found: &Validation) -> Self {
+    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
         let check = |check: &crate::validate::Check| CheckReport {
             bound: check.bound,
             meaning: check.meaning,
@@ -161,6 +163,7 @@ impl ValidationReport {
             engine: ModelReport::new(row(|row| row.rung.own), &found.engine),
             impacts: impacts(&found.reference, &found.engine),
             differences: DifferencesReport::from(&found.differences),
+            quick,
             settings: found.rows.iter().map(SettingReport::from).collect(),
             files: None,
         }

@@ -183,6 +183,9 @@ fn settings(report: &ValidationReport) -> String {
     text.push_str(
         "largest differences from the reference over so many runs; * the scene's settings; wall time of the model alone, median\n",
     );
+    if report.quick {
+        text.push_str("left out by --quick: fixed steps below 1e-5 s, reduced coordinates\n");
+    }
     for note in notes {
         let _ = writeln!(text, "{note}");
     }
