@@ -36,6 +36,7 @@ fn outcome() -> Outcome {
             events: 4,
             ..Work::default()
         },
+        loop_gap_m: 0.0,
     }
 }
 

@@ -108,6 +108,7 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
             ("slip_m_s", contact.slip_m_s),
             ("normal_n", contact.normal_n),
             ("tangential_n", contact.tangential_n),
+            ("impulse_n_s", contact.impulse_n_s),
             ("point_x_m", contact.point_m[0]),
             ("point_y_m", contact.point_m[1]),
             ("normal_x", contact.normal[0]),
@@ -140,6 +141,7 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
                 ("gap_rad", sample.limit.gap_rad),
                 ("gap_rate_rad_s", sample.limit.gap_rate_rad_s),
                 ("torque_n_m", sample.limit.torque_n_m),
+                ("impulse_n_m_s", sample.limit.impulse_n_m_s),
             ],
         ),
         (

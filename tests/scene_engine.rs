@@ -28,8 +28,8 @@ fn left_out_or_empty_they_are_the_defaults() {
     }
     let Engine { construction, response, stepping, iterations, max_steps } = Engine::DEFAULT;
     assert_eq!((construction, response), (Construction::Maximal, Response::Laws));
-    assert_eq!(stepping, Stepping::Adaptive { tolerance_m: 2e-8, max_step_s: 1e-4 });
-    assert_eq!((iterations, max_steps), (20, 10_000_000));
+    assert_eq!(stepping, Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: 4e-5 });
+    assert_eq!((iterations, max_steps), (2, 10_000_000));
 }
 
 #[test]
@@ -54,6 +54,8 @@ fn rapiers_friction_is_that_of_the_proximal_contact_unless_given() {
     let contact = "[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0.3\n";
     let law = "[engine]\nlaw = \"rapier\"\n";
     assert_eq!(response(law), Response::Rapier { friction: 0.0, restitution: 0.0 });
+    assert_eq!(with(law).engine.iterations, 50);
+    assert_eq!(with(&format!("{law}iterations = 7\n")).engine.iterations, 7);
     assert_eq!(response(&format!("{contact}{law}")), Response::Rapier { friction: 0.8, restitution: 0.0 });
     let given = format!("{contact}{law}friction = 0.5\nrestitution = 1\n");
     assert_eq!(response(&given), Response::Rapier { friction: 0.5, restitution: 1.0 });

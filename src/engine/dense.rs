@@ -55,8 +55,7 @@ pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
             row[j] = (row[j] - sum) * other[j];
         }
         let square = row[i] - row[first[i]..i].iter().map(|x| x * x).sum::<f64>();
-        // Also false for what is no number.
-        if !(square > 0.0) {
+        if square.is_nan() || square <= 0.0 {
             return false;
         }
         row[i] = 1.0 / square.sqrt();

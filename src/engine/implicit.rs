@@ -72,8 +72,8 @@ impl Workspace {
             let before = size;
             let mut fraction = 1.0;
             for _ in 0..MAX_HALVINGS {
-                for i in 0..rows {
-                    self.trial[i] = rate[i] - fraction * self.step[i];
+                for ((trial, rate), step) in self.trial.iter_mut().zip(&*rate).zip(&self.step) {
+                    *trial = rate - fraction * step;
                 }
                 let trial = std::mem::take(&mut self.trial);
                 size = self.evaluate(space, stage, &trial);
@@ -122,10 +122,11 @@ impl Workspace {
         }
         let rows = space.len();
         let mut largest: f64 = 0.0;
-        for i in 0..rows {
-            let pushed: f64 = (0..rows).map(|j| space.w[i * rows + j] * self.force[j]).sum();
-            let scale = rate[i].abs() + stage.rate[i].abs() + h * (space.free[i].abs() + pushed.abs());
-            self.residual[i] = rate[i] - stage.rate[i] - h * (space.free[i] + pushed);
+        for (i, w) in space.w.chunks_exact(rows).enumerate() {
+            let pushed: f64 = w.iter().zip(&self.force).map(|(w, force)| w * force).sum();
+            let (now, from, free) = (rate[i], stage.rate[i], space.free[i]);
+            let scale = now.abs() + from.abs() + h * (free.abs() + pushed.abs());
+            self.residual[i] = now - from - h * (free + pushed);
             if scale > 0.0 {
                 largest = largest.max(self.residual[i].abs() / scale);
             }

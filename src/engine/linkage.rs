@@ -6,10 +6,12 @@
 //!
 //! General in bodies and joints: all it is told are rapier's masses and anchors.
 
+use std::f64::consts::TAU;
+
 use super::dense;
-use super::plan::PlannedPin;
+use super::plan::Plan;
 use super::world::World;
-use crate::numeric::plane::{cross, perp, rotate};
+use crate::numeric::plane::{cross, dot, perp, rotate};
 
 /// (x, y, angle) of a body's velocity, or of a force and a torque about its centre of mass.
 pub type Twist = [f64; 3];
@@ -64,7 +66,8 @@ pub struct Linkage {
 
 impl Linkage {
     /// Reads masses, anchors and poses from rapier's bodies.
-    pub fn new(world: &World, pins: &[PlannedPin]) -> Self {
+    pub fn new(world: &World, plan: &Plan) -> Self {
+        let pins = &plan.pins;
         let bodies = &world.physics.bodies;
         let rigid = |i: usize| &bodies[world.bodies[i]];
         let inertias = (0..world.bodies.len())
@@ -82,9 +85,8 @@ impl Linkage {
             let com = rigid(body).local_center_of_mass();
             Side { body, local: [anchor[0] - com.x, anchor[1] - com.y], arm: [0.0; 2] }
         };
-        let places = (0..world.bodies.len())
-            .map(|i| Place { com: [0.0; 2], direction: [1.0, 0.0], angle: rigid(i).rotation().angle() })
-            .collect();
+        let at_start = |angle: f64| Place { com: [0.0; 2], direction: [angle.cos(), angle.sin()], angle };
+        let places = plan.bodies.iter().map(|body| at_start(body.angle_rad)).collect();
         let size = 2 * pins.len();
         let mut linkage = Self {
             inertias,
@@ -113,12 +115,11 @@ impl Linkage {
             let (com, rotation) = (body.center_of_mass(), body.rotation());
             let direction = [rotation.re, rotation.im];
             // A step turns far less than half a turn: the change of the angle has no seam.
-            let turned =
-                cross(place.direction, direction).atan2(crate::numeric::plane::dot(place.direction, direction));
+            let turned = cross(place.direction, direction).atan2(dot(place.direction, direction));
             let exact = direction[1].atan2(direction[0]);
             let continued = place.angle + turned;
-            let turns = ((continued - exact) / std::f64::consts::TAU).round();
-            *place = Place { com: [com.x, com.y], direction, angle: exact + turns * std::f64::consts::TAU };
+            let turns = ((continued - exact) / TAU).round();
+            *place = Place { com: [com.x, com.y], direction, angle: exact + turns * TAU };
         }
         for pin in &mut self.pins {
             for side in pin.first.iter_mut().chain(std::iter::once(&mut pin.second)) {
@@ -180,8 +181,8 @@ impl Linkage {
         let mut wanted = [0.0; 2];
         for (side, sign) in sides(&self.pins[pin]) {
             let rate = velocities[side.body][2];
-            for axis in 0..2 {
-                wanted[axis] += sign * rate * rate * side.arm[axis];
+            for (wanted, arm) in wanted.iter_mut().zip(side.arm) {
+                *wanted += sign * rate * rate * arm;
             }
         }
         wanted

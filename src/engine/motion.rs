@@ -19,6 +19,7 @@ use super::substeps::{Contact, Unsolved};
 use super::touch::{self, Touch};
 use super::world::World;
 use crate::integrator::Clock;
+use crate::law::normal_force;
 use crate::scene::{Construction, Scene, torque};
 
 /// Why a step could not be taken.
@@ -42,6 +43,8 @@ pub struct Motion<'a> {
     /// Velocities and accelerations (contact not counted) at the node, and what may touch there.
     pub velocities: Vec<Twist>,
     pub accelerations: Vec<Twist>,
+    /// Largest change of a body's acceleration over the last step, in m/s².
+    pub acceleration_change: f64,
     pub touches: Vec<Touch>,
     /// Contact in the last step: its space as it was at the step's start.
     pub space: Space,
@@ -65,7 +68,7 @@ pub struct Motion<'a> {
 impl<'a> Motion<'a> {
     /// A world at t = 0.
     pub fn new(scene: &'a Scene, plan: &'a Plan, world: World) -> Result<Self, StepError> {
-        let linkage = Linkage::new(&world, &plan.pins);
+        let linkage = Linkage::new(&world, plan);
         let bodies = plan.bodies.len();
         let mut motion = Self {
             scene,
@@ -75,6 +78,7 @@ impl<'a> Motion<'a> {
             clock: Clock::at(0.0),
             velocities: vec![[0.0; 3]; bodies],
             accelerations: vec![[0.0; 3]; bodies],
+            acceleration_change: 0.0,
             touches: Vec::new(),
             space: Space::default(),
             contact: Contact::default(),
@@ -164,6 +168,7 @@ impl<'a> Motion<'a> {
     /// miss at its end shows as a rate the contact cannot have: as joints are, such rows are brought back to the rate that
     /// the contact's own equations end with. Nothing may pull: a contact whose late impulse would turn negative is let go.
     fn settle(&mut self) {
+        let dt = self.last_dt_s;
         let Self { space, contact, touches, settled, .. } = self;
         settled.begin();
         for site in &space.sites {
@@ -171,7 +176,9 @@ impl<'a> Motion<'a> {
                 continue;
             }
             let Some(touch) = touches.iter().find(|touch| touch.site == site.touch.site) else { continue };
-            settled.take(touch.normal_row, contact.rate[site.normal], contact.late[site.normal]);
+            let law = normal_force(&touch.law, -touch.gap, -contact.rate[site.normal]);
+            let stiffness = dt * (law.d_rate + dt * law.d_delta);
+            settled.take(touch.normal_row, contact.rate[site.normal], contact.late[site.normal], stiffness);
         }
         settled.solve(&mut self.linkage, &mut self.velocities);
         let mut sizes = settled.size.iter();
@@ -185,7 +192,11 @@ impl<'a> Motion<'a> {
     /// Forces and accelerations at the node, for what comes.
     fn look(&mut self) {
         forces::smooth(self.scene, self.plan, &self.linkage, self.clock.now(), &mut self.forces);
+        self.middle.copy_from_slice(&self.accelerations);
         self.linkage.accelerations(&self.forces, &self.velocities, &mut self.accelerations);
+        let changes =
+            self.accelerations.iter().zip(&self.middle).map(|(now, then)| (now[0] - then[0]).hypot(now[1] - then[1]));
+        self.acceleration_change = changes.fold(0.0, f64::max);
     }
 
     /// rapier closes a joint along the tangent at the step's start, so that it is open by ½ dt² |J̇ v| at the end. Moving the

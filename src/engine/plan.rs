@@ -3,8 +3,9 @@
 //! Nothing here knows of rapier, and nothing beyond this file knows of fingers: more bodies, pins or contacts are more
 //! entries.
 
-use crate::gripper::{Body, Site, close, straight};
+use crate::gripper::{Body, Posture, Site, close, straight};
 use crate::law::{ContactLaw, NormalLaw};
+use crate::numeric::plane::opening_angle;
 use crate::scene::{Placement, Scene, SpringKind};
 
 /// Indices of the finger's bodies.
@@ -91,8 +92,7 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
     let lengths = &finger.lengths;
     let start = &scene.initial;
     let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
-    let angles =
-        [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + posture.q22_rad];
+    let angles = body_angles(&posture, lengths.phi22_rad);
     let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
     let (a12, a22) = (along(lengths.l11_m, angles[L11]), along(lengths.l21_m, angles[L21]));
     let rates = body_rates(scene, &angles);
@@ -156,6 +156,13 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
     })
 }
 
+/// Orientations of the four bodies. That of l22 is counted from the straight line, the way both models count q22.
+fn body_angles(posture: &Posture, phi22: f64) -> [f64; 4] {
+    let direction = |angle: f64| [angle.cos(), angle.sin()];
+    let bend = opening_angle(direction(posture.q21_rad), direction(posture.q21_rad + posture.q22_rad + phi22));
+    [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + bend - phi22]
+}
+
 /// Angular rates of the four bodies from those of the ground links: the loop's point A13 moves as one.
 fn body_rates(scene: &Scene, angles: &[f64; 4]) -> [f64; 4] {
     let lengths = &scene.finger.lengths;
@@ -178,8 +185,7 @@ fn spring(scene: &Scene) -> Option<Option<PlannedSpring>> {
     let lengths = &scene.finger.lengths;
     let at = |q21: f64| {
         let posture = straight(lengths, q21).ok()?;
-        let angles =
-            [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + posture.q22_rad];
+        let angles = body_angles(&posture, lengths.phi22_rad);
         Some(angles)
     };
     let (on, against) = match spring.placement {

@@ -1,4 +1,8 @@
 //! Brings the rates of pressing contacts to what their equations say, by impulses along their normals.
+//!
+//! A stiff damper does not leave a contact a rate of its own: within the next step it would take away the share
+//! h λ/(1 + h λ), λ = W (∂F/∂δ̇ + h ∂F/∂δ), of whatever is there. That share is taken away here; a soft contact keeps its
+//! rate, and the scheme its order.
 
 use super::dense;
 use super::linkage::{Linkage, Twist};
@@ -10,6 +14,7 @@ pub struct Settled {
     rows: Vec<Row>,
     wanted: Vec<f64>,
     available: Vec<f64>,
+    stiffness: Vec<f64>,
     response: Vec<Twist>,
     w: Vec<f64>,
     /// Impulse found for each row.
@@ -21,10 +26,13 @@ impl Settled {
         self.rows.clear();
         self.wanted.clear();
         self.available.clear();
+        self.stiffness.clear();
         self.size.clear();
     }
 
-    pub fn take(&mut self, row: Row, wanted: f64, available: f64) {
+    /// A row, the rate it shall have, the impulse along it that may be taken back, and h (∂F/∂δ̇ + h ∂F/∂δ).
+    pub fn take(&mut self, row: Row, wanted: f64, available: f64, stiffness: f64) {
+        self.stiffness.push(stiffness);
         self.rows.push(row);
         self.wanted.push(wanted);
         self.available.push(available);
@@ -48,7 +56,10 @@ impl Settled {
                 self.w[i * count + j] = self.rows[i].rate(response);
             }
         }
-        self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
+        self.size.extend(self.rows.iter().zip(&self.wanted).enumerate().map(|(j, (row, wanted))| {
+            let stiff = self.w[j * count + j] * self.stiffness[j];
+            (wanted - row.rate(velocities)) * stiff / (1.0 + stiff)
+        }));
         if !dense::solve(&mut self.w, &mut self.size, count) {
             self.size.fill(0.0);
             return;

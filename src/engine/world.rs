@@ -23,6 +23,9 @@ pub struct World {
     pub response: Response,
 }
 
+/// Constraints close their error in one step.
+const RIGID: SpringCoefficients<f64> = SpringCoefficients { natural_frequency: 1e14, damping_ratio: 1.0 };
+
 /// How far apart rapier keeps a pair in mind, in radii of the object: far enough that no step outruns it.
 const REACH: f64 = 0.5;
 
@@ -101,6 +104,10 @@ fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationPa
             Response::Rapier { .. } => 1,
         },
         warmstart_joints: true,
+        // rapier's contact is soft by default (60 Hz against a fixed body): under the motor it would sink in for as long as
+        // a closing lasts.
+        contact_softness: RIGID,
+        static_contact_softness: RIGID,
         normalized_max_linear_velocity: Real::MAX,
         normalized_max_corrective_velocity: Real::MAX,
         normalized_prediction_distance: reach_m,
@@ -116,7 +123,7 @@ fn joint(pin: &PlannedPin) -> RevoluteJoint {
         .local_anchor1(Vector::new(pin.anchor_first_m[0], pin.anchor_first_m[1]))
         .local_anchor2(Vector::new(pin.anchor_second_m[0], pin.anchor_second_m[1]))
         .contacts_enabled(false)
-        .softness(SpringCoefficients::new(1e14, 1.0))
+        .softness(RIGID)
         .build()
 }
 

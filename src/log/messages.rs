@@ -37,6 +37,8 @@ pub struct Contact {
     pub point_y_m: f64,
     pub normal_x: f64,
     pub normal_y: f64,
+    /// Normal impulse since the start.
+    pub impulse_n_s: f64,
 }
 
 /// `/limit`: the joint limit q22 ≥ −φ22.
@@ -46,6 +48,7 @@ pub struct Limit {
     pub gap_rad: f64,
     pub gap_rate_rad_s: f64,
     pub torque_n_m: f64,
+    pub impulse_n_m_s: f64,
 }
 
 /// `/energy`: energies and works since the start.
@@ -120,6 +123,7 @@ impl Contact {
             point_y_m: contact.point_m[1],
             normal_x: contact.normal[0],
             normal_y: contact.normal[1],
+            impulse_n_s: contact.impulse_n_s,
         }
     }
 }
@@ -131,6 +135,7 @@ impl From<&Sample> for Limit {
             gap_rad: sample.limit.gap_rad,
             gap_rate_rad_s: sample.limit.gap_rate_rad_s,
             torque_n_m: sample.limit.torque_n_m,
+            impulse_n_m_s: sample.limit.impulse_n_m_s,
         }
     }
 }

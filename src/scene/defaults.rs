@@ -19,7 +19,10 @@ pub const NUMERIC_RATE_HZ: f64 = 10e3;
 pub const MAX_STEPS: u64 = 10_000_000;
 pub const ENGINE_TOLERANCE_M: f64 = 1e-7;
 pub const ENGINE_MAX_STEP_S: f64 = 4e-5;
+/// Joint sweeps with the contact laws: the engine hands rapier the reactions, the sweeps only confirm them…
 pub const ENGINE_ITERATIONS: u32 = 2;
+/// …and with rapier's own contact, whose impulses the sweeps must carry through the linkage.
+pub const ENGINE_ITERATIONS_RIGID: u32 = 50;
 
 /// μ_d = 0.7 μ_s; 0.56 for 0.8, to the last bit.
 pub fn mu_dynamic(mu_static: f64) -> f64 {

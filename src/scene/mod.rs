@@ -209,7 +209,7 @@ pub enum Stepping {
     Fixed {
         step_s: f64,
     },
-    /// Steps as long as a joint opens by no more than `tolerance_m` in one of them; shorter around impacts.
+    /// Steps in which no joint strays further than `tolerance_m` from its arc; shorter around impacts.
     Adaptive {
         tolerance_m: f64,
         max_step_s: f64,

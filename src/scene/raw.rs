@@ -340,14 +340,13 @@ pub struct RawEngine {
     pub stepping: Entry<Choice<StepSizes>>,
     /// Size of every step. Required with, and only with, stepping = "fixed".
     pub step: Entry<Time>,
-    /// How far a joint may open in one step (stepping = "adaptive").
-    #[schemars(extend("default" = "2e-5 mm"))]
+    /// How far a joint may stray from its arc in one step, because bodies move straight on (stepping = "adaptive").
+    #[schemars(extend("default" = "1e-4 mm"))]
     pub tolerance: Entry<Length>,
     /// Longest step (stepping = "adaptive").
-    #[schemars(extend("default" = "100 us"))]
+    #[schemars(extend("default" = "40 us"))]
     pub max_step: Entry<Time>,
-    /// Sweeps of rapier's joint solver in every step.
-    #[schemars(extend("default" = 20))]
+    /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
     pub iterations: Entry<Sweeps>,
     /// Steps after which a run is given up.
     #[schemars(extend("default" = 10_000_000))]

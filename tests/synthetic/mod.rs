@@ -69,6 +69,7 @@ pub fn sample(time_s: f64) -> Sample {
         slip_m_s: f(k + 2),
         normal_n: f(k + 3).abs(),
         tangential_n: f(k + 4),
+        impulse_n_s: f(k + 9),
         point_m: [1e-2 * f(k + 5), 1e-2 * f(k + 6)],
         normal: [f(k + 7), f(k + 8)],
     };
@@ -86,7 +87,7 @@ pub fn sample(time_s: f64) -> Sample {
         motor_torque_n_m: 0.48,
         proximal: contact(10),
         distal: contact(20),
-        limit: LimitSample { gap_rad: f(30), gap_rate_rad_s: f(31), torque_n_m: f(32) },
+        limit: LimitSample { gap_rad: f(30), gap_rate_rad_s: f(31), torque_n_m: f(32), impulse_n_m_s: f(33) },
         energy: Energy {
             kinetic_j: f(40),
             gravity_j: f(41),
@@ -112,6 +113,7 @@ pub fn posture(
         slip_m_s: 0.0,
         normal_n,
         tangential_n: 0.0,
+        impulse_n_s: 0.0,
         point_m: [0.0; 2],
         normal: [1.0, 0.0],
     };
