@@ -1,8 +1,8 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
 use super::{
-    Comparison, Cost, Differences, MEMBERS, Model, Recording, Rung, Verdict, compare, cost, dense, ladder, member, own,
-    record, run, verdicts,
+    Comparison, Cost, Differences, MEMBERS, Model, Recording, Rung, Verdict, compare, cost, ladder, member, own,
+    record, reference, run, sampled, verdicts,
 };
 use crate::scene::{Bounds, Scene};
 use crate::trace::RunError;
@@ -75,10 +75,10 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
     let scenes: Vec<Scene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
     let references: Vec<Recording> = scenes
         .iter()
-        .map(|scene| record(Model::Analytic, &dense(scene)))
+        .map(|scene| record(Model::Analytic, &reference(scene)))
         .collect::<Result<_, _>>()
         .map_err(broken(Model::Analytic))?;
-    let engine = record(Model::Engine, scene).map_err(broken(Model::Engine))?;
+    let engine = record(Model::Engine, &sampled(Model::Engine, scene)).map_err(broken(Model::Engine))?;
     let own = own(scene);
     let rest = against(&own, &scenes[1..], &references[1..]).map_err(broken(Model::Engine))?;
     let first = compare(&engine, &references[0], &scene.bounds);
@@ -125,7 +125,7 @@ fn against(rung: &Rung, scenes: &[Scene], references: &[Recording]) -> Result<Op
     let mut worst: Option<Differences> = None;
     for (scene, reference) in scenes.iter().zip(references) {
         let mut comparison = Comparison::new(reference, &scene.bounds);
-        let outcome = run(rung.model(), &rung.apply(scene), &mut comparison)?;
+        let outcome = run(rung.model(), &sampled(rung.model(), &rung.apply(scene)), &mut comparison)?;
         let found = comparison.finish(&outcome);
         worst = Some(worst.map_or(found, |worst| worst.worst(&found)));
     }

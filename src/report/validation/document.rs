@@ -36,7 +36,8 @@ pub struct ValidationReport {
     pub quick: bool,
     /// Speed against error: all settings that were tried.
     pub settings: Vec<SettingReport>,
-    /// Files written, as given; null if none were asked for.
+    /// Directory of the results as given, and the files in it; null if none were asked for.
+    pub directory: Option<String>,
     pub files: Option<Vec<String>>,
 }
 
@@ -165,6 +166,7 @@ impl ValidationReport {
             differences: DifferencesReport::from(&found.differences),
             quick,
             settings: found.rows.iter().map(SettingReport::from).collect(),
+            directory: None,
             files: None,
         }
     }
