@@ -39,7 +39,7 @@ pub use difference::{Comparison, Differences, compare};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Model, Rung, Settings, ladder, name, own};
-pub use recording::{Recording, record, reference, sampled};
+pub use recording::{Recording, record, reference, sampled, steps_only};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use track::{Angle, Rate, Track, turned};
 pub use verdict::{Check, Verdict, verdicts};

@@ -66,9 +66,14 @@ pub fn reference(scene: &Scene) -> Scene {
 /// The scene with the samples that a comparison needs. The analytic model is exact between its steps, so a dense grid is
 /// read off; of the engine every step is taken, and nothing that is interpolated.
 pub fn sampled(model: Model, scene: &Scene) -> Scene {
-    let numeric_hz = match model {
-        Model::Analytic => (MOST_SAMPLES / scene.duration_s).min(FINEST_HZ).max(scene.log.numeric_hz),
-        Model::Engine => 1.0 / scene.duration_s,
-    };
-    Scene { log: LogRates { numeric_hz }, ..scene.clone() }
+    let numeric_hz = (MOST_SAMPLES / scene.duration_s).min(FINEST_HZ).max(scene.log.numeric_hz);
+    match model {
+        Model::Analytic => Scene { log: LogRates { numeric_hz }, ..scene.clone() },
+        Model::Engine => steps_only(scene),
+    }
+}
+
+/// The scene with a sample at every step and at no other time.
+pub fn steps_only(scene: &Scene) -> Scene {
+    Scene { log: LogRates { numeric_hz: 1.0 / scene.duration_s }, ..scene.clone() }
 }

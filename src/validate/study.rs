@@ -89,10 +89,10 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
         tell(Progress { done: index + 1, total, next: rung.family.name() });
         let tried = match rung.own {
             true => {
-                let cost = cost(Model::Engine, scene).map_err(broken(Model::Engine))?;
+                let cost = cost(Model::Engine, scene, quick).map_err(broken(Model::Engine))?;
                 Tried::Done { differences: Some(Box::new(differences)), cost }
             }
-            false => attempt(&rung, &scenes, &references, engine.outcome.work.steps),
+            false => attempt(&rung, &scenes, &references, engine.outcome.work.steps, quick),
         };
         rows.push(Row { rung, tried });
     }
@@ -107,13 +107,13 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
 }
 
 /// Compares and times one setting.
-fn attempt(rung: &Rung, scenes: &[Scene], references: &[Recording], own_steps: u64) -> Tried {
+fn attempt(rung: &Rung, scenes: &[Scene], references: &[Recording], own_steps: u64, quick: bool) -> Tried {
     if let Some(steps) = rung.predicted_steps(&scenes[0], own_steps).filter(|&steps| steps > super::LONGEST_STEPS) {
         return Tried::TooLong { steps };
     }
     let members = if rung.is_reference() { 0 } else { rung.members };
     let compared = against(rung, &scenes[..members], &references[..members]);
-    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]))?)));
+    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]), quick)?)));
     match timed {
         Ok((differences, cost)) => Tried::Done { differences: differences.map(Box::new), cost },
         Err(error) => Tried::Failed { reason: error.to_string() },
