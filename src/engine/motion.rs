@@ -56,7 +56,8 @@ pub struct Motion<'a> {
     pub contact_work_j: f64,
     forces: Vec<Twist>,
     means: Vec<Twist>,
-    step_accelerations: Vec<Twist>,
+    /// Those that the last step started with, as rapier's joints made them.
+    pub step_accelerations: Vec<Twist>,
     impulse: Vec<Twist>,
     middle: Vec<Twist>,
     open: Vec<[f64; 2]>,
@@ -171,12 +172,12 @@ impl<'a> Motion<'a> {
         let dt = self.last_dt_s;
         let Self { space, contact, touches, settled, .. } = self;
         settled.begin();
-        for site in &space.sites {
+        for (index, site) in space.sites.iter().enumerate() {
             if contact.force[site.normal] <= 0.0 {
                 continue;
             }
             let Some(touch) = touches.iter().find(|touch| touch.site == site.touch.site) else { continue };
-            let law = normal_force(&touch.law, -touch.gap, -contact.rate[site.normal]);
+            let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[site.normal]);
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
             settled.take(touch.normal_row, contact.rate[site.normal], contact.late[site.normal], stiffness);
         }

@@ -2,7 +2,7 @@
 
 use super::engine_reading::{Start, sample};
 use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work, between};
-use crate::engine::{Change, ChangeKind, Motion};
+use crate::engine::{Change, ChangeKind, L11, L12, L21, L22, Motion};
 
 pub(super) struct EngineRecorder<'a, S: Sink> {
     sink: &'a mut S,
@@ -62,17 +62,54 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
+        let mut impulses = self.sites.map(|tracked| tracked.impulse);
+        for at in &motion.space.sites {
+            impulses[at.touch.site as usize] += motion.contact.early[at.normal] + motion.contact.late[at.normal];
+        }
+        for native in &motion.native {
+            impulses[native.site as usize] += native.normal;
+        }
+        let now = sample(motion, &self.start, &impulses);
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
             let site = motion.space.sites[site].touch.site;
-            self.change(site, kind, end_s - dt + after_s, closing, impulse)?;
+            let time_s = end_s - dt + after_s;
+            if kind == ChangeKind::Meets && !self.sites[site as usize].touching {
+                self.pass_touch(motion, &now, site, time_s)?;
+            }
+            self.change(site, kind, time_s, closing, impulse)?;
         }
         for site in Site::ALL {
             self.close_step(motion, site, end_s)?;
         }
-        let impulses = self.sites.map(|tracked| tracked.impulse);
-        let now = sample(motion, &self.start, &impulses);
         self.emit(&now, dt, motion.scene.duration_s)
+    }
+
+    /// A sample at a touch within the step: up to here the site has had no impulse and the bodies have moved freely, from
+    /// here on not.
+    fn pass_touch(&mut self, motion: &Motion, now: &Sample, site: Site, time_s: f64) -> Result<(), SinkError> {
+        if time_s <= self.last.time_s {
+            return Ok(());
+        }
+        let mut touch = between(&self.last, now, time_s);
+        fly(&mut touch, &self.last, |body| motion.step_accelerations[body][2]);
+        match site {
+            Site::Proximal => touch.proximal.impulse_n_s = self.last.proximal.impulse_n_s,
+            Site::Distal => touch.distal.impulse_n_s = self.last.distal.impulse_n_s,
+            Site::Limit => touch.limit.impulse_n_m_s = self.last.limit.impulse_n_m_s,
+        }
+        self.emit_grid(&touch)?;
+        self.emitted_s = time_s;
+        self.sink.sample(&touch)?;
+        // Whatever comes until the end of the step comes at the rates after the impact.
+        self.last = Sample {
+            qd11_rad_s: now.qd11_rad_s,
+            qd21_rad_s: now.qd21_rad_s,
+            qd12_rad_s: now.qd12_rad_s,
+            qd22_rad_s: now.qd22_rad_s,
+            ..touch
+        };
+        Ok(())
     }
 
     /// Sums and extremes of one site over the step, and changes that fell between two steps.
@@ -156,20 +193,11 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.sink.event(&event)
     }
 
-    /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
+    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short or the run
+    /// is over.
     fn emit(&mut self, now: &Sample, dt: f64, duration_s: f64) -> Result<(), SinkError> {
-        let before = std::mem::replace(&mut self.last, *now);
-        loop {
-            let t = self.next as f64 * self.interval_s;
-            if t >= now.time_s {
-                break;
-            }
-            self.next += 1;
-            if t > before.time_s {
-                self.emitted_s = t;
-                self.sink.sample(&between(&before, now, t))?;
-            }
-        }
+        self.emit_grid(now)?;
+        self.last = *now;
         let on_grid = self.next as f64 * self.interval_s == now.time_s;
         if on_grid {
             self.next += 1;
@@ -181,6 +209,21 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         Ok(())
     }
 
+    /// The grid points between the last sample and `end`, that one left out.
+    fn emit_grid(&mut self, end: &Sample) -> Result<(), SinkError> {
+        loop {
+            let t = self.next as f64 * self.interval_s;
+            if t >= end.time_s {
+                return Ok(());
+            }
+            self.next += 1;
+            if t > self.last.time_s {
+                self.emitted_s = t;
+                self.sink.sample(&between(&self.last, end, t))?;
+            }
+        }
+    }
+
     /// The last sample, if the run broke off between grid points, and the summary.
     pub fn finish(self) -> Result<Outcome, SinkError> {
         if self.emitted_s < self.last.time_s {
@@ -189,4 +232,20 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         let sites = self.sites.map(|tracked| tracked.summary);
         Ok(Outcome { last: self.last, sites, work: self.work, loop_gap_m: self.loop_gap_m })
     }
+}
+
+/// Angles and rates of `sample` as free motion from `from` makes them, given the angular acceleration of each body.
+fn fly(sample: &mut Sample, from: &Sample, acceleration: impl Fn(usize) -> f64) {
+    let time = sample.time_s - from.time_s;
+    let [a11, a12, a21, a22] = [L11, L12, L21, L22].map(acceleration);
+    let angle = |q: f64, rate: f64, a: f64| q + time * (rate + 0.5 * time * a);
+    sample.q11_rad = angle(from.q11_rad, from.qd11_rad_s, a11);
+    sample.q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
+    sample.q12_rad = angle(from.q12_rad, from.qd12_rad_s, a12 - a11);
+    sample.q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
+    sample.q13_rad = sample.q21_rad + sample.q22_rad;
+    sample.qd11_rad_s = from.qd11_rad_s + time * a11;
+    sample.qd21_rad_s = from.qd21_rad_s + time * a21;
+    sample.qd12_rad_s = from.qd12_rad_s + time * (a12 - a11);
+    sample.qd22_rad_s = from.qd22_rad_s + time * (a22 - a21);
 }

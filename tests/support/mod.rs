@@ -3,7 +3,7 @@
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::trace::{Event, EventKind, Outcome, RunError, Sample, Sink, SinkError, Site, run_analytic};
+use phalanx::trace::{Event, EventKind, Outcome, RunError, Sample, Sink, SinkError, Site, between, run_analytic, run_engine};
 
 /// Design 95 with the sizing of its experiment, from the shipped scene.
 pub fn anchor() -> Scene {
@@ -64,6 +64,50 @@ pub fn run(scene: &Scene) -> (Result<Outcome, RunError>, Collect) {
 pub fn complete(scene: &Scene) -> (Outcome, Collect) {
     let (result, log) = run(scene);
     (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
+}
+
+/// Runs the engine model of a scene, which must get to its end.
+#[track_caller]
+pub fn engine(scene: &Scene) -> (Outcome, Collect) {
+    let mut log = Collect::default();
+    let result = run_engine(scene, &mut log);
+    (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
+}
+
+/// The analytic model at its reference settings, sampled densely enough to interpolate to 1e-10 rad.
+#[track_caller]
+pub fn dense_reference(scene: &Scene) -> (Outcome, Collect) {
+    let mut scene = Scene { integrator: reference(), ..scene.clone() };
+    scene.log.numeric_hz = 1e6;
+    complete(&scene)
+}
+
+/// Largest difference of q11, q21 and q22 from a dense reference, over all samples of a run.
+pub fn worst_angle(run: &Collect, reference: &Collect) -> f64 {
+    let mut worst: f64 = 0.0;
+    for sample in &run.samples {
+        let after = reference.samples.partition_point(|s| s.time_s < sample.time_s);
+        let after = after.clamp(1, reference.samples.len() - 1);
+        let wanted = between(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
+        let found = [sample.q11_rad - wanted.q11_rad, sample.q21_rad - wanted.q21_rad, sample.q22_rad - wanted.q22_rad];
+        worst = found.iter().fold(worst, |most, d| most.max(d.abs()));
+    }
+    worst
+}
+
+/// Normal impulse of a site from its first touch-down to so long after it.
+pub fn impact_impulse(run: &Collect, site: Site, window_s: f64) -> f64 {
+    let touch = run.first_touch(site).expect("a touch-down");
+    let at = |t: f64| {
+        let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
+        let sample = between(&run.samples[after - 1], &run.samples[after], t);
+        match site {
+            Site::Proximal => sample.proximal.impulse_n_s,
+            Site::Distal => sample.distal.impulse_n_s,
+            Site::Limit => sample.limit.impulse_n_m_s,
+        }
+    };
+    at(touch + window_s) - at(touch)
 }
 
 /// Reproducible random numbers (splitmix64).

@@ -1,0 +1,74 @@
+//! Order of convergence of the engine model, from runs at deterministic step counts.
+
+mod support;
+
+use phalanx::scene::{Construction, Scene, Stepping};
+use support::{anchor, dense_reference, engine, worst_angle};
+
+/// The anchor without object and limit, before the tip has swung too far: motor, spring, gravity and joints only.
+fn free() -> Scene {
+    Scene { object: None, limit: None, duration_s: 3e-3, ..anchor() }
+}
+
+/// Errors at steps that halve, with the number of steps each took.
+fn errors(scene: &Scene, construction: Construction, coarsest_s: f64) -> Vec<(u64, f64)> {
+    let (_, reference) = dense_reference(scene);
+    (0..4)
+        .map(|halvings| {
+            let mut scene = scene.clone();
+            scene.engine.construction = construction;
+            scene.engine.stepping = Stepping::Fixed { step_s: coarsest_s / f64::from(1 << halvings) };
+            let (outcome, run) = engine(&scene);
+            (outcome.work.steps, worst_angle(&run, &reference))
+        })
+        .collect()
+}
+
+fn slopes(errors: &[(u64, f64)]) -> Vec<f64> {
+    errors.windows(2).map(|pair| (pair[0].1 / pair[1].1).log2()).collect()
+}
+
+#[test]
+fn free_motion_in_maximal_coordinates_is_second_order() {
+    let errors = errors(&free(), Construction::Maximal, 4e-5);
+    assert_eq!(errors.iter().map(|e| e.0).collect::<Vec<_>>(), [75, 150, 300, 600]);
+    for slope in slopes(&errors) {
+        assert!(slope >= 1.9, "slopes {:?} of {errors:?}", slopes(&errors));
+    }
+    assert!(errors[3].1 < 5e-7, "error {:e} at 5e-6 s", errors[3].1);
+}
+
+/// A pressing joint limit is a stiff, plastic contact; it must not cost the order.
+#[test]
+fn motion_against_the_joint_limit_is_second_order() {
+    let scene = Scene { object: None, duration_s: 4e-3, ..anchor() };
+    let errors = errors(&scene, Construction::Maximal, 4e-5);
+    for slope in slopes(&errors) {
+        assert!(slope >= 1.8, "slopes {:?} of {errors:?}", slopes(&errors));
+    }
+}
+
+/// rapier's multibody integrates its joint rates with semi-implicit Euler: one order less, which the documentation says.
+#[test]
+fn reduced_coordinates_are_first_order() {
+    let errors = errors(&free(), Construction::Reduced, 2e-5);
+    for slope in slopes(&errors) {
+        assert!((0.9..1.3).contains(&slope), "slopes {:?} of {errors:?}", slopes(&errors));
+    }
+}
+
+/// Step sizes that change from step to step keep the second order: errors fall with the tolerance, which goes with dt².
+#[test]
+fn adaptive_steps_converge_with_their_tolerance() {
+    let (_, reference) = dense_reference(&free());
+    let error = |tolerance_m: f64| {
+        let mut scene = free();
+        scene.engine.stepping = Stepping::Adaptive { tolerance_m, max_step_s: 1e-4 };
+        let (outcome, run) = engine(&scene);
+        (outcome.work.steps, worst_angle(&run, &reference))
+    };
+    let (coarse, fine) = (error(1e-8), error(1e-10));
+    assert!(fine.0 > 8 * coarse.0, "{coarse:?} {fine:?}");
+    let slope = (coarse.1 / fine.1).ln() / (fine.0 as f64 / coarse.0 as f64).ln();
+    assert!(slope > 1.6, "slope {slope}: {coarse:?} {fine:?}");
+}
