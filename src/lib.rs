@@ -1,8 +1,8 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic ← trace ← log, criteria ← report ← cli`; `numeric` and `integrator` know nothing
-//! of grippers.
+//! `units ← gripper, law ← scene ← analytic, engine ← trace ← log, criteria, validate ← report, plot ← cli`; `numeric` and
+//! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:
 //!

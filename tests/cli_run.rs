@@ -120,6 +120,59 @@ fn the_command_line_overrides_the_scene_and_the_log_says_so() {
 }
 
 #[test]
+fn the_engine_runs_the_anchor_case_too() {
+    let path = directory("cli_run_engine").join("run.mcap");
+    let log = path.to_str().expect("text");
+    let output = phalanx(&["run", ANCHOR, "--model", "engine", "--json", "--log", log]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let run = json(&output);
+    assert_eq!(run["model"], "engine");
+    assert_eq!(run["integrator"], Value::Null);
+    let engine = &run["engine"];
+    assert_eq!(engine["construction"], "maximal");
+    assert_eq!(engine["law"], "scene");
+    assert_eq!(engine["stepping"], "adaptive");
+    assert_eq!(engine["step_s"], Value::Null);
+    for key in ["tolerance_m", "max_step_s", "iterations", "max_steps"] {
+        assert!(engine[key].is_number(), "{key}");
+    }
+    near(&run["loop_gap_m"], 0.0, 1e-7);
+    assert!(run["work"]["contact_substeps"].as_u64().expect("a count") > 0);
+    assert!(run["work"]["newton_iterations"].as_u64().expect("a count") > 0);
+    // 1-model §1.8: an independent high-accuracy integration.
+    near(&run["final"]["q11_rad"], 2.088778f64.to_radians(), 2e-5);
+    near(&run["contacts"]["distal"]["first_s"], 6.883746e-3, 5e-7);
+    assert_eq!(run["criteria"]["class"], "stable");
+
+    let bytes = fs::read(&path).expect("a log");
+    let summary = Summary::read(&bytes).expect("readable").expect("indexed");
+    let settings = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable").metadata;
+    assert_eq!(settings["model"], "engine");
+    assert_eq!(settings["engine_construction"], "maximal");
+    assert_eq!(settings["engine_tolerance_m"], format!("{:?}", engine["tolerance_m"].as_f64().expect("a length")));
+    assert!(!settings.contains_key("integrator_preset"));
+}
+
+#[test]
+fn the_engine_takes_its_settings_from_the_command_line() {
+    let output =
+        phalanx(&["run", ANCHOR, "--model", "engine", "--json", "--construction", "reduced", "--step", "20 us"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let run = json(&output);
+    let engine = &run["engine"];
+    assert_eq!(engine["construction"], "reduced");
+    assert_eq!(engine["stepping"], "fixed");
+    near(&engine["step_s"], 20e-6, 1e-20);
+    assert_eq!(engine["tolerance_m"], Value::Null);
+    assert_eq!(run["steps"], 1000);
+
+    let output = phalanx(&["run", ANCHOR, "--model", "engine", "--tolerance", "1 um"]);
+    let text = stdout(&output);
+    assert!(text.contains("engine model, maximal construction") && text.contains("1.00e-6 m a step"), "{text}");
+    assert!(text.contains("joints open by at most"), "{text}");
+}
+
+#[test]
 fn a_free_swing_has_no_contacts_and_no_criteria() {
     let directory = directory("cli_run_swing");
     let scene = variant(&directory, "swing.toml", "[object]\npresent = false\n[limit]\nenabled = false");

@@ -26,15 +26,29 @@ fn refused(args: &[&str], parts: &[&str]) {
 fn bad_arguments_are_refused() {
     refused(&["run"], &["<SCENE>"]);
     refused(&["run", ANCHOR, "--jason"], &["--jason", "--json"]);
-    refused(&["run", ANCHOR, "--model", "engine"], &["only the analytic model"]);
     refused(&["run", ANCHOR, "--model", "magic"], &["magic", "analytic"]);
     for rtol in ["0", "2", "nan", "tight"] {
         refused(&["run", ANCHOR, "--rtol", rtol], &[rtol, "between 0 and 1"]);
     }
+    for step in ["0 us", "-1 us", "1 mm", "1"] {
+        refused(&["run", ANCHOR, "--model", "engine", &format!("--step={step}")], &["--step", step]);
+    }
+    refused(&["run", ANCHOR, "--model", "engine", "--step", "1 us", "--tolerance", "1 um"], &["--tolerance"]);
     refused(&["run", ANCHOR, "--duration", "30"], &["30", "no unit", "ms"]);
     refused(&["run", ANCHOR, "--duration", "30 mm"], &["30 mm"]);
     refused(&["run", ANCHOR, "--duration", "0 ms"], &["longer than 0"]);
     refused(&["run", ANCHOR, "--duration", "inf s"], &["finite"]);
+}
+
+#[test]
+fn settings_of_the_model_that_does_not_run_are_refused() {
+    for flag in [["--construction", "reduced"], ["--step", "1 us"], ["--tolerance", "1 um"]] {
+        refused(&["run", ANCHOR, flag[0], flag[1]], &[flag[0], "analytic model runs", "--model engine"]);
+    }
+    for flag in [["--preset", "reference"], ["--rtol", "1e-3"]] {
+        let args = ["run", ANCHOR, "--model", "engine", flag[0], flag[1]];
+        refused(&args, &[flag[0], "engine model runs", "--model analytic"]);
+    }
 }
 
 #[test]

@@ -48,7 +48,7 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let result = validate(&scene, args.quick, &mut |Progress { done, total, next }| count.show(done, total, next));
     count.clear();
     let found = result.map_err(incomplete)?;
-    let mut report = ValidationReport::new(&scene, &found);
+    let mut report = ValidationReport::new(&scene, &found, args.quick);
     if let Some(out) = &args.out {
         write(out, &args.scene, &scene, &found, &mut report)?;
     }

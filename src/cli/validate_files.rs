@@ -13,7 +13,22 @@ use crate::report::{ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Integrator, Preset, Scene};
 use crate::validate::{Model, Validation, run};
 
-/// Makes the directory, before anything is simulated.
+/// The first file written: it shows whether the others can be.
+const REPORT: &str = "report.txt";
+
+/// Everything that is in the directory in the end.
+const FILES: [&str; 8] = [
+    REPORT,
+    "report.json",
+    "series.csv",
+    "speed-error.svg",
+    "overlay.svg",
+    "difference.svg",
+    "analytic.mcap",
+    "engine.mcap",
+];
+
+/// Makes the directory and tries to write there, before anything is simulated.
 pub fn directory(out: &Path) -> Result<(), Failure> {
     if out.exists() && !out.is_dir() {
         return Err(Failure::bad_input(format!(
@@ -26,6 +41,10 @@ pub fn directory(out: &Path) -> Result<(), Failure> {
             "cannot make the directory {}: {error}; give one where you may write",
             out.display()
         ))
+    })?;
+    File::create(out.join(REPORT)).map(drop).map_err(|error| {
+        let path = out.join(REPORT);
+        Failure::bad_input(format!("cannot write {}: {error}; give a directory where you may write", path.display()))
     })
 }
 
@@ -38,45 +57,40 @@ pub fn write(
     report: &mut ValidationReport,
 ) -> Result<(), Failure> {
     let name = &scene.name;
-    let pictures = [
+    for (file, picture) in [
         ("speed-error.svg", plot::speed_error(name, found)),
         ("overlay.svg", plot::overlay(name, found)),
         ("difference.svg", plot::difference(name, found)),
-    ];
-    let mut written = Vec::new();
-    for (file, picture) in pictures {
+    ] {
         let path = out.join(file);
-        let text = picture.map_err(|error| broken(&path, error))?;
-        fs::write(&path, text).map_err(|error| broken(&path, error))?;
-        written.push(path);
+        save(&path, &picture.map_err(|error| broken(&path, error))?)?;
     }
-
-    let path = out.join("series.csv");
-    let table = File::create(&path).and_then(|file| {
-        let mut file = BufWriter::new(file);
-        series(&mut file, &found.reference, &found.engine, scene.log.numeric_hz)?;
-        file.flush()
-    });
-    table.map_err(|error| broken(&path, error))?;
-    written.push(path);
-
+    table(&out.join("series.csv"), scene, found)?;
     let reference = Scene {
         integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Reference) },
         ..scene.clone()
     };
-    for (model, scene) in [(Model::Analytic, &reference), (Model::Engine, scene)] {
-        let path = out.join(format!("{}.mcap", model.name()));
-        record(model, scene, scene_file, &path)?;
-        written.push(path);
-    }
+    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"))?;
+    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"))?;
 
-    let reports = [out.join("report.txt"), out.join("report.json")];
-    written.extend(reports.clone());
-    report.files = Some(written.iter().map(|path| path.display().to_string()).collect());
-    for (path, text) in reports.iter().zip([validation_text(report), validation_json(report)]) {
-        fs::write(path, text).map_err(|error| broken(path, error))?;
-    }
-    Ok(())
+    report.directory = Some(out.display().to_string());
+    report.files = Some(FILES.map(String::from).to_vec());
+    save(&out.join(REPORT), &validation_text(report))?;
+    save(&out.join("report.json"), &validation_json(report))
+}
+
+fn save(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text).map_err(|error| broken(path, error))
+}
+
+/// Both models side by side.
+fn table(path: &Path, scene: &Scene, found: &Validation) -> Result<(), Failure> {
+    let written = File::create(path).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        series(&mut file, &found.reference, &found.engine, scene.log.numeric_hz)?;
+        file.flush()
+    });
+    written.map_err(|error| broken(path, error))
 }
 
 /// Logs one model, sample rate and all as `phalanx run` does.

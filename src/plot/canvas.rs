@@ -107,10 +107,12 @@ pub fn frame<'a>(area: &Area<'a>, x: &Axis, y: &Axis, foot: bool) -> Result<Fram
     let mut mesh = chart.configure_mesh();
     mesh.disable_mesh().label_style(font(TEXT_SIZE)).axis_desc_style(font(TEXT_SIZE)).y_desc(&y.label);
     mesh.axis_style(GREY);
-    let (x_text, y_text) = (|tick: &f64| x.text(*tick), |tick: &f64| y.text(*tick));
-    mesh.y_label_formatter(&y_text).y_labels(y.ticks.len()).x_labels(if foot { x.ticks.len() } else { 0 });
+    let x_text = |tick: &f64| if foot { x.text(*tick) } else { String::new() };
+    let y_text = |tick: &f64| y.text(*tick);
+    mesh.y_label_formatter(&y_text).x_label_formatter(&x_text);
+    mesh.y_labels(y.ticks.len()).x_labels(x.ticks.len());
     if foot {
-        mesh.x_desc(&x.label).x_label_formatter(&x_text);
+        mesh.x_desc(&x.label);
     }
     mesh.draw()?;
     Ok(chart)

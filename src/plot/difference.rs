@@ -22,7 +22,7 @@ pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> 
     let pairs: Vec<(Sample, Sample)> = compared
         .filter_map(|sample| found.reference.at(sample.time_s, &mut cursor).map(|expected| (*sample, expected)))
         .collect();
-    let distance = |angle: Angle, (engine, analytic): &(Sample, Sample)| (angle.of(engine) - angle.of(analytic)).abs();
+    let distance = |angle: Angle, (engine, analytic): &(Sample, Sample)| angle.difference(engine, analytic).abs();
     let all = pairs.iter().flat_map(|pair| Angle::ALL.map(|angle| distance(angle, pair)));
     let y = Axis::decades("|engine − analytic|, rad", all.chain([found.bounds.angle_rad]), DECADES);
     let x = Axis::linear("time, ms", [0.0, found.bounds.until_s * 1e3]);

@@ -7,7 +7,7 @@ use super::canvas::{
 };
 use super::curve::over_time;
 use crate::trace::Sample;
-use crate::validate::Validation;
+use crate::validate::{Validation, turned};
 use plotters::style::RGBColor;
 
 const PANEL: u32 = 230;
@@ -91,9 +91,9 @@ fn panels(found: &Validation) -> Vec<Panel> {
             label: "joint angle, deg",
             log: false,
             quantities: vec![
-                quantity("q11", BLUE, |s| s.q11_rad.to_degrees()),
-                quantity("q21", ORANGE, |s| s.q21_rad.to_degrees()),
-                quantity("q22", GREEN, |s| s.q22_rad.to_degrees()),
+                quantity("q11", BLUE, |s| turned(s.q11_rad).to_degrees()),
+                quantity("q21", ORANGE, |s| turned(s.q21_rad).to_degrees()),
+                quantity("q22", GREEN, |s| turned(s.q22_rad).to_degrees()),
             ],
         },
         Panel {

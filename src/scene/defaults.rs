@@ -45,6 +45,14 @@ impl Engine {
         iterations: ENGINE_ITERATIONS,
         max_steps: MAX_STEPS,
     };
+
+    /// Joint sweeps unless the scene says otherwise: they depend on what answers to contact.
+    pub const fn usual_iterations(response: Response) -> u32 {
+        match response {
+            Response::Laws => ENGINE_ITERATIONS,
+            Response::Rapier { .. } => ENGINE_ITERATIONS_RIGID,
+        }
+    }
 }
 
 impl Bounds {

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use super::{Model, run};
+use super::{Model, run, steps_only};
 use crate::scene::{Integrator, Preset, Scene};
 use crate::trace::RunError;
 
-/// Time spent on repeating one setting, and how often at most.
+/// Time spent on repeating one setting, in earnest and in haste, and how often at most.
 const PATIENCE_S: f64 = 0.2;
+const QUICK_PATIENCE_S: f64 = 0.03;
 const MOST_RUNS: usize = 15;
 /// Runs of the analytic model per timed run: one is over in a fraction of a millisecond.
 const BESIDE: usize = 3;
@@ -37,8 +38,11 @@ impl Cost {
     }
 }
 
-/// Times a scene with one of the models: the median of as many runs as fit in [`PATIENCE_S`], at least one.
-pub fn cost(model: Model, scene: &Scene) -> Result<Cost, RunError> {
+/// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off a grid
+/// of times for a log is not part of it: that costs what the log rate says, whatever the settings.
+pub fn cost(model: Model, scene: &Scene, quick: bool) -> Result<Cost, RunError> {
+    let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
+    let scene = &steps_only(scene);
     let everyday = Scene {
         integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Engineering) },
         ..scene.clone()
@@ -50,7 +54,7 @@ pub fn cost(model: Model, scene: &Scene) -> Result<Cost, RunError> {
         steps = run(model, scene, &mut ())?.work.steps;
         times.push(start.elapsed().as_secs_f64());
         if times.len() == 1 {
-            wanted = ((PATIENCE_S / times[0]) as usize).clamp(1, MOST_RUNS);
+            wanted = ((patience_s / times[0]) as usize).clamp(1, MOST_RUNS);
         }
         for _ in 0..BESIDE {
             let start = Instant::now();

@@ -129,7 +129,7 @@ impl Sink for Comparison<'_> {
         }
         let Some(expected) = self.reference.at(sample.time_s, &mut self.cursor) else { return Ok(()) };
         for (track, angle) in self.angles.iter_mut().zip(Angle::ALL) {
-            track.push(sample.time_s, angle.of(sample) - angle.of(&expected));
+            track.push(sample.time_s, angle.difference(sample, &expected));
         }
         for (track, rate) in self.rates.iter_mut().zip(Rate::ALL) {
             track.push(sample.time_s, rate.of(sample) - rate.of(&expected));

@@ -7,6 +7,8 @@ use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, S
 pub const LONGEST_STEPS: f64 = 2e6;
 /// A fixed step that makes more steps than this is run once, not with the whole ensemble.
 const ONCE_STEPS: f64 = 15e3;
+/// Shortest fixed step where there is no time for shorter ones, a little less than 1e-5 s for the sake of the last bit.
+const QUICK_STEP_S: f64 = 0.999e-5;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
@@ -145,20 +147,21 @@ pub fn name(rung: &Rung) -> String {
 
 /// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
 pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
+    let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
     let mut engines = adaptive(scene);
-    engines.extend(fixed(scene, Construction::Maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
+    engines.extend(fixed(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
     if !quick {
-        engines.extend(fixed(scene, Construction::Reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
+        engines.extend(fixed(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
     }
     if scene.object.is_some() {
         let friction = scene.contact.proximal.friction.map_or(0.0, |law| law.mu_static);
         let native = Response::Rapier { friction, restitution: 0.0 };
-        engines.extend(fixed(scene, Construction::Maximal, native, &[1e-4, 1e-5, 1e-6], quick));
+        engines.extend(fixed(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
     }
     if !engines.contains(&scene.engine) {
         let family = Family::of(&scene.engine);
         let place = engines.iter().rposition(|engine| Family::of(engine) == family);
-        engines.insert(place.map_or(0, |place| place + 1), scene.engine);
+        engines.insert(place.map_or(engines.len(), |place| place + 1), scene.engine);
     }
     let engines = engines.into_iter().map(|engine| Rung::engine(engine, scene));
     engines.chain(analytic(scene).into_iter().map(Rung::analytic)).collect()
@@ -171,21 +174,20 @@ fn adaptive(scene: &Scene) -> Vec<Engine> {
         adaptive @ Stepping::Adaptive { .. } => adaptive,
     };
     let Stepping::Adaptive { tolerance_m, max_step_s } = stepping else { return Vec::new() };
-    [100.0, 10.0, 1.0, 0.1]
-        .map(|factor| Engine {
-            construction: Construction::Maximal,
-            response: Response::Laws,
-            stepping: Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s },
-            ..scene.engine
-        })
-        .to_vec()
+    let at = |factor: f64| Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s };
+    [100.0, 10.0, 1.0, 0.1].map(|factor| engine(scene, Construction::Maximal, Response::Laws, at(factor))).to_vec()
 }
 
 fn fixed(scene: &Scene, construction: Construction, response: Response, steps_s: &[f64], quick: bool) -> Vec<Engine> {
-    let coarse = steps_s.iter().filter(|&&step_s| !quick || step_s > 5e-6);
-    coarse
-        .map(|&step_s| Engine { construction, response, stepping: Stepping::Fixed { step_s }, ..scene.engine })
-        .collect()
+    let coarse = steps_s.iter().filter(|&&step_s| !quick || step_s >= QUICK_STEP_S);
+    coarse.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
+}
+
+/// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same kind.
+fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
+    let same = matches!(response, Response::Laws) == matches!(scene.engine.response, Response::Laws);
+    let iterations = if same { scene.engine.iterations } else { Engine::usual_iterations(response) };
+    Engine { construction, response, stepping, iterations, max_steps: scene.engine.max_steps }
 }
 
 /// The everyday preset loosened and tightened as a whole, and two of the method of the reference.

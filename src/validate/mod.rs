@@ -8,8 +8,8 @@
 //! a setting is therefore the worst over [`MEMBERS`] runs whose motor torque differs by parts in 1e9, each against a reference
 //! of its own. Settings that take long are run once, and say so.
 //!
-//! **What is compared.** Joint angles and rates at the sample times of the candidate, the reference interpolated between its
-//! (dense) samples; forces at the end of the run; times of first touch; the normal impulse in the first [`IMPACT_S`] of every
+//! **What is compared.** Joint angles (a whole turn apart is the same) and rates at every step of the engine, the reference
+//! interpolated between its dense samples; forces at the end of the run; times of first touch; the normal impulse in the first [`IMPACT_S`] of every
 //! impact, each model counted from its own touch-down; the opening of the engine's joints; energy that came from nowhere.
 //!
 //! | file | job |
@@ -39,9 +39,9 @@ pub use difference::{Comparison, Differences, compare};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Model, Rung, Settings, ladder, name, own};
-pub use recording::{Recording, dense, record};
+pub use recording::{Recording, record, reference, sampled, steps_only};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
-pub use track::{Angle, Rate, Track};
+pub use track::{Angle, Rate, Track, turned};
 pub use verdict::{Check, Verdict, verdicts};
 
 use crate::scene::Scene;

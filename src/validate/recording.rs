@@ -1,4 +1,4 @@
-//! A run kept whole, and the dense grid that makes one fit to be compared with.
+//! A run kept whole, and the grids of time that make runs fit to be compared.
 
 use super::{Impacts, Model, run};
 use crate::scene::{Integrator, LogRates, Preset, Scene};
@@ -58,11 +58,22 @@ pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
 }
 
 /// The scene as the reference runs it: the tightest settings, on a dense grid.
-pub fn dense(scene: &Scene) -> Scene {
+pub fn reference(scene: &Scene) -> Scene {
+    let integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Reference) };
+    sampled(Model::Analytic, &Scene { integrator, ..scene.clone() })
+}
+
+/// The scene with the samples that a comparison needs. The analytic model is exact between its steps, so a dense grid is
+/// read off; of the engine every step is taken, and nothing that is interpolated.
+pub fn sampled(model: Model, scene: &Scene) -> Scene {
     let numeric_hz = (MOST_SAMPLES / scene.duration_s).min(FINEST_HZ).max(scene.log.numeric_hz);
-    Scene {
-        integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Reference) },
-        log: LogRates { numeric_hz },
-        ..scene.clone()
+    match model {
+        Model::Analytic => Scene { log: LogRates { numeric_hz }, ..scene.clone() },
+        Model::Engine => steps_only(scene),
     }
+}
+
+/// The scene with a sample at every step and at no other time.
+pub fn steps_only(scene: &Scene) -> Scene {
+    Scene { log: LogRates { numeric_hz: 1.0 / scene.duration_s }, ..scene.clone() }
 }

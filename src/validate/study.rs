@@ -1,8 +1,8 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
 use super::{
-    Comparison, Cost, Differences, MEMBERS, Model, Recording, Rung, Verdict, compare, cost, dense, ladder, member, own,
-    record, run, verdicts,
+    Comparison, Cost, Differences, MEMBERS, Model, Recording, Rung, Verdict, compare, cost, ladder, member, own,
+    record, reference, run, sampled, verdicts,
 };
 use crate::scene::{Bounds, Scene};
 use crate::trace::RunError;
@@ -75,10 +75,10 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
     let scenes: Vec<Scene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
     let references: Vec<Recording> = scenes
         .iter()
-        .map(|scene| record(Model::Analytic, &dense(scene)))
+        .map(|scene| record(Model::Analytic, &reference(scene)))
         .collect::<Result<_, _>>()
         .map_err(broken(Model::Analytic))?;
-    let engine = record(Model::Engine, scene).map_err(broken(Model::Engine))?;
+    let engine = record(Model::Engine, &sampled(Model::Engine, scene)).map_err(broken(Model::Engine))?;
     let own = own(scene);
     let rest = against(&own, &scenes[1..], &references[1..]).map_err(broken(Model::Engine))?;
     let first = compare(&engine, &references[0], &scene.bounds);
@@ -89,10 +89,10 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
         tell(Progress { done: index + 1, total, next: rung.family.name() });
         let tried = match rung.own {
             true => {
-                let cost = cost(Model::Engine, scene).map_err(broken(Model::Engine))?;
+                let cost = cost(Model::Engine, scene, quick).map_err(broken(Model::Engine))?;
                 Tried::Done { differences: Some(Box::new(differences)), cost }
             }
-            false => attempt(&rung, &scenes, &references, engine.outcome.work.steps),
+            false => attempt(&rung, &scenes, &references, engine.outcome.work.steps, quick),
         };
         rows.push(Row { rung, tried });
     }
@@ -107,13 +107,13 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
 }
 
 /// Compares and times one setting.
-fn attempt(rung: &Rung, scenes: &[Scene], references: &[Recording], own_steps: u64) -> Tried {
+fn attempt(rung: &Rung, scenes: &[Scene], references: &[Recording], own_steps: u64, quick: bool) -> Tried {
     if let Some(steps) = rung.predicted_steps(&scenes[0], own_steps).filter(|&steps| steps > super::LONGEST_STEPS) {
         return Tried::TooLong { steps };
     }
     let members = if rung.is_reference() { 0 } else { rung.members };
     let compared = against(rung, &scenes[..members], &references[..members]);
-    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]))?)));
+    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]), quick)?)));
     match timed {
         Ok((differences, cost)) => Tried::Done { differences: differences.map(Box::new), cost },
         Err(error) => Tried::Failed { reason: error.to_string() },
@@ -125,7 +125,7 @@ fn against(rung: &Rung, scenes: &[Scene], references: &[Recording]) -> Result<Op
     let mut worst: Option<Differences> = None;
     for (scene, reference) in scenes.iter().zip(references) {
         let mut comparison = Comparison::new(reference, &scene.bounds);
-        let outcome = run(rung.model(), &rung.apply(scene), &mut comparison)?;
+        let outcome = run(rung.model(), &sampled(rung.model(), &rung.apply(scene)), &mut comparison)?;
         let found = comparison.finish(&outcome);
         worst = Some(worst.map_or(found, |worst| worst.worst(&found)));
     }

@@ -1,5 +1,7 @@
 //! Differences of one quantity along the way: largest, root mean square over time, at the end.
 
+use std::f64::consts::TAU;
+
 use crate::trace::Sample;
 
 /// Joint angles that are compared.
@@ -29,6 +31,11 @@ impl Angle {
         }
     }
 
+    /// How far one sample is from another: at most half a turn, for a whole turn leads back.
+    pub fn difference(self, a: &Sample, b: &Sample) -> f64 {
+        turned(self.of(a) - self.of(b))
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Angle::Q11 => "q11",
@@ -56,6 +63,11 @@ impl Rate {
             Rate::Qd22 => "qd22",
         }
     }
+}
+
+/// An angle without its whole turns, from −π to π.
+pub fn turned(angle_rad: f64) -> f64 {
+    angle_rad - TAU * (angle_rad / TAU).round()
 }
 
 /// The difference of one quantity over a run. What is not a number counts as infinite.

@@ -32,9 +32,12 @@ pub struct ValidationReport {
     pub impacts: Vec<ImpactReport>,
     /// Of the engine at the scene's settings: worst of the ensemble.
     pub differences: DifferencesReport,
+    /// Whether settings that take long were left out.
+    pub quick: bool,
     /// Speed against error: all settings that were tried.
     pub settings: Vec<SettingReport>,
-    /// Files written, as given; null if none were asked for.
+    /// Directory of the results as given, and the files in it; null if none were asked for.
+    pub directory: Option<String>,
     pub files: Option<Vec<String>>,
 }
 
@@ -140,7 +143,7 @@ pub struct SettingReport {
 }
 
 impl ValidationReport {
-    pub fn new(scene: &Scene, found: &Validation) -> Self {
+    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
         let check = |check: &crate::validate::Check| CheckReport {
             bound: check.bound,
             meaning: check.meaning,
@@ -161,7 +164,9 @@ impl ValidationReport {
             engine: ModelReport::new(row(|row| row.rung.own), &found.engine),
             impacts: impacts(&found.reference, &found.engine),
             differences: DifferencesReport::from(&found.differences),
+            quick,
             settings: found.rows.iter().map(SettingReport::from).collect(),
+            directory: None,
             files: None,
         }
     }

@@ -3,15 +3,16 @@
 use std::io::{self, Write};
 
 use crate::trace::Sample;
-use crate::validate::Recording;
+use crate::validate::{Recording, turned};
 
 type Column = (&'static str, fn(&Sample) -> f64);
 
-/// The quantities, in SI: each is a column with `_analytic` behind its name and one with `_engine`.
+/// The quantities, in SI: each is a column with `_analytic` behind its name and one with `_engine`. Angles are
+/// from −π to π.
 pub const COLUMNS: [Column; 15] = [
-    ("q11_rad", |s| s.q11_rad),
-    ("q21_rad", |s| s.q21_rad),
-    ("q22_rad", |s| s.q22_rad),
+    ("q11_rad", |s| turned(s.q11_rad)),
+    ("q21_rad", |s| turned(s.q21_rad)),
+    ("q22_rad", |s| turned(s.q22_rad)),
     ("qd11_rad_s", |s| s.qd11_rad_s),
     ("qd21_rad_s", |s| s.qd21_rad_s),
     ("qd22_rad_s", |s| s.qd22_rad_s),

@@ -7,6 +7,7 @@ use super::super::text::duration;
 use super::document::{
     CheckReport, DifferencesReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport,
 };
+use crate::validate::turned;
 
 /// The whole report, with a line end.
 pub fn validation_text(report: &ValidationReport) -> String {
@@ -43,8 +44,8 @@ fn heading(report: &ValidationReport) -> String {
         report.ensemble_runs,
         report.ensemble_torque_step
     );
-    if let Some(files) = &report.files {
-        let _ = writeln!(text, "files: {}", files.join(", "));
+    if let (Some(directory), Some(files)) = (&report.directory, &report.files) {
+        let _ = writeln!(text, "in {directory}: {}", files.join(", "));
     }
     text
 }
@@ -68,11 +69,15 @@ fn side_by_side(report: &ValidationReport) -> String {
     let line = |name: &str, analytic: f64, engine: f64, digits: usize| {
         row([name, &figure(analytic, digits), &figure(engine, digits), &figure(engine - analytic, 3)])
     };
+    let angle = |name: &str, analytic: f64, engine: f64| {
+        let (analytic, difference) = (turned(analytic), turned(engine - analytic));
+        line(name, analytic.to_degrees(), (analytic + difference).to_degrees(), 8)
+    };
     let mut rows = vec![
         row([&format!("at {}", duration(report.duration_s)), "analytic", "engine", "difference"]),
-        line("q11, deg", a.last.q11_rad.to_degrees(), e.last.q11_rad.to_degrees(), 8),
-        line("q21, deg", a.last.q21_rad.to_degrees(), e.last.q21_rad.to_degrees(), 8),
-        line("q22, deg", a.last.q22_rad.to_degrees(), e.last.q22_rad.to_degrees(), 8),
+        angle("q11, deg", a.last.q11_rad, e.last.q11_rad),
+        angle("q21, deg", a.last.q21_rad, e.last.q21_rad),
+        angle("q22, deg", a.last.q22_rad, e.last.q22_rad),
         line("qd11, rad/s", a.last.qd11_rad_s, e.last.qd11_rad_s, 4),
         line("qd21, rad/s", a.last.qd21_rad_s, e.last.qd21_rad_s, 4),
     ];
@@ -158,8 +163,18 @@ fn differences(found: &DifferencesReport) -> String {
 fn settings(report: &ValidationReport) -> String {
     let mut text = String::new();
     let mut rows = vec![
-        row(["speed against error", "runs", "steps", "wall, ms", "× real", "× anal.", "angle,", "touch,", "impulse,"]),
-        row(["", "", "", "", "time", "everyday", "rad", "µs", "%"]),
+        row([
+            "speed against error",
+            "runs",
+            "steps",
+            "wall, ms",
+            "× real",
+            "× everyday",
+            "angle,",
+            "touch,",
+            "impulse,",
+        ]),
+        row(["", "", "", "", "time", "analytic", "rad", "µs", "%"]),
     ];
     rows[0].extend(row(["force,", "gap,", "energy,"]));
     rows[1].extend(row(["%", "µm", "%"]));
@@ -183,6 +198,9 @@ fn settings(report: &ValidationReport) -> String {
     text.push_str(
         "largest differences from the reference over so many runs; * the scene's settings; wall time of the model alone, median\n",
     );
+    if report.quick {
+        text.push_str("left out by --quick: fixed steps below 1e-5 s, reduced coordinates\n");
+    }
     for note in notes {
         let _ = writeln!(text, "{note}");
     }

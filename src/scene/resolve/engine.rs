@@ -15,10 +15,7 @@ pub fn engine(c: &mut Checker<'_>, raw: &Section<RawEngine>, contacts: Option<Co
     let construction = c.or("engine.construction", &raw.construction, base.construction);
     let response = response(c, raw, contacts);
     let stepping = stepping(c, raw);
-    let usual = match response {
-        Some(Response::Rapier { .. }) => defaults::ENGINE_ITERATIONS_RIGID,
-        _ => base.iterations,
-    };
+    let usual = response.map_or(base.iterations, Engine::usual_iterations);
     let iterations = c.or("engine.iterations", &raw.iterations, usual);
     let max_steps = c.or("engine.max_steps", &raw.max_steps, base.max_steps);
     Some(Engine { construction, response: response?, stepping: stepping?, iterations, max_steps })
