@@ -24,20 +24,15 @@ pub struct Inertia {
     pub inverse_inertia: f64,
 }
 
-/// One side of a pin: the body, its anchor from the centre of mass, in the body and turned into the world.
+/// One side of a pin: the body, its anchor from the centre of mass, in the body and turned into the world, and the sign of
+/// its velocity in the pin's opening rate. A side on the ground does not move and is left out.
 #[derive(Clone, Copy, Debug)]
 struct Side {
+    pin: usize,
     body: usize,
+    sign: f64,
     local: [f64; 2],
     arm: [f64; 2],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Pin {
-    /// `None`: an anchor on the ground, which does not move.
-    first: Option<Side>,
-    second: Side,
-    ground: [f64; 2],
 }
 
 /// Where a body is: centre of mass, orientation as (cos, sin), and as an angle without jumps.
@@ -56,7 +51,10 @@ pub struct Locked;
 pub struct Linkage {
     pub inertias: Vec<Inertia>,
     pub places: Vec<Place>,
-    pins: Vec<Pin>,
+    /// Sides of all pins, pin by pin; the anchors on the ground; pairs of sides on one body, by which their pins couple.
+    sides: Vec<Side>,
+    grounds: Vec<[f64; 2]>,
+    couplings: Vec<(usize, usize)>,
     /// Cholesky factor of A, and where its rows begin: pins that share no body do not couple.
     factor: Vec<f64>,
     first: Vec<usize>,
@@ -81,9 +79,27 @@ impl Linkage {
                 }
             })
             .collect();
-        let side = |body: usize, anchor: [f64; 2]| {
+        let side = |pin: usize, body: usize, sign: f64, anchor: [f64; 2]| {
             let com = rigid(body).local_center_of_mass();
-            Side { body, local: [anchor[0] - com.x, anchor[1] - com.y], arm: [0.0; 2] }
+            Side { pin, body, sign, local: [anchor[0] - com.x, anchor[1] - com.y], arm: [0.0; 2] }
+        };
+        let sides: Vec<Side> = pins
+            .iter()
+            .enumerate()
+            .flat_map(|(index, pin)| {
+                let first = pin.first.map(|body| side(index, body, -1.0, pin.anchor_first_m));
+                first.into_iter().chain([side(index, pin.second, 1.0, pin.anchor_second_m)])
+            })
+            .collect();
+        let on_one_body = |&(a, b): &(usize, usize)| {
+            let (a, b): (&Side, &Side) = (&sides[a], &sides[b]);
+            a.body == b.body && b.pin <= a.pin
+        };
+        let couplings: Vec<_> =
+            (0..sides.len()).flat_map(|a| (0..sides.len()).map(move |b| (a, b))).filter(on_one_body).collect();
+        let first_of = |pin: usize| {
+            let coupled = couplings.iter().filter(|(a, _)| sides[*a].pin == pin);
+            2 * coupled.map(|(_, b)| sides[*b].pin).min().unwrap_or(pin)
         };
         let at_start = |angle: f64| Place { com: [0.0; 2], direction: [angle.cos(), angle.sin()], angle };
         let places = plan.bodies.iter().map(|body| at_start(body.angle_rad)).collect();
@@ -91,19 +107,13 @@ impl Linkage {
         let mut linkage = Self {
             inertias,
             places,
-            pins: pins
-                .iter()
-                .map(|pin| Pin {
-                    first: pin.first.map(|body| side(body, pin.anchor_first_m)),
-                    second: side(pin.second, pin.anchor_second_m),
-                    ground: pin.anchor_first_m,
-                })
-                .collect(),
+            grounds: pins.iter().map(|pin| if pin.first.is_none() { pin.anchor_first_m } else { [0.0; 2] }).collect(),
             factor: vec![0.0; size * size],
-            first: Vec::new(),
+            first: (0..size).map(|row| first_of(row / 2)).collect(),
+            sides,
+            couplings,
             multipliers: vec![0.0; size],
         };
-        linkage.first = (0..size).map(|row| 2 * linkage.first_coupled(row / 2)).collect();
         linkage.read_places(world);
         linkage
     }
@@ -121,103 +131,80 @@ impl Linkage {
             let turns = ((continued - exact) / TAU).round();
             *place = Place { com: [com.x, com.y], direction, angle: exact + turns * TAU };
         }
-        for pin in &mut self.pins {
-            for side in pin.first.iter_mut().chain(std::iter::once(&mut pin.second)) {
-                side.arm = rotate(side.local, self.places[side.body].direction);
-            }
+        for side in &mut self.sides {
+            side.arm = rotate(side.local, self.places[side.body].direction);
         }
     }
 
     /// Factorises A at the present places.
     pub fn factorise(&mut self) -> Result<(), Locked> {
-        let size = 2 * self.pins.len();
-        for p in 0..self.pins.len() {
-            for q in self.first[2 * p] / 2..=p {
-                let block = self.coupling(&self.pins[p], &self.pins[q]);
-                for (row, line) in block.iter().enumerate() {
-                    let at = (2 * p + row) * size + 2 * q;
-                    self.factor[at..at + 2].copy_from_slice(line);
-                }
-            }
+        let size = self.first.len();
+        for (row, &first) in self.factor.chunks_exact_mut(size).zip(&self.first) {
+            row[first..].fill(0.0);
+        }
+        for &(a, b) in &self.couplings {
+            let (a, b) = (&self.sides[a], &self.sides[b]);
+            let inertia = &self.inertias[a.body];
+            let sign = a.sign * b.sign;
+            let (mass, turn) = (sign * inertia.inverse_mass, sign * inertia.inverse_inertia);
+            let (u, v) = (perp(a.arm), perp(b.arm));
+            let at = 2 * a.pin * size + 2 * b.pin;
+            self.factor[at] += mass + turn * u[0] * v[0];
+            self.factor[at + 1] += turn * u[0] * v[1];
+            self.factor[at + size] += turn * u[1] * v[0];
+            self.factor[at + size + 1] += mass + turn * u[1] * v[1];
         }
         if dense::factorise(&mut self.factor, &self.first) { Ok(()) } else { Err(Locked) }
     }
 
-    /// The first pin that shares a body with a pin.
-    fn first_coupled(&self, p: usize) -> usize {
-        let shares = |q: &Pin| sides(q).any(|(b, _)| sides(&self.pins[p]).any(|(a, _)| a.body == b.body));
-        self.pins.iter().position(shares).unwrap_or(p)
-    }
-
-    /// Rate at which pin p opens per unit impulse at pin q.
-    fn coupling(&self, p: &Pin, q: &Pin) -> [[f64; 2]; 2] {
-        let mut block = [[0.0; 2]; 2];
-        for (a, sign_a) in sides(p) {
-            for (b, sign_b) in sides(q) {
-                if a.body != b.body {
-                    continue;
-                }
-                let inertia = &self.inertias[a.body];
-                let sign = sign_a * sign_b;
-                let (u, v) = (perp(a.arm), perp(b.arm));
-                for row in 0..2 {
-                    for column in 0..2 {
-                        block[row][column] += sign * inertia.inverse_inertia * u[row] * v[column];
-                    }
-                    block[row][row] += sign * inertia.inverse_mass;
-                }
-            }
-        }
-        block
-    }
-
     /// Largest distance between the two anchors of a pin.
     pub fn gap(&self) -> f64 {
-        (0..self.pins.len()).map(|pin| self.open(pin)).fold(0.0, |most, [x, y]| most.max(x.hypot(y)))
+        self.open().fold(0.0, |most, [x, y]| most.max(x.hypot(y)))
     }
 
-    /// Acceleration −J̇ v the joints need: that of the anchors' circles.
-    fn centripetal(&self, velocities: &[Twist], pin: usize) -> [f64; 2] {
-        let mut wanted = [0.0; 2];
-        for (side, sign) in sides(&self.pins[pin]) {
-            let rate = velocities[side.body][2];
-            for (wanted, arm) in wanted.iter_mut().zip(side.arm) {
-                *wanted += sign * rate * rate * arm;
+    /// How far every pin is open: from its first anchor to its second.
+    pub fn open(&self) -> impl Iterator<Item = [f64; 2]> {
+        let mut sides = self.sides.iter().peekable();
+        self.grounds.iter().enumerate().map(move |(pin, ground)| {
+            let mut open = [-ground[0], -ground[1]];
+            while let Some(side) = sides.next_if(|side| side.pin == pin) {
+                let com = self.places[side.body].com;
+                open[0] += side.sign * (com[0] + side.arm[0]);
+                open[1] += side.sign * (com[1] + side.arm[1]);
             }
+            open
+        })
+    }
+
+    /// Accelerations −J̇ v the joints need, those of the anchors' circles, into `multipliers`.
+    fn centripetal(&mut self, velocities: &[Twist]) {
+        self.multipliers.fill(0.0);
+        for side in &self.sides {
+            let square = side.sign * velocities[side.body][2].powi(2);
+            self.multipliers[2 * side.pin] += square * side.arm[0];
+            self.multipliers[2 * side.pin + 1] += square * side.arm[1];
         }
-        wanted
     }
 
-    /// How far a pin opens in a step of `dt` because its bodies go straight on where the joint turns: ½ dt² J̇ v.
-    pub fn overshoot(&self, velocities: &[Twist], pin: usize, dt: f64) -> [f64; 2] {
-        self.centripetal(velocities, pin).map(|wanted| -0.5 * dt * dt * wanted)
+    /// How far every pin opens in a step of `dt` because its bodies go straight on where the joint turns: ½ dt² J̇ v.
+    pub fn overshoot(&mut self, velocities: &[Twist], dt: f64) -> impl Iterator<Item = [f64; 2]> {
+        self.centripetal(velocities);
+        let scale = -0.5 * dt * dt;
+        self.multipliers.chunks_exact(2).map(move |pair| [scale * pair[0], scale * pair[1]])
     }
 
-    /// How far a pin is open: from its first anchor to its second.
-    pub fn open(&self, pin: usize) -> [f64; 2] {
-        let pin = &self.pins[pin];
-        let at = |side: &Side| {
-            let com = self.places[side.body].com;
-            [com[0] + side.arm[0], com[1] + side.arm[1]]
-        };
-        let (a, b) = (pin.first.as_ref().map_or(pin.ground, at), at(&pin.second));
-        [b[0] - a[0], b[1] - a[1]]
-    }
-
-    /// A direction of the world in the frame of a pin's first body.
-    pub fn in_first(&self, pin: usize, direction: [f64; 2]) -> [f64; 2] {
-        match &self.pins[pin].first {
-            None => direction,
-            Some(side) => {
-                let [c, s] = self.places[side.body].direction;
-                rotate(direction, [c, -s])
-            }
-        }
+    /// A direction of the world in the frame of a body; `None` is the ground.
+    pub fn in_frame(&self, body: Option<usize>, direction: [f64; 2]) -> [f64; 2] {
+        body.map_or(direction, |body| {
+            let [c, s] = self.places[body].direction;
+            rotate(direction, [c, -s])
+        })
     }
 
     /// Largest rate of rate at which a pin would open if its bodies went straight on, in m/s².
-    pub fn opening(&self, velocities: &[Twist]) -> f64 {
-        (0..self.pins.len()).map(|pin| self.centripetal(velocities, pin)).fold(0.0, |most, [x, y]| most.max(x.hypot(y)))
+    pub fn opening(&mut self, velocities: &[Twist]) -> f64 {
+        self.centripetal(velocities);
+        self.multipliers.chunks_exact(2).fold(0.0, |most, pair| most.max(pair[0].hypot(pair[1])))
     }
 
     /// Makes velocities keep the joints, with the smallest change in the metric of the masses.
@@ -228,10 +215,7 @@ impl Linkage {
 
     /// Accelerations M⁻¹ (f + Jᵀ λ) at given velocities, with J a = −J̇ v.
     pub fn accelerations(&mut self, forces: &[Twist], velocities: &[Twist], out: &mut [Twist]) {
-        for pin in 0..self.pins.len() {
-            let [x, y] = self.centripetal(velocities, pin);
-            (self.multipliers[2 * pin], self.multipliers[2 * pin + 1]) = (x, y);
-        }
+        self.centripetal(velocities);
         self.accelerate(forces, out);
     }
 
@@ -262,29 +246,21 @@ impl Linkage {
 
     /// v ← v + M⁻¹ Jᵀ A⁻¹ (b − J v), b being what `multipliers` holds on entry.
     fn correct(&mut self, velocities: &mut [Twist]) {
-        for (p, pin) in self.pins.iter().enumerate() {
-            for (side, sign) in sides(pin) {
-                let [x, y, w] = velocities[side.body];
-                let turn = perp(side.arm);
-                self.multipliers[2 * p] -= sign * (x + w * turn[0]);
-                self.multipliers[2 * p + 1] -= sign * (y + w * turn[1]);
-            }
+        for side in &self.sides {
+            let [x, y, w] = velocities[side.body];
+            let b = &mut self.multipliers[2 * side.pin..2 * side.pin + 2];
+            b[0] -= side.sign * (x - w * side.arm[1]);
+            b[1] -= side.sign * (y + w * side.arm[0]);
         }
         dense::solve_factorised(&self.factor, &self.first, &mut self.multipliers);
-        for (p, pin) in self.pins.iter().enumerate() {
-            let impulse = [self.multipliers[2 * p], self.multipliers[2 * p + 1]];
-            for (side, sign) in sides(pin) {
-                let inertia = &self.inertias[side.body];
-                let v = &mut velocities[side.body];
-                v[0] += sign * inertia.inverse_mass * impulse[0];
-                v[1] += sign * inertia.inverse_mass * impulse[1];
-                v[2] += sign * inertia.inverse_inertia * cross(side.arm, impulse);
-            }
+        for side in &self.sides {
+            let inertia = &self.inertias[side.body];
+            let b = &self.multipliers[2 * side.pin..2 * side.pin + 2];
+            let (x, y) = (side.sign * b[0], side.sign * b[1]);
+            let v = &mut velocities[side.body];
+            v[0] += inertia.inverse_mass * x;
+            v[1] += inertia.inverse_mass * y;
+            v[2] += inertia.inverse_inertia * (side.arm[0] * y - side.arm[1] * x);
         }
     }
-}
-
-/// Both sides of a pin with the sign of their velocity in the opening rate.
-fn sides(pin: &Pin) -> impl Iterator<Item = (&Side, f64)> {
-    pin.first.iter().map(|side| (side, -1.0)).chain(std::iter::once((&pin.second, 1.0)))
 }

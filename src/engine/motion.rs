@@ -61,6 +61,9 @@ pub struct Motion<'a> {
     impulse: Vec<Twist>,
     middle: Vec<Twist>,
     open: Vec<[f64; 2]>,
+    overshoot: Vec<[f64; 2]>,
+    /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`].
+    pub opening: f64,
     settled: Settled,
     /// Places before the step, from which a multibody's mean velocity is read.
     before: Vec<[f64; 3]>,
@@ -92,7 +95,9 @@ impl<'a> Motion<'a> {
             step_accelerations: vec![[0.0; 3]; bodies],
             impulse: vec![[0.0; 3]; bodies],
             middle: vec![[0.0; 3]; bodies],
-            open: vec![[0.0; 2]; plan.pins.len()],
+            open: Vec::new(),
+            overshoot: Vec::new(),
+            opening: 0.0,
             settled: Settled::default(),
             before: vec![[0.0; 3]; bodies],
         };
@@ -198,6 +203,7 @@ impl<'a> Motion<'a> {
         let changes =
             self.accelerations.iter().zip(&self.middle).map(|(now, then)| (now[0] - then[0]).hypot(now[1] - then[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
+        self.opening = self.linkage.opening(&self.velocities);
     }
 
     /// rapier closes a joint along the tangent at the step's start, so that it is open by ½ dt² |J̇ v| at the end. Moving the
@@ -206,17 +212,19 @@ impl<'a> Motion<'a> {
         for (v, a) in self.middle.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
             *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
         }
-        for (pin, (planned, joint)) in self.plan.pins.iter().zip(&self.world.joints).enumerate() {
-            let overshoot = self.linkage.overshoot(&self.middle, pin, dt);
-            let open = self.linkage.open(pin);
-            self.open[pin] = [open[0] + overshoot[0], open[1] + overshoot[1]];
+        let Self { linkage, open, overshoot, middle, .. } = self;
+        overshoot.clear();
+        overshoot.extend(linkage.overshoot(middle, dt));
+        open.clear();
+        open.extend(linkage.open().zip(&*overshoot).map(|(open, more)| [open[0] + more[0], open[1] + more[1]]));
+        for ((planned, joint), overshoot) in self.plan.pins.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
             };
             // The moved anchor turns with its body, by ω × shift in the step: what is left is (1 + ω dt ×) shift = overshoot.
             let turn = dt * planned.first.map_or(0.0, |body| self.middle[body][2]);
             let [a, b] = overshoot.map(|x| x / (1.0 + turn * turn));
-            let shift = self.linkage.in_first(pin, [a + turn * b, b - turn * a]);
+            let shift = self.linkage.in_frame(planned.first, [a + turn * b, b - turn * a]);
             let [x, y] = planned.anchor_first_m;
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }

@@ -133,5 +133,5 @@ impl Space {
 }
 
 /// A touch is taken in when its gap is below this many times what it closes freely in a step.
-const SAFETY: f64 = 3.0;
+const SAFETY: f64 = 1.5;
 const SHORTEST_LOOK_S: f64 = 1e-7;

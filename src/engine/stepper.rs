@@ -47,10 +47,9 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
         last if motion.contact.substeps > HARD_SUBSTEPS => last,
         last => 2.0 * last,
     };
-    let opening = motion.linkage.opening(&motion.velocities);
     // Leapfrog misses dt³/12 of the acceleration's rate of change in a step: an error that grows at this speed.
     let drift_m_s = motion.last_dt_s * motion.acceleration_change / 12.0;
-    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / opening).sqrt());
+    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening).sqrt());
     if drift_m_s > 0.0 {
         dt = dt.min(motion.last_dt_s * (DRIFT_PER_S * tolerance_m / drift_m_s).sqrt());
     }

@@ -257,13 +257,12 @@ impl Contact {
             let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
             error[i] = a2 - a1;
         }
+        let size = relative_error(space, second, error);
+        if size <= 1.0 && h >= left {
+            return Ok(size);
+        }
         self.work_space.filter(space, implicit, error);
-        let relative = |site: &Site| {
-            let speed = site.tangent.map_or(0.0, |t| second[t]).hypot(second[site.normal]);
-            let size = site.tangent.map_or(0.0, |t| error[t].abs()).max(error[site.normal].abs());
-            size / (ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * speed)
-        };
-        Ok(space.sites.iter().map(relative).fold(0.0, f64::max))
+        Ok(relative_error(space, second, error))
     }
 
     /// Takes over a sub-step: state, impulses, work and extremes.
@@ -317,6 +316,16 @@ impl Contact {
         let (closing, impulse) = (-self.rate[normal], self.buffers.total[normal]);
         self.changes.push(Change { after_s, site, kind, closing, impulse });
     }
+}
+
+/// Largest error of any site's rates, relative to what its speed allows.
+fn relative_error(space: &Space, rate: &[f64], error: &[f64]) -> f64 {
+    let of = |site: &Site| {
+        let speed = site.tangent.map_or(0.0, |t| rate[t]).hypot(rate[site.normal]);
+        let size = site.tangent.map_or(0.0, |t| error[t].abs()).max(error[site.normal].abs());
+        size / (ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * speed)
+    };
+    space.sites.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Smallest positive time at which gap + rate t + ½ acceleration t² is zero; infinite if none.
