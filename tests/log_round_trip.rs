@@ -108,11 +108,11 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
             ("slip_m_s", contact.slip_m_s),
             ("normal_n", contact.normal_n),
             ("tangential_n", contact.tangential_n),
-            ("impulse_n_s", contact.impulse_n_s),
             ("point_x_m", contact.point_m[0]),
             ("point_y_m", contact.point_m[1]),
             ("normal_x", contact.normal[0]),
             ("normal_y", contact.normal[1]),
+            ("impulse_n_s", contact.impulse_n_s),
         ]
     };
     vec![

@@ -59,8 +59,8 @@ pub struct Overrides {
     #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
     step: Option<f64>,
 
-    /// Adaptive steps of the engine model: how far a joint may open in one, such as "0.02 um", instead of the stepping of the
-    /// scene
+    /// Adaptive steps of the engine model: how far a joint may open in one, such as "0.02 um", instead of the stepping
+    /// of the scene
     #[arg(long, value_name = "LENGTH", value_parser = opening)]
     tolerance: Option<f64>,
 

@@ -32,7 +32,8 @@ impl Axis {
         Axis { label: label.to_string(), from, to, ticks, between: Vec::new(), log: false }
     }
 
-    /// A logarithmic axis over all positive values, from decade to decade, at most `decades` of them: the lowest are cut off.
+    /// A logarithmic axis over all positive values, from decade to decade, at most `decades` of them: the lowest are
+    /// cut off.
     pub fn decades(label: &str, values: impl IntoIterator<Item = f64>, decades: f64) -> Axis {
         let exponents = values.into_iter().filter(|&v| v > 0.0).map(f64::log10);
         let (low, high) = range(exponents).unwrap_or((-1.0, 0.0));

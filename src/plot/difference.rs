@@ -32,14 +32,21 @@ pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> 
         let mut chart = frame(&left, &x, &y, true)?;
         let mut entries = Vec::new();
         for (site, colour) in [(Site::Proximal, GREY), (Site::Distal, BLACK)] {
-            let touches = found.reference.events.iter().filter(|event| {
-                event.site == site && event.kind == EventKind::TouchDown && event.time_s <= found.bounds.until_s
-            });
-            for event in touches.take(MOST_TOUCHES) {
-                let t = event.time_s * 1e3;
+            let touches: Vec<f64> = found
+                .reference
+                .events
+                .iter()
+                .filter(|event| event.site == site && event.kind == EventKind::TouchDown)
+                .map(|event| event.time_s)
+                .filter(|&time_s| time_s <= found.bounds.until_s)
+                .take(MOST_TOUCHES)
+                .collect();
+            for t in touches.iter().map(|time_s| time_s * 1e3) {
                 line(&mut chart, vec![(t, y.from), (t, y.to)], Mark::Line { width: 1 }, colour)?;
             }
-            entries.push(Entry::new(Mark::Line { width: 1 }, colour, &format!("touch-down {}", site.name())));
+            if !touches.is_empty() {
+                entries.push(Entry::new(Mark::Line { width: 1 }, colour, &format!("touch-down {}", site.name())));
+            }
         }
         let at_bound = y.place(found.bounds.angle_rad);
         line(&mut chart, vec![(x.from, at_bound), (x.to, at_bound)], Mark::Pale { width: 4 }, BLACK)?;

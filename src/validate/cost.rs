@@ -38,8 +38,8 @@ impl Cost {
     }
 }
 
-/// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off a grid
-/// of times for a log is not part of it: that costs what the log rate says, whatever the settings.
+/// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off
+/// a grid of times for a log is not part of it: that costs what the log rate says, whatever the settings.
 pub fn cost(model: Model, scene: &Scene, quick: bool) -> Result<Cost, RunError> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
@@ -61,6 +61,10 @@ pub fn cost(model: Model, scene: &Scene, quick: bool) -> Result<Cost, RunError> 
             run(Model::Analytic, &everyday, &mut ())?;
             beside.push(start.elapsed().as_secs_f64());
         }
+    }
+    // The first run warms caches; where there are others it does not count.
+    if times.len() > 2 {
+        times.remove(0);
     }
     let runs = times.len();
     let (wall_s, analytic_wall_s) = (median(times), median(beside));

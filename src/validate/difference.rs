@@ -145,7 +145,8 @@ impl Sink for Comparison<'_> {
 /// Compares a run that was kept with its reference.
 pub fn compare(run: &Recording, reference: &Recording, bounds: &Bounds) -> Differences {
     let mut comparison = Comparison::new(reference, bounds);
-    // Events and samples of a kept run are apart: impacts are already measured, and only samples are gone through again.
+    // Events and samples of a kept run are apart: impacts are already measured, and only samples are gone through
+    // again.
     for sample in &run.samples {
         comparison.sample(sample).expect("comparing writes nothing");
     }

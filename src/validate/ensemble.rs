@@ -5,8 +5,8 @@ use crate::scene::{Actuation, Scene};
 /// Runs of which the worst counts.
 pub const MEMBERS: usize = 5;
 
-/// Relative difference of the motor torque from one member to the next: far below any bound in its effect, and enough to
-/// shift where steps fall.
+/// Relative difference of the motor torque from one member to the next: far below any bound in its effect, and enough
+/// to shift where steps fall.
 pub const TORQUE_STEP: f64 = 1e-9;
 
 /// The scene as the member `index` has it; member 0 is the scene itself.

@@ -2,14 +2,15 @@
 
 use crate::trace::{ContactSample, Event, EventKind, Sample, Sink, SinkError, Site};
 
-/// How long after its touch-down the impulse of an impact is taken. The force of an impact of these grippers has done its
-/// work after some 10 µs; what the motor and the spring press into the object in 20 µs is below a hundredth of it.
+/// How long after its touch-down the impulse of an impact is taken. The force of an impact of these grippers has done
+/// its work after some 10 µs; what the motor and the spring press into the object in 20 µs is below a hundredth of it.
 pub const IMPACT_S: f64 = 20e-6;
 
 /// One touch-down of a phalanx and the normal impulse of the time after it.
 ///
-/// In the step in which the surfaces meet, the impulse counts as given at once, but for what presses at its end: a step knows
-/// no finer, and what it holds is the impact. In later steps it is interpolated, rising as steeply as the forces say.
+/// In the step in which the surfaces meet, the impulse counts as given at once, but for what presses at its end: a step
+/// knows no finer, and what it holds is the impact. In later steps it is interpolated, rising as steeply as the forces
+/// say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     pub site: Site,
@@ -42,7 +43,8 @@ impl Impact {
         (self.met, self.over) = (true, to.time_s >= end_s);
     }
 
-    /// Normal impulse up to the end of what is measured, by the first sample after the touch-down, so much later than that end.
+    /// Normal impulse up to the end of what is measured, by the first sample after the touch-down, so much later than
+    /// that end.
     fn first(&self, contact: &ContactSample, late_s: f64) -> f64 {
         (contact.impulse_n_s - contact.normal_n * late_s.max(0.0)).max(self.before_n_s)
     }
@@ -93,8 +95,8 @@ impl Sink for Impacts {
     }
 }
 
-/// Normal impulse since the start of the run at a time between two samples: cubic, with the forces as slopes as far as it
-/// stays monotone (Fritsch and Carlson 1980: slopes up to three times the mean one).
+/// Normal impulse since the start of the run at a time between two samples: cubic, with the forces as slopes as far as
+/// it stays monotone (Fritsch and Carlson 1980: slopes up to three times the mean one).
 fn impulse(from: &Sample, to: &Sample, site: Site, time_s: f64) -> f64 {
     let (a, b) = (contact(from, site), contact(to, site));
     let length = to.time_s - from.time_s;

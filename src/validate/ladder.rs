@@ -183,7 +183,8 @@ fn fixed(scene: &Scene, construction: Construction, response: Response, steps_s:
     coarse.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
 }
 
-/// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same kind.
+/// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same
+/// kind.
 fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
     let same = matches!(response, Response::Laws) == matches!(scene.engine.response, Response::Laws);
     let iterations = if same { scene.engine.iterations } else { Engine::usual_iterations(response) };

@@ -1,16 +1,17 @@
 //! How far the engine model is from the analytic one, and what accuracy costs: speed against error.
 //!
 //! The *reference* is the analytic model at [`Preset::Reference`](crate::scene::Preset). The engine at the scene's own
-//! settings is compared with it and judged by the scene's bounds; a ladder of other settings of both models is compared and
-//! timed, but not judged.
+//! settings is compared with it and judged by the scene's bounds; a ladder of other settings of both models is compared
+//! and timed, but not judged.
 //!
-//! **Ensemble.** Where an integrator's steps fall relative to an impact is luck, and one run may be right by it. The error of
-//! a setting is therefore the worst over [`MEMBERS`] runs whose motor torque differs by parts in 1e9, each against a reference
-//! of its own. Settings that take long are run once, and say so.
+//! **Ensemble.** Where an integrator's steps fall relative to an impact is luck, and one run may be right by it. The
+//! error of a setting is therefore the worst over [`MEMBERS`] runs whose motor torque differs by parts in 1e9, each
+//! against a reference of its own. Settings that take long are run once, and say so.
 //!
-//! **What is compared.** Joint angles (a whole turn apart is the same) and rates at every step of the engine, the reference
-//! interpolated between its dense samples; forces at the end of the run; times of first touch; the normal impulse in the first [`IMPACT_S`] of every
-//! impact, each model counted from its own touch-down; the opening of the engine's joints; energy that came from nowhere.
+//! **What is compared.** Joint angles (a whole turn apart is the same) and rates at every step of the engine, the
+//! reference interpolated between its dense samples; forces at the end of the run; times of first touch; the normal
+//! impulse in the first [`IMPACT_S`] of every impact, each model counted from its own touch-down; the opening of the
+//! engine's joints; energy that came from nowhere.
 //!
 //! | file | job |
 //! |---|---|

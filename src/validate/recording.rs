@@ -34,8 +34,8 @@ impl Sink for Recording {
 }
 
 impl Recording {
-    /// The state at a time, between the samples around it; `cursor` is where the last search ended, and makes going through
-    /// in order cheap. `None` without samples.
+    /// The state at a time, between the samples around it; `cursor` is where the last search ended, and makes going
+    /// through in order cheap. `None` without samples.
     pub fn at(&self, time_s: f64, cursor: &mut usize) -> Option<Sample> {
         let last = self.samples.len().checked_sub(1)?;
         *cursor = (*cursor).min(last);
@@ -63,8 +63,8 @@ pub fn reference(scene: &Scene) -> Scene {
     sampled(Model::Analytic, &Scene { integrator, ..scene.clone() })
 }
 
-/// The scene with the samples that a comparison needs. The analytic model is exact between its steps, so a dense grid is
-/// read off; of the engine every step is taken, and nothing that is interpolated.
+/// The scene with the samples that a comparison needs. The analytic model is exact between its steps, so a dense grid
+/// is read off; of the engine every step is taken, and nothing that is interpolated.
 pub fn sampled(model: Model, scene: &Scene) -> Scene {
     let numeric_hz = (MOST_SAMPLES / scene.duration_s).min(FINEST_HZ).max(scene.log.numeric_hz);
     match model {

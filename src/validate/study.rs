@@ -35,8 +35,8 @@ pub enum Tried {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
     pub bounds: Bounds,
-    /// The analytic model at its reference preset, on a dense grid, and the engine as the scene says, both with the scene's
-    /// own torque.
+    /// The analytic model at its reference preset, on a dense grid, and the engine as the scene says, both with the
+    /// scene's own torque.
     pub reference: Recording,
     pub engine: Recording,
     /// Of the engine as the scene says: worst of the ensemble.
@@ -65,8 +65,8 @@ pub struct Progress<'a> {
 
 /// Validates a scene; `quick` leaves out the settings that take long.
 ///
-/// # Errors
-/// A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail: their row says so.
+/// # Errors A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail:
+/// their row says so.
 pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> Result<Validation, StudyError> {
     let rungs = ladder(scene, quick);
     let total = rungs.len() + 1;

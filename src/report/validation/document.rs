@@ -1,7 +1,7 @@
 //! The figures of a validation, in the order and under the keys of the JSON document.
 //!
-//! Keys carry their SI unit; those without one are ratios, counts or words. Where there is nothing to measure, and where one
-//! model lacks what the other has (`passed` is then false), the value is null.
+//! Keys carry their SI unit; those without one are ratios, counts or words. Where there is nothing to measure, and
+//! where one model lacks what the other has (`passed` is then false), the value is null.
 
 use std::collections::BTreeMap;
 
@@ -52,7 +52,8 @@ pub struct CheckReport {
     pub passed: bool,
 }
 
-/// One of the two models at the scene's own torque: the analytic one at its reference preset, the engine as the scene says.
+/// One of the two models at the scene's own torque: the analytic one at its reference preset, the engine as the scene
+/// says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
     pub setting: String,

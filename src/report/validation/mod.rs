@@ -1,5 +1,5 @@
-//! What a validation is reported as: one document of plain figures, printed for people or as JSON, and the series of both
-//! models side by side.
+//! What a validation is reported as: one document of plain figures, printed for people or as JSON, and the series of
+//! both models side by side.
 
 mod document;
 mod series;

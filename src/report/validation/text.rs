@@ -196,7 +196,7 @@ fn settings(report: &ValidationReport) -> String {
     }
     text.push_str(&table(&rows));
     text.push_str(
-        "largest differences from the reference over so many runs; * the scene's settings; wall time of the model alone, median\n",
+        "largest differences from the reference over so many runs; * the scene's settings; median wall time, no log\n",
     );
     if report.quick {
         text.push_str("left out by --quick: fixed steps below 1e-5 s, reduced coordinates\n");
