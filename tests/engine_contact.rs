@@ -18,11 +18,8 @@ fn motion<'a>(scene: &'a Scene, plan: &'a Plan) -> Motion<'a> {
 /// M⁻¹ over all bodies, and the opening rates J of the finger's five pins, from plain geometry.
 fn masses_and_joints(plan: &Plan, linkage: &Linkage) -> (DMatrix<f64>, DMatrix<f64>) {
     let count = plan.bodies.len();
-    let diagonal: Vec<f64> = linkage
-        .inertias
-        .iter()
-        .flat_map(|i| [i.inverse_mass, i.inverse_mass, i.inverse_inertia])
-        .collect();
+    let diagonal: Vec<f64> =
+        linkage.inertias.iter().flat_map(|i| [i.inverse_mass, i.inverse_mass, i.inverse_inertia]).collect();
     let inverse_mass = DMatrix::from_diagonal(&DVector::from_vec(diagonal));
     let mut joints = DMatrix::zeros(2 * plan.pins.len(), 3 * count);
     for (p, pin) in plan.pins.iter().enumerate() {
@@ -141,8 +138,7 @@ fn a_spring_alone_gives_everything_back() {
 /// Sliding through an impact with μ constant: the tangential impulse is μ times the normal one.
 #[test]
 fn friction_takes_its_share_of_an_impact() {
-    let friction =
-        Some(FrictionLaw { mu_static: 0.3, mu_dynamic: 0.3, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 });
+    let friction = Some(FrictionLaw { mu_static: 0.3, mu_dynamic: 0.3, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 });
     let space = single(ContactLaw { normal: STIFF, friction }, 0.005, 1e-7, -2.0, 5.0);
     let mut contact = Contact::default();
     contact.solve(&space, 1e-5).unwrap();
@@ -184,7 +180,8 @@ fn every_law_is_solved_at_every_step() {
             v_dynamic_m_s: 0.2,
         });
         let gap = random.within(-1e-4, 1e-4);
-        let space = single(ContactLaw { normal, friction }, 0.005, gap, random.within(-10.0, 5.0), random.within(-5.0, 5.0));
+        let space =
+            single(ContactLaw { normal, friction }, 0.005, gap, random.within(-10.0, 5.0), random.within(-5.0, 5.0));
         let mut contact = Contact::default();
         let dt = 10f64.powf(random.within(-8.0, -4.0));
         contact.solve(&space, dt).unwrap_or_else(|error| panic!("case {case}: {error}"));

@@ -14,8 +14,9 @@ pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     }
 }
 
+/// [`solve`] for slices of just the right lengths, inlined where the size is known.
 #[inline(always)]
-fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
+pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
     assert!(a.len() == size * size && b.len() == size);
     for k in 0..size {
         let mut pivot = k;
@@ -79,18 +80,28 @@ pub fn factorise(a: &mut [f64], first: &[usize]) -> bool {
 
 /// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
 pub fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
-    let size = first.len();
+    match first.len() {
+        // Five pins, the usual case: unrolled, and zeros before the first column cost less than looking where it is.
+        10 => substitute(factor, |_| 0, b, 10),
+        size => substitute(factor, |row| first[row], b, size),
+    }
+}
+
+#[inline(always)]
+fn substitute(factor: &[f64], first: impl Fn(usize) -> usize, b: &mut [f64], size: usize) {
+    assert!(factor.len() == size * size && b.len() == size);
     for i in 0..size {
-        let row = &factor[i * size..i * size + i + 1];
-        let sum: f64 = row[first[i]..i].iter().zip(&b[first[i]..i]).map(|(x, y)| x * y).sum();
-        b[i] = (b[i] - sum) * row[i];
+        let mut rest = b[i];
+        for j in first(i)..i {
+            rest -= factor[i * size + j] * b[j];
+        }
+        b[i] = rest * factor[i * size + i];
     }
     for i in (0..size).rev() {
-        let row = &factor[i * size..i * size + i + 1];
-        let x = b[i] * row[i];
+        let x = b[i] * factor[i * size + i];
         b[i] = x;
-        for (y, l) in b[first[i]..i].iter_mut().zip(&row[first[i]..i]) {
-            *y -= l * x;
+        for j in first(i)..i {
+            b[j] -= factor[i * size + j] * x;
         }
     }
 }

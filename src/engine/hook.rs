@@ -2,11 +2,12 @@
 
 use rapier2d_f64::prelude::*;
 
-/// rapier finds the pairs that carry this hook, and answers them with nothing: the contact laws answer instead.
+/// rapier's broad phase finds the pairs that carry this hook; they get no solver contacts and no response, for the contact
+/// laws answer instead. `None` rather than empty solver flags: rapier then does not compute the geometry it has no use for.
 pub struct Governed;
 
 impl PhysicsHooks for Governed {
     fn filter_contact_pair(&self, _: &PairFilterContext) -> Option<SolverFlags> {
-        Some(SolverFlags::empty())
+        None
     }
 }

@@ -58,15 +58,27 @@ impl Workspace {
     /// Solves a stage; `rate` holds a guess on entry and the solution on return, `self.force` the forces there. Returns the
     /// number of iterations.
     pub fn solve(&mut self, space: &Space, stage: &Stage, rate: &mut [f64]) -> Result<u32, NotConverged> {
-        let rows = space.len();
-        let mut size = self.evaluate(space, stage, rate);
+        // Sizes the compiler knows; contact spaces are small.
+        match space.len() {
+            1 => self.iterate(space, stage, rate, 1),
+            2 => self.iterate(space, stage, rate, 2),
+            3 => self.iterate(space, stage, rate, 3),
+            4 => self.iterate(space, stage, rate, 4),
+            5 => self.iterate(space, stage, rate, 5),
+            rows => self.iterate(space, stage, rate, rows),
+        }
+    }
+
+    #[inline(always)]
+    fn iterate(&mut self, space: &Space, stage: &Stage, rate: &mut [f64], rows: usize) -> Result<u32, NotConverged> {
+        let mut size = self.evaluate(space, stage, rate, rows);
         for iteration in 0..MAX_ITERATIONS {
             if size <= WANTED {
                 return Ok(iteration);
             }
-            self.assemble_jacobian(space, stage.h);
+            self.assemble_jacobian(space, stage.h, rows);
             self.step.copy_from_slice(&self.residual);
-            if !dense::solve(&mut self.jacobian, &mut self.step, rows) {
+            if !dense::eliminate(&mut self.jacobian[..rows * rows], &mut self.step[..rows], rows) {
                 break;
             }
             let before = size;
@@ -76,7 +88,7 @@ impl Workspace {
                     *trial = rate - fraction * step;
                 }
                 let trial = std::mem::take(&mut self.trial);
-                size = self.evaluate(space, stage, &trial);
+                size = self.evaluate(space, stage, &trial, rows);
                 self.trial = trial;
                 if size < before || before <= CERTIFIED {
                     break;
@@ -88,7 +100,7 @@ impl Workspace {
                 continue;
             }
             // No progress left: rounding, or a kink Newton cannot pass.
-            size = self.evaluate(space, stage, rate);
+            size = self.evaluate(space, stage, rate, rows);
             if size <= CERTIFIED {
                 return Ok(iteration);
             }
@@ -99,12 +111,13 @@ impl Workspace {
 
     /// e ← (1 − h W ∂F/∂u)⁻¹ e at the last solution.
     pub fn filter(&mut self, space: &Space, h: f64, error: &mut [f64]) {
-        self.assemble_jacobian(space, h);
+        self.assemble_jacobian(space, h, space.len());
         dense::solve(&mut self.jacobian, error, space.len());
     }
 
     /// Forces and their derivatives at given rates, the residual, and its size relative to the terms it is made of.
-    fn evaluate(&mut self, space: &Space, stage: &Stage, rate: &[f64]) -> f64 {
+    #[inline(always)]
+    fn evaluate(&mut self, space: &Space, stage: &Stage, rate: &[f64], rows: usize) -> f64 {
         let h = stage.h;
         for (index, site) in space.sites.iter().enumerate() {
             let n = site.normal;
@@ -120,7 +133,6 @@ impl Workspace {
                 self.cross[t] = -mu * slope;
             }
         }
-        let rows = space.len();
         let mut largest: f64 = 0.0;
         for (i, w) in space.w.chunks_exact(rows).enumerate() {
             let pushed: f64 = w.iter().zip(&self.force).map(|(w, force)| w * force).sum();
@@ -136,8 +148,8 @@ impl Workspace {
     }
 
     /// 1 − h W ∂F/∂u.
-    fn assemble_jacobian(&mut self, space: &Space, h: f64) {
-        let rows = space.len();
+    #[inline(always)]
+    fn assemble_jacobian(&mut self, space: &Space, h: f64, rows: usize) {
         for i in 0..rows {
             let w = &space.w[i * rows..(i + 1) * rows];
             let line = &mut self.jacobian[i * rows..(i + 1) * rows];

@@ -8,8 +8,10 @@
 use super::implicit::{Stage, Workspace};
 use super::space::{Site, Space};
 
-/// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site…
+/// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. Finer is idle
+/// where a long step has frozen the geometry: that goes wrong by hundreds of radians per second.
 const RELATIVE_TOLERANCE: f64 = 3e-3;
+const RELATIVE_TOLERANCE_PER_S: f64 = 1000.0;
 /// …or absolute, in m/s or rad/s, where it creeps.
 const ABSOLUTE_TOLERANCE: f64 = 1e-5;
 /// Part of the damper's transition that a first sub-step may cross.
@@ -97,6 +99,7 @@ impl Contact {
     pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
         self.begin(space);
         let (mut now, mut h) = (0.0, dt);
+        let tolerance = RELATIVE_TOLERANCE.max(RELATIVE_TOLERANCE_PER_S * dt);
         while now < dt {
             let left = dt - now;
             if left <= SMALLEST_FRACTION * dt {
@@ -113,7 +116,7 @@ impl Contact {
             // Another site may touch on the way: end there.
             let ahead = if flight > SMALLEST_FRACTION * dt { flight } else { left };
             h = h.min(ahead).min(left);
-            match self.substep(space, h, left) {
+            match self.substep(space, h, left, tolerance) {
                 Ok(error) => {
                     let ratio = (1.0 / error.max(1e-300)).sqrt();
                     if error > 1.0 && h > SMALLEST_FRACTION * dt {
@@ -230,7 +233,13 @@ impl Contact {
     }
 
     /// Both stages of a sub-step of length h; returns its error in the rates, 1 being what is allowed.
-    fn substep(&mut self, space: &Space, h: f64, left: f64) -> Result<f64, super::implicit::NotConverged> {
+    fn substep(
+        &mut self,
+        space: &Space,
+        h: f64,
+        left: f64,
+        tolerance: f64,
+    ) -> Result<f64, super::implicit::NotConverged> {
         debug_assert!(h <= left * (1.0 + 1e-12));
         self.substeps += 1;
         let Buffers { first, second, first_force, base_rate, base_gap, error, .. } = &mut self.buffers;
@@ -257,12 +266,12 @@ impl Contact {
             let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
             error[i] = a2 - a1;
         }
-        let size = relative_error(space, second, error);
+        let size = relative_error(space, second, error, tolerance);
         if size <= 1.0 && h >= left {
             return Ok(size);
         }
         self.work_space.filter(space, implicit, error);
-        Ok(relative_error(space, second, error))
+        Ok(relative_error(space, second, error, tolerance))
     }
 
     /// Takes over a sub-step: state, impulses, work and extremes.
@@ -319,11 +328,11 @@ impl Contact {
 }
 
 /// Largest error of any site's rates, relative to what its speed allows.
-fn relative_error(space: &Space, rate: &[f64], error: &[f64]) -> f64 {
+fn relative_error(space: &Space, rate: &[f64], error: &[f64], tolerance: f64) -> f64 {
     let of = |site: &Site| {
         let speed = site.tangent.map_or(0.0, |t| rate[t]).hypot(rate[site.normal]);
         let size = site.tangent.map_or(0.0, |t| error[t].abs()).max(error[site.normal].abs());
-        size / (ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * speed)
+        size / (ABSOLUTE_TOLERANCE + tolerance * speed)
     };
     space.sites.iter().map(of).fold(0.0, f64::max)
 }

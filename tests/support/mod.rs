@@ -3,7 +3,9 @@
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::trace::{Event, EventKind, Outcome, RunError, Sample, Sink, SinkError, Site, between, run_analytic, run_engine};
+use phalanx::trace::{
+    Event, EventKind, Outcome, RunError, Sample, Sink, SinkError, Site, between, run_analytic, run_engine,
+};
 
 /// Design 95 with the sizing of its experiment, from the shipped scene.
 pub fn anchor() -> Scene {
