@@ -109,7 +109,7 @@ fn a_damper_alone_stops_a_mass_where_the_closed_form_says() {
     for (mass, speed) in [(0.005, 2.0), (0.02, 0.5), (0.005, 8.0)] {
         let space = single(ContactLaw { normal, friction: None }, mass, 1e-6, -speed, 0.0);
         let mut contact = Contact::default();
-        contact.solve(&space, 1e-4).unwrap();
+        contact.solve(&space, 1e-5).unwrap();
         let depth = -contact.gap[0];
         let taken = 1e6 / mass * (depth.powi(3) / 1e-10 - depth.powi(4) / 2e-15);
         // It creeps to a stop: nothing is left of the speed.

@@ -11,7 +11,8 @@ use super::space::{Site, Space};
 /// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. Finer is idle
 /// where a long step has frozen the geometry: that goes wrong by hundreds of radians per second.
 const RELATIVE_TOLERANCE: f64 = 3e-3;
-const RELATIVE_TOLERANCE_PER_S: f64 = 1000.0;
+const RELATIVE_TOLERANCE_PER_S: f64 = 300.0;
+const COARSEST_RELATIVE_TOLERANCE: f64 = 0.03;
 /// …or absolute, in m/s or rad/s, where it creeps.
 const ABSOLUTE_TOLERANCE: f64 = 1e-5;
 /// Part of the damper's transition that a first sub-step may cross.
@@ -99,7 +100,7 @@ impl Contact {
     pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
         self.begin(space);
         let (mut now, mut h) = (0.0, dt);
-        let tolerance = RELATIVE_TOLERANCE.max(RELATIVE_TOLERANCE_PER_S * dt);
+        let tolerance = (RELATIVE_TOLERANCE_PER_S * dt).clamp(RELATIVE_TOLERANCE, COARSEST_RELATIVE_TOLERANCE);
         while now < dt {
             let left = dt - now;
             if left <= SMALLEST_FRACTION * dt {
