@@ -6,8 +6,8 @@
     tools/readme_figures.py --dry-run       print, leave README.md alone
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
-blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory. Needs only Python's own
-library, and GNU time for the block memory.
+blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate. Needs
+only Python's own library, and GNU time for the block memory. The block engine also puts its picture into tools/figures.
 """
 
 import argparse
@@ -15,6 +15,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -166,7 +167,80 @@ def memory(scratch):
     return table(["length of the run", "peak memory (MiB)", "log (MB)"], body)
 
 
-BLOCKS = {"accuracy": accuracy, "scenes": scenes, "memory": memory}
+def validation(scene, *options):
+    """The JSON document of one `phalanx validate`; status 1 is a bound that did not hold, which the document says."""
+    command = [PHALANX, "validate", scene, "--json", *options]
+    print("$", *command, file=sys.stderr)
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode not in (0, 1) or not result.stdout:
+        sys.exit(f"{scene.name}: status {result.returncode}\n{result.stderr}")
+    return json.loads(result.stdout)
+
+
+def engine(scratch):
+    """Speed against error of every setting on the anchor, and its picture."""
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    out = scratch / "validation"
+    document = validation(ROOT / "scenes" / "experiment-95.toml", "--out", out)
+    shutil.copy(out / "speed-error.svg", ROOT / "tools" / "figures" / "speed-error.svg")
+    header = [
+        "setting", "runs", "steps", "time (ms)", "× real time", "× everyday analytic", "angle (rad)", "contact time (µs)", "impulse (%)",
+        "final force (%)", "loop gap (m)",
+    ]
+    body = []
+    for row in document["settings"]:
+        name = f"{row['family']}: {row['setting']}" + (" (default)" if row["own"] else "")
+        if row["status"] != "done" or row["reference"]:
+            continue
+        differences = row["differences"]
+        worst = lambda key: max_known(differences[site][key] for site in ("proximal", "distal"))  # noqa: E731, B023
+        scaled = lambda key, factor: number(worst(key) and worst(key) * factor, "{:.3g}")  # noqa: E731, B023
+        body.append([
+            name,
+            str(row["ensemble_runs"]),
+            str(row["steps"]),
+            f"{row['wall_s'] * 1e3:.3g}",
+            f"{row['real_time_factor']:.3g}",
+            f"{row['analytic_factor']:.3g}",
+            number(row["angle_max_rad"]),
+            scaled("first_touch_s", 1e6),
+            scaled("impulse", 100),
+            scaled("final_force", 100),
+            number(differences["loop_gap_m"]),
+        ])
+    return table(header, body)
+
+
+def max_known(values):
+    known = [value for value in values if value is not None]
+    return max(known) if known else None
+
+
+def validate(_):
+    """Every shipped scene, engine against analytic model."""
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    header = [
+        "scene", "within bounds", "angle (rad)", "contact time (s)", "final force", "impulse", "loop gap (m)", "steps",
+        "time (ms)", "× real time",
+    ]
+    body = []
+    for scene in sorted((ROOT / "scenes").glob("*.toml")):
+        document = validation(scene, "--quick")
+        measured = {row["bound"]: row["measured"] for row in document["verdict"]}
+        run = document["engine"]
+        keys = ("angle_rad", "contact_time_s", "final_force", "impulse", "loop_gap_m")
+        body.append([
+            f"[`{document['scene']}`](scenes/{scene.name})",
+            "yes" if document["passed"] else "no",
+            *(number(measured[key]) for key in keys),
+            str(run["steps"]),
+            f"{run['wall_s'] * 1e3:.2f}",
+            f"{document['duration_s'] / run['wall_s']:.1f}",
+        ])
+    return table(header, body)
+
+
+BLOCKS = {"accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate}
 
 
 def put(text, name, content):
@@ -179,7 +253,7 @@ def put(text, name, content):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="accuracy, scenes, memory; all if none is given")
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="accuracy, scenes, memory, engine, validate; all if none is given")
     parser.add_argument("--dry-run", action="store_true", help="leave README.md alone")
     arguments = parser.parse_args()
     unknown = [name for name in arguments.blocks if name not in BLOCKS]
