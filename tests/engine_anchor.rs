@@ -86,3 +86,21 @@ fn rapiers_own_contact_ends_near_the_same_pose() {
     }
     assert!(outcome.last.proximal.normal_n > 1.0 && outcome.last.distal.normal_n > 1.0);
 }
+
+/// Held for five times as long, the contacts creep as the reference says: nothing drifts off at any step size.
+#[test]
+fn a_hold_creeps_as_the_reference_does() {
+    for max_step_s in [6e-5, 1e-4] {
+        let mut scene = Scene { duration_s: 0.1, ..anchor() };
+        scene.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-7, max_step_s };
+        let (expected, reference) = dense_reference(&scene);
+        let (outcome, run) = engine(&scene);
+        assert!(worst_angle(&run, &reference) < 1e-5);
+        for (found, wanted) in
+            [(outcome.last.proximal, expected.last.proximal), (outcome.last.distal, expected.last.distal)]
+        {
+            assert_near(found.normal_n, wanted.normal_n, 2e-6 * wanted.normal_n, "normal force");
+            assert_near(found.gap_m, wanted.gap_m, 1e-3 * wanted.gap_m.abs(), "penetration");
+        }
+    }
+}

@@ -28,7 +28,7 @@ fn left_out_or_empty_they_are_the_defaults() {
     }
     let Engine { construction, response, stepping, iterations, max_steps } = Engine::DEFAULT;
     assert_eq!((construction, response), (Construction::Maximal, Response::Laws));
-    assert_eq!(stepping, Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: 4e-5 });
+    assert_eq!(stepping, Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: 6e-5 });
     assert_eq!((iterations, max_steps), (2, 10_000_000));
 }
 

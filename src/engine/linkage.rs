@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use super::dense;
 use super::plan::Plan;
 use super::world::World;
-use crate::numeric::plane::{cross, dot, perp, rotate};
+use crate::numeric::plane::{perp, rotate};
 
 /// (x, y, angle) of a body's velocity, or of a force and a torque about its centre of mass.
 pub type Twist = [f64; 3];
@@ -124,11 +124,9 @@ impl Linkage {
             let body = &world.physics.bodies[*handle];
             let (com, rotation) = (body.center_of_mass(), body.rotation());
             let direction = [rotation.re, rotation.im];
-            // A step turns far less than half a turn: the change of the angle has no seam.
-            let turned = cross(place.direction, direction).atan2(dot(place.direction, direction));
+            // A step turns by less than half a turn: the nearest angle is the one that goes on.
             let exact = direction[1].atan2(direction[0]);
-            let continued = place.angle + turned;
-            let turns = ((continued - exact) / TAU).round();
+            let turns = ((place.angle - exact) / TAU).round();
             *place = Place { com: [com.x, com.y], direction, angle: exact + turns * TAU };
         }
         for side in &mut self.sides {

@@ -178,20 +178,18 @@ impl<'a> Motion<'a> {
         let Self { space, contact, touches, settled, .. } = self;
         settled.begin();
         for (index, site) in space.sites.iter().enumerate() {
-            if contact.force[site.normal] <= 0.0 {
+            let (normal, force) = (site.normal, contact.force[site.normal]);
+            if force <= 0.0 {
                 continue;
             }
             let Some(touch) = touches.iter().find(|touch| touch.site == site.touch.site) else { continue };
-            let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[site.normal]);
+            let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[normal]);
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
-            settled.take(touch.normal_row, contact.rate[site.normal], contact.late[site.normal], stiffness);
+            settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
         }
         settled.solve(&mut self.linkage, &mut self.velocities);
-        let mut sizes = settled.size.iter();
-        for site in space.sites.iter().filter(|site| contact.force[site.normal] > 0.0) {
-            if touches.iter().any(|touch| touch.site == site.touch.site) {
-                contact.late[site.normal] += sizes.next().copied().unwrap_or(0.0);
-            }
+        for (index, size) in settled.found() {
+            contact.late[index] += size;
         }
     }
 

@@ -1,8 +1,8 @@
 //! Brings the rates of pressing contacts to what their equations say, by impulses along their normals.
 //!
 //! A stiff damper does not leave a contact a rate of its own: within the next step it would take away the share
-//! h λ/(1 + h λ), λ = W (∂F/∂δ̇ + h ∂F/∂δ), of whatever is there. That share is taken away here; a soft contact keeps its
-//! rate, and the scheme its order.
+//! h λ/(1 + h λ), λ = W (∂F/∂δ̇ + h ∂F/∂δ), of whatever is there. That share is taken away here, of all rows at once; a soft contact
+//! keeps its rate, and the scheme its order.
 
 use super::dense;
 use super::linkage::{Linkage, Twist};
@@ -11,18 +11,20 @@ use super::touch::Row;
 /// Rows to be settled, the rates they shall have, and the impulses that are already under way along them.
 #[derive(Clone, Debug, Default)]
 pub struct Settled {
+    /// Which row of the contact space each is.
+    indices: Vec<usize>,
     rows: Vec<Row>,
     wanted: Vec<f64>,
     available: Vec<f64>,
     stiffness: Vec<f64>,
     response: Vec<Twist>,
     w: Vec<f64>,
-    /// Impulse found for each row.
-    pub size: Vec<f64>,
+    size: Vec<f64>,
 }
 
 impl Settled {
     pub fn begin(&mut self) {
+        self.indices.clear();
         self.rows.clear();
         self.wanted.clear();
         self.available.clear();
@@ -31,11 +33,17 @@ impl Settled {
     }
 
     /// A row, the rate it shall have, the impulse along it that may be taken back, and h (∂F/∂δ̇ + h ∂F/∂δ).
-    pub fn take(&mut self, row: Row, wanted: f64, available: f64, stiffness: f64) {
+    pub fn take(&mut self, index: usize, row: Row, wanted: f64, available: f64, stiffness: f64) {
+        self.indices.push(index);
         self.stiffness.push(stiffness);
         self.rows.push(row);
         self.wanted.push(wanted);
         self.available.push(available);
+    }
+
+    /// The impulses found, each with the row of the contact space it is along.
+    pub fn found(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.indices.iter().copied().zip(self.size.iter().copied())
     }
 
     /// Changes velocities so that every row has its rate.
@@ -56,10 +64,13 @@ impl Settled {
                 self.w[i * count + j] = self.rows[i].rate(response);
             }
         }
-        self.size.extend(self.rows.iter().zip(&self.wanted).enumerate().map(|(j, (row, wanted))| {
-            let stiff = self.w[j * count + j] * self.stiffness[j];
-            (wanted - row.rate(velocities)) * stiff / (1.0 + stiff)
-        }));
+        // (1 + D W) p = D (wanted − u), D the stiffness of each row.
+        self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
+        for (i, (line, stiffness)) in self.w.chunks_exact_mut(count).zip(&self.stiffness).enumerate() {
+            self.size[i] *= stiffness;
+            line.iter_mut().for_each(|w| *w *= stiffness);
+            line[i] += 1.0;
+        }
         if !dense::solve(&mut self.w, &mut self.size, count) {
             self.size.fill(0.0);
             return;

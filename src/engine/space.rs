@@ -73,7 +73,7 @@ impl Space {
         self.rate.extend(self.rows.iter().map(|row| row.rate(velocities)));
         self.free.clear();
         self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
-        self.add_curvature(world, plan, linkage, velocities, accelerations, dt);
+        self.add_curvature(world, plan, linkage, velocities, dt);
 
         let (count, bodies) = (self.rows.len(), velocities.len());
         self.response.clear();
@@ -90,31 +90,23 @@ impl Space {
         }
     }
 
-    /// Surfaces curve and normals turn: the gap's second derivative is not the row's acceleration alone. The rest of it is
-    /// read off the gap that free motion would lead to.
-    fn add_curvature(
-        &mut self,
-        world: &World,
-        plan: &Plan,
-        linkage: &Linkage,
-        velocities: &[Twist],
-        accelerations: &[Twist],
-        dt: f64,
-    ) {
+    /// Surfaces curve and normals turn as bodies move: the gap's second derivative is not the row's acceleration alone. The
+    /// rest of it is read off the gap that the present velocities lead to. Accelerations stay out of it: a contact that
+    /// holds its bodies does not let them get there.
+    fn add_curvature(&mut self, world: &World, plan: &Plan, linkage: &Linkage, velocities: &[Twist], dt: f64) {
         // Long enough that the difference is not rounding, short enough that it stays local.
         let ahead = dt.max(SHORTEST_LOOK_S);
         self.places.clear();
-        for ((place, v), a) in linkage.places.iter().zip(velocities).zip(accelerations) {
-            let shift = |axis: usize| ahead * (v[axis] + 0.5 * ahead * a[axis]);
-            let angle = place.angle + shift(2);
+        for (place, v) in linkage.places.iter().zip(velocities) {
+            let angle = place.angle + ahead * v[2];
             let (sin, cos) = angle.sin_cos();
-            let com = [place.com[0] + shift(0), place.com[1] + shift(1)];
+            let com = [place.com[0] + ahead * v[0], place.com[1] + ahead * v[1]];
             self.places.push(Place { com, direction: [cos, sin], angle });
         }
         for site in self.sites.iter().filter(|site| site.touch.normal_row.against.is_none()) {
             let gap = gap_at(&site.touch, world, plan, &self.places);
             let straight = site.touch.gap + ahead * self.rate[site.normal];
-            self.free[site.normal] = 2.0 * (gap - straight) / (ahead * ahead);
+            self.free[site.normal] += 2.0 * (gap - straight) / (ahead * ahead);
         }
     }
 

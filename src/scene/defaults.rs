@@ -18,7 +18,7 @@ pub const OFFSET_DEG: f64 = 25.0;
 pub const NUMERIC_RATE_HZ: f64 = 10e3;
 pub const MAX_STEPS: u64 = 10_000_000;
 pub const ENGINE_TOLERANCE_M: f64 = 1e-7;
-pub const ENGINE_MAX_STEP_S: f64 = 4e-5;
+pub const ENGINE_MAX_STEP_S: f64 = 6e-5;
 /// Joint sweeps with the contact laws: the engine hands rapier the reactions, the sweeps only confirm them…
 pub const ENGINE_ITERATIONS: u32 = 2;
 /// …and with rapier's own contact, whose impulses the sweeps must carry through the linkage.

@@ -344,7 +344,7 @@ pub struct RawEngine {
     #[schemars(extend("default" = "1e-4 mm"))]
     pub tolerance: Entry<Length>,
     /// Longest step (stepping = "adaptive").
-    #[schemars(extend("default" = "40 us"))]
+    #[schemars(extend("default" = "60 us"))]
     pub max_step: Entry<Time>,
     /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
     pub iterations: Entry<Sweeps>,
