@@ -6,6 +6,7 @@
 
 use super::dense;
 use super::linkage::{Linkage, Twist};
+use super::space::respond;
 use super::touch::Row;
 
 /// Rows to be settled, the rates they shall have, and the impulses that are already under way along them.
@@ -52,18 +53,7 @@ impl Settled {
         if count == 0 {
             return;
         }
-        self.response.clear();
-        self.response.resize(count * bodies, [0.0; 3]);
-        self.w.clear();
-        self.w.resize(count * count, 0.0);
-        for j in 0..count {
-            let response = &mut self.response[j * bodies..(j + 1) * bodies];
-            self.rows[j].add_to(response, 1.0);
-            linkage.respond(response);
-            for i in 0..count {
-                self.w[i * count + j] = self.rows[i].rate(response);
-            }
-        }
+        respond(&self.rows, linkage, bodies, &mut self.response, &mut self.w);
         // (1 + D W) p = D (wanted − u), D the stiffness of each row.
         self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
         for (i, (line, stiffness)) in self.w.chunks_exact_mut(count).zip(&self.stiffness).enumerate() {

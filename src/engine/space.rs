@@ -75,19 +75,7 @@ impl Space {
         self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
         self.add_curvature(world, plan, linkage, velocities, dt);
 
-        let (count, bodies) = (self.rows.len(), velocities.len());
-        self.response.clear();
-        self.response.resize(count * bodies, [0.0; 3]);
-        self.w.clear();
-        self.w.resize(count * count, 0.0);
-        for j in 0..count {
-            let response = &mut self.response[j * bodies..(j + 1) * bodies];
-            self.rows[j].add_to(response, 1.0);
-            linkage.respond(response);
-            for i in 0..count {
-                self.w[i * count + j] = self.rows[i].rate(response);
-            }
-        }
+        respond(&self.rows, linkage, velocities.len(), &mut self.response, &mut self.w);
     }
 
     /// Surfaces curve and normals turn as bodies move: the gap's second derivative is not the row's acceleration alone. The
@@ -120,6 +108,22 @@ impl Space {
                 impulse[1] += size * inertia.mass * v[1];
                 impulse[2] += size * inertia.inertia * v[2];
             }
+        }
+    }
+}
+
+/// Velocity response to a unit impulse along each row, body by body, and with it W row by row.
+pub fn respond(rows: &[Row], linkage: &mut Linkage, bodies: usize, response: &mut Vec<Twist>, w: &mut Vec<f64>) {
+    let count = rows.len();
+    response.clear();
+    response.resize(count * bodies, [0.0; 3]);
+    w.clear();
+    w.resize(count * count, 0.0);
+    for (j, response) in response.chunks_exact_mut(bodies).enumerate() {
+        rows[j].add_to(response, 1.0);
+        linkage.respond(response);
+        for (i, row) in rows.iter().enumerate() {
+            w[i * count + j] = row.rate(response);
         }
     }
 }
