@@ -20,7 +20,7 @@ use designs::sweep::{self, Sweep, sweep};
 use support::ours::Ours;
 use support::problem::design_95;
 use support::table::{self, Comparison, compare};
-use support::{Contestant, rtols};
+use support::{Contestant, rtols, write};
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -69,12 +69,7 @@ fn main() {
         })
         .collect();
     if let Some(path) = args.json {
-        let document = Document { comparison, designs };
-        let written = serde_json::to_string_pretty(&document).map_err(std::io::Error::other);
-        if let Err(error) = written.and_then(|text| std::fs::write(&path, text + "\n")) {
-            eprintln!("cannot write {}: {error}", path.display());
-            std::process::exit(1);
-        }
+        write(&path, &Document { comparison, designs });
     }
 }
 

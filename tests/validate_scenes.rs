@@ -3,7 +3,8 @@
 use std::fs;
 
 use phalanx::scene;
-use phalanx::validate::{Model, compare, record, reference, sampled, verdicts};
+use phalanx::trace::Model;
+use phalanx::validate::{compare, record, reference, sampled, verdicts};
 
 #[test]
 fn all_shipped_scenes_are_within_their_bounds() {

@@ -16,7 +16,10 @@ pub mod table;
 pub mod timing;
 pub mod track;
 
+use std::path::Path;
+
 use problem::Problem;
+use serde::Serialize;
 use track::{Cost, Track};
 
 /// One way to integrate a closing: a method with its tolerances.
@@ -41,6 +44,15 @@ pub trait Contestant {
 
     /// Integrates and records the trajectory.
     fn follow(&self, problem: &Problem) -> Track;
+}
+
+/// Writes the figures of a bench as JSON; where that fails there is nothing left to do.
+pub fn write(path: &Path, figures: &impl Serialize) {
+    let written = serde_json::to_string_pretty(figures).map_err(std::io::Error::other);
+    if let Err(error) = written.and_then(|text| std::fs::write(path, text + "\n")) {
+        eprintln!("cannot write {}: {error}", path.display());
+        std::process::exit(1);
+    }
 }
 
 /// Relative tolerances of a sweep, 1e-3 to 1e-10.

@@ -1,26 +1,24 @@
 //! Flags of `phalanx run` that stand in for what the scene says, and refusals of those that would do nothing.
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::Failure;
-use crate::scene::{Construction, Engine, Integrator, Preset, Scene, Stepping};
+use crate::scene::{Construction, Engine, Preset, Scene, Stepping};
+use crate::trace::Model;
 use crate::units::{self, Dimension};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Model {
-    /// Closed-form Lagrange model with its own stiff integrator
-    Analytic,
-    /// Rigid-body engine with the same contact laws
-    Engine,
-}
+impl ValueEnum for Model {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Model::Analytic, Model::Engine]
+    }
 
-impl Model {
-    /// The model in reports and logs.
-    pub fn name(self) -> &'static str {
-        match self {
-            Model::Analytic => "analytic",
-            Model::Engine => "engine",
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Model::Analytic => "Closed-form Lagrange model with its own stiff integrator",
+            Model::Engine => "Rigid-body engine with the same contact laws",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
     }
 }
 
@@ -81,7 +79,7 @@ impl Overrides {
                 PresetArg::Engineering => Preset::Engineering,
                 PresetArg::Reference => Preset::Reference,
             };
-            scene.integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(preset) };
+            scene.integrator = scene.integrator.with_preset(preset);
         }
         if let Some(rtol) = self.rtol {
             scene.integrator.rtol = rtol;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::output::{complain, print};
-use super::overrides::{Model, Overrides};
+use super::overrides::Overrides;
 use super::progress::Progress;
 use super::{Failure, Status};
 use crate::criteria::{FinalAngles, Tracker};
@@ -14,7 +14,7 @@ use crate::gripper::{Circle, final_posture};
 use crate::log::{self, FileWriter, RunInfo, Severity};
 use crate::report::{self, RunReport};
 use crate::scene::{self, Scene};
-use crate::trace::{Event, RunError, Sample, Sink, SinkError, run_analytic, run_engine};
+use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria.
 #[derive(Debug, Args)]
@@ -61,10 +61,7 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
     };
 
     let start = Instant::now();
-    let result = match args.model {
-        Model::Analytic => run_analytic(&scene, &mut sinks),
-        Model::Engine => run_engine(&scene, &mut sinks),
-    };
+    let result = trace::run(args.model, &scene, &mut sinks);
     let wall_s = start.elapsed().as_secs_f64();
     sinks.progress.clear();
 

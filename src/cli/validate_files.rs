@@ -10,8 +10,9 @@ use super::run::info;
 use crate::log::{self, Severity};
 use crate::plot;
 use crate::report::{ValidationReport, series, validation_json, validation_text};
-use crate::scene::{Integrator, Preset, Scene};
-use crate::validate::{Model, Validation, run};
+use crate::scene::{Preset, Scene};
+use crate::trace::{Model, run};
+use crate::validate::Validation;
 
 /// The first file written: it shows whether the others can be.
 const REPORT: &str = "report.txt";
@@ -66,10 +67,7 @@ pub fn write(
         save(&path, &picture.map_err(|error| broken(&path, error))?)?;
     }
     table(&out.join("series.csv"), scene, found)?;
-    let reference = Scene {
-        integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Reference) },
-        ..scene.clone()
-    };
+    let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
     record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"))?;
     record(Model::Engine, scene, scene_file, &out.join("engine.mcap"))?;
 

@@ -10,7 +10,7 @@ use super::space::Space;
 use crate::law::{friction_coefficient, normal_force};
 
 /// Relative residual a solution must have…
-pub const CERTIFIED: f64 = 1e-9;
+const CERTIFIED: f64 = 1e-9;
 /// …and the one that is tried for.
 const WANTED: f64 = 1e-10;
 const MAX_ITERATIONS: u32 = 30;

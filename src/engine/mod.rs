@@ -32,7 +32,6 @@ mod touch;
 mod world;
 
 pub use forces::{kinetic, potential};
-pub use implicit::CERTIFIED;
 pub use linkage::{Inertia, Linkage, Locked, Place, Twist};
 pub use motion::{Motion, StepError};
 pub use native::Native;

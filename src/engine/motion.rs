@@ -18,6 +18,7 @@ use super::space::Space;
 use super::substeps::{Contact, Unsolved};
 use super::touch::{self, Touch};
 use super::world::World;
+use crate::gripper::Site;
 use crate::integrator::Clock;
 use crate::law::normal_force;
 use crate::scene::{Construction, Scene, torque};
@@ -147,6 +148,25 @@ impl<'a> Motion<'a> {
         self.motor_work_j += 0.5 * (torque_before + torque_after) * turned;
         self.look();
         Ok(())
+    }
+
+    /// Normal and tangential force at a site at the end of the last step, whoever answers there.
+    pub fn forces(&self, site: Site) -> (f64, f64) {
+        if let Some(at) = self.space.sites.iter().find(|at| at.touch.site == site) {
+            let force = &self.contact.force;
+            // Before the first step there is none.
+            return (force.get(at.normal).copied().unwrap_or(0.0), at.tangent.map_or(0.0, |t| force[t]));
+        }
+        let native = self.native.iter().find(|native| native.site == site);
+        native.map_or((0.0, 0.0), |native| (native.normal / self.last_dt_s, native.tangential / self.last_dt_s))
+    }
+
+    /// Normal impulse of a site in the last step, whoever answers there.
+    pub fn normal_impulse(&self, site: Site) -> f64 {
+        match self.space.sites.iter().find(|at| at.touch.site == site) {
+            Some(at) => self.contact.early[at.normal] + self.contact.late[at.normal],
+            None => self.native.iter().find(|native| native.site == site).map_or(0.0, |native| native.normal),
+        }
     }
 
     /// From the mean velocities of the last step to those at its end: the second half of the smooth forces, and the late

@@ -3,7 +3,9 @@
 //! Nothing here knows of rapier, and nothing beyond this file knows of fingers: more bodies, pins or contacts are more
 //! entries.
 
-use crate::gripper::{Body, Posture, Site, close, straight};
+use std::f64::consts::FRAC_PI_2;
+
+use crate::gripper::{Body, Lengths, Posture, Site, close, straight};
 use crate::law::{ContactLaw, NormalLaw};
 use crate::numeric::plane::opening_angle;
 use crate::scene::{Placement, Scene, SpringKind};
@@ -95,7 +97,7 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
     let angles = body_angles(&posture, lengths.phi22_rad);
     let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
     let (a12, a22) = (along(lengths.l11_m, angles[L11]), along(lengths.l21_m, angles[L21]));
-    let rates = body_rates(scene, &angles);
+    let rates = body_rates(lengths, &angles, [start.qd11_rad_s, start.qd21_rad_s]);
     let radius_m = lengths.half_width_m;
     let capsules = [
         None,
@@ -164,9 +166,7 @@ fn body_angles(posture: &Posture, phi22: f64) -> [f64; 4] {
 }
 
 /// Angular rates of the four bodies from those of the ground links: the loop's point A13 moves as one.
-fn body_rates(scene: &Scene, angles: &[f64; 4]) -> [f64; 4] {
-    let lengths = &scene.finger.lengths;
-    let (w1, w2) = (scene.initial.qd11_rad_s, scene.initial.qd21_rad_s);
+fn body_rates(lengths: &Lengths, angles: &[f64; 4], [w1, w2]: [f64; 2]) -> [f64; 4] {
     // Velocity of the end of a link of some length that turns with rate 1.
     let turn = |length: f64, angle: f64| [-length * angle.sin(), length * angle.cos()];
     let (u1, u2) = (turn(lengths.l11_m, angles[L11]), turn(lengths.l21_m, angles[L21]));
@@ -183,23 +183,16 @@ fn body_rates(scene: &Scene, angles: &[f64; 4]) -> [f64; 4] {
 fn spring(scene: &Scene) -> Option<Option<PlannedSpring>> {
     let Some(spring) = scene.spring else { return Some(None) };
     let lengths = &scene.finger.lengths;
-    let at = |q21: f64| {
-        let posture = straight(lengths, q21).ok()?;
-        let angles = body_angles(&posture, lengths.phi22_rad);
-        Some(angles)
-    };
     let (on, against) = match spring.placement {
         Placement::GroundLinks => (L21, L11),
         Placement::DrivenCoupler => (L12, L11),
         Placement::Phalanges => (L22, L21),
         Placement::CouplerDistal => (L12, L22),
     };
-    let angles = at(std::f64::consts::FRAC_PI_2)?;
+    let angles = body_angles(&straight(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
     let straight_rad = angles[on] - angles[against];
     // How the angle changes with q11 at fixed q21.
-    let mut unit = scene.clone();
-    (unit.initial.qd11_rad_s, unit.initial.qd21_rad_s) = (1.0, 0.0);
-    let rates = body_rates(&unit, &angles);
+    let rates = body_rates(lengths, &angles, [1.0, 0.0]);
     let closing_sign = (rates[on] - rates[against]).signum();
     Some(Some(PlannedSpring { on, against, kind: spring.kind, closing_sign, straight_rad }))
 }

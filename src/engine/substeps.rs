@@ -5,8 +5,9 @@
 //! split so that the engine's leapfrog is centred: the *early* part moves the bodies within this step, the *late* part
 //! is felt from the next one on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
-use super::implicit::{Stage, Workspace};
+use super::implicit::{NotConverged, Stage, Workspace};
 use super::space::{Site, Space};
+use crate::law::normal_force;
 
 /// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. Finer is idle
 /// where a long step has frozen the geometry: that goes wrong by hundreds of radians per second.
@@ -96,7 +97,7 @@ pub enum Unsolved {
 }
 
 impl Contact {
-    /// Integrates contact over `dt`. `first_h` is a sub-step to begin with where contact goes on, `f64::INFINITY` if unknown.
+    /// Integrates contact over `dt`.
     pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
         self.begin(space);
         let (mut now, mut h) = (0.0, dt);
@@ -178,7 +179,7 @@ impl Contact {
         self.buffers.touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
         self.buffers.pressing.clear();
         for site in &space.sites {
-            let force = crate::law::normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
+            let force = normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
             self.force[site.normal] = force;
             self.buffers.pressing.push(force > 0.0);
         }
@@ -212,7 +213,7 @@ impl Contact {
     /// Marks the sites that a flight has brought to touch: those whose gap is rounding.
     fn meet(&mut self, space: &Space, now: f64) {
         for (index, site) in space.sites.iter().enumerate() {
-            let scale = space.sites[index].touch.gap.abs().max(site.touch.law.transition_m * 1e-9);
+            let scale = site.touch.gap.abs().max(site.touch.law.transition_m * 1e-9);
             if !self.buffers.touching[index] && self.gap[index] <= 1e-9 * scale && self.rate[site.normal] < 0.0 {
                 self.gap[index] = self.gap[index].min(0.0);
                 self.note(space, index, now, ChangeKind::Meets);
@@ -234,13 +235,7 @@ impl Contact {
     }
 
     /// Both stages of a sub-step of length h; returns its error in the rates, 1 being what is allowed.
-    fn substep(
-        &mut self,
-        space: &Space,
-        h: f64,
-        left: f64,
-        tolerance: f64,
-    ) -> Result<f64, super::implicit::NotConverged> {
+    fn substep(&mut self, space: &Space, h: f64, left: f64, tolerance: f64) -> Result<f64, NotConverged> {
         debug_assert!(h <= left * (1.0 + 1e-12));
         self.substeps += 1;
         let Buffers { first, second, first_force, base_rate, base_gap, error, .. } = &mut self.buffers;

@@ -70,6 +70,11 @@ impl Bounds {
 }
 
 impl Integrator {
+    /// The settings of another preset, within the same step budget.
+    pub const fn with_preset(&self, preset: Preset) -> Self {
+        Self { max_steps: self.max_steps, ..Self::preset(preset) }
+    }
+
     /// The settings a preset stands for.
     pub const fn preset(preset: Preset) -> Self {
         match preset {

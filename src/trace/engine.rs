@@ -11,20 +11,16 @@ use crate::scene::Scene;
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
 /// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
 pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
-    let failed = |time_s: f64, reason: String, outcome: Outcome| RunError::Simulation {
-        failure: Failure { time_s, reason: Reason::Obstacle(reason) },
-        so_far: Box::new(outcome),
+    let unstarted = |reason: String| RunError::Simulation {
+        failure: Failure { time_s: 0.0, reason: Reason::Obstacle(reason) },
+        so_far: Box::default(),
     };
     let Some(plan) = plan(scene) else {
-        let reason = "the links do not close the loop at these initial angles; choose others".to_string();
-        return Err(failed(0.0, reason, Outcome::default()));
+        return Err(unstarted("the links do not close the loop at these initial angles; choose others".to_string()));
     };
     let settings = &scene.engine;
     let world = build(&plan, settings.construction, settings.response, settings.iterations);
-    let mut motion = match Motion::new(scene, &plan, world) {
-        Ok(motion) => motion,
-        Err(error) => return Err(failed(0.0, error.to_string(), Outcome::default())),
-    };
+    let mut motion = Motion::new(scene, &plan, world).map_err(|error| unstarted(error.to_string()))?;
     let mut recorder = EngineRecorder::new(&motion, sink);
     recorder.begin(&motion)?;
     let mut steps = 0;

@@ -60,21 +60,11 @@ pub(super) fn sample(motion: &Motion, start: &Start, impulses: &[f64; 3]) -> Sam
     }
 }
 
-/// Normal and tangential force at the end of the last step.
-fn forces(motion: &Motion, site: Site) -> (f64, f64) {
-    if let Some(at) = motion.space.sites.iter().find(|at| at.touch.site == site) {
-        let force = &motion.contact.force;
-        return (force.get(at.normal).copied().unwrap_or(0.0), at.tangent.map_or(0.0, |t| force[t]));
-    }
-    let native = motion.native.iter().find(|native| native.site == site);
-    native.map_or((0.0, 0.0), |native| (native.normal / motion.last_dt_s, native.tangential / motion.last_dt_s))
-}
-
 fn contact(motion: &Motion, site: Site, impulses: &[f64; 3]) -> ContactSample {
     let Some(touch) = motion.touches.iter().find(|touch| touch.site == site) else {
         return ContactSample::NONE;
     };
-    let (normal_n, tangential_n) = forces(motion, site);
+    let (normal_n, tangential_n) = motion.forces(site);
     ContactSample {
         gap_m: touch.gap,
         gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
@@ -94,7 +84,7 @@ fn limit(motion: &Motion, impulses: &[f64; 3]) -> LimitSample {
     LimitSample {
         gap_rad: touch.gap,
         gap_rate_rad_s: touch.normal_row.rate(&motion.velocities),
-        torque_n_m: forces(motion, Site::Limit).0,
+        torque_n_m: motion.forces(Site::Limit).0,
         impulse_n_m_s: impulses[Site::Limit as usize],
     }
 }

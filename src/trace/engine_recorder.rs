@@ -62,13 +62,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
-        let mut impulses = self.sites.map(|tracked| tracked.impulse);
-        for at in &motion.space.sites {
-            impulses[at.touch.site as usize] += motion.contact.early[at.normal] + motion.contact.late[at.normal];
-        }
-        for native in &motion.native {
-            impulses[native.site as usize] += native.normal;
-        }
+        let impulses = Site::ALL.map(|site| self.sites[site as usize].impulse + motion.normal_impulse(site));
         let now = sample(motion, &self.start, &impulses);
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
@@ -115,13 +109,10 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
     /// Sums and extremes of one site over the step, and changes that fell between two steps.
     fn close_step(&mut self, motion: &Motion, site: Site, end_s: f64) -> Result<(), SinkError> {
         let found = motion.space.sites.iter().enumerate().find(|(_, at)| at.touch.site == site);
-        let (mut force, mut impulse, mut peak, mut deepest) = (0.0, 0.0, 0.0, 0.0_f64);
-        if let Some((index, at)) = found {
-            let contact = &motion.contact;
-            (force, impulse) = (contact.force[at.normal], contact.early[at.normal] + contact.late[at.normal]);
-            (peak, deepest) = (contact.peak[index], contact.deepest[index]);
+        let (force, mut peak, mut deepest) = (motion.forces(site).0, 0.0, 0.0_f64);
+        if let Some((index, _)) = found {
+            (peak, deepest) = (motion.contact.peak[index], motion.contact.deepest[index]);
         } else if let Some(native) = motion.native.iter().find(|native| native.site == site) {
-            (force, impulse) = (native.normal / motion.last_dt_s, native.normal);
             peak = force;
             if force > 0.0 && !self.sites[site as usize].touching {
                 let closing = native.closing;
@@ -134,7 +125,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             tracked.touching &= touch.gap <= 0.0 || force > 0.0;
         }
         let tracked = &mut self.sites[site as usize];
-        tracked.impulse += impulse;
+        tracked.impulse += motion.normal_impulse(site);
         let summary = &mut tracked.summary;
         summary.impulse_n_s = tracked.impulse;
         summary.peak_normal_n = summary.peak_normal_n.max(peak);

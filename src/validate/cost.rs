@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use super::{Model, run, steps_only};
-use crate::scene::{Integrator, Preset, Scene};
-use crate::trace::RunError;
+use super::steps_only;
+use crate::scene::{Preset, Scene};
+use crate::trace::{Model, RunError, run};
 
 /// Time spent on repeating one setting, in earnest and in haste, and how often at most.
 const PATIENCE_S: f64 = 0.2;
@@ -43,10 +43,7 @@ impl Cost {
 pub fn cost(model: Model, scene: &Scene, quick: bool) -> Result<Cost, RunError> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
-    let everyday = Scene {
-        integrator: Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Engineering) },
-        ..scene.clone()
-    };
+    let everyday = Scene { integrator: scene.integrator.with_preset(Preset::Engineering), ..scene.clone() };
     let (mut times, mut beside) = (Vec::new(), Vec::new());
     let (mut steps, mut wanted) = (0, 1);
     while times.len() < wanted {

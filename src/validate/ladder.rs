@@ -2,6 +2,7 @@
 
 use super::MEMBERS;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::trace::Model;
 
 /// A setting that is predicted to need more steps than this is left out.
 pub const LONGEST_STEPS: f64 = 2e6;
@@ -9,21 +10,6 @@ pub const LONGEST_STEPS: f64 = 2e6;
 const ONCE_STEPS: f64 = 15e3;
 /// Shortest fixed step where there is no time for shorter ones, a little less than 1e-5 s for the sake of the last bit.
 const QUICK_STEP_S: f64 = 0.999e-5;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Model {
-    Analytic,
-    Engine,
-}
-
-impl Model {
-    pub fn name(self) -> &'static str {
-        match self {
-            Model::Analytic => "analytic",
-            Model::Engine => "engine",
-        }
-    }
-}
 
 /// Settings that differ in a number only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

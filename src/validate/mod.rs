@@ -39,19 +39,8 @@ pub use cost::{Cost, cost};
 pub use difference::{Comparison, Differences, compare};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member};
 pub use impacts::{IMPACT_S, Impact, Impacts};
-pub use ladder::{Family, LONGEST_STEPS, Model, Rung, Settings, ladder, name, own};
+pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
 pub use recording::{Recording, record, reference, sampled, steps_only};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use track::{Angle, Rate, Track, turned};
 pub use verdict::{Check, Verdict, verdicts};
-
-use crate::scene::Scene;
-use crate::trace::{Outcome, RunError, Sink, run_analytic, run_engine};
-
-/// Simulates the scene with one of the models.
-pub fn run(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
-    match model {
-        Model::Analytic => run_analytic(scene, sink),
-        Model::Engine => run_engine(scene, sink),
-    }
-}

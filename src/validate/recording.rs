@@ -1,8 +1,8 @@
 //! A run kept whole, and the grids of time that make runs fit to be compared.
 
-use super::{Impacts, Model, run};
-use crate::scene::{Integrator, LogRates, Preset, Scene};
-use crate::trace::{Event, Outcome, RunError, Sample, Sink, SinkError, between};
+use super::Impacts;
+use crate::scene::{LogRates, Preset, Scene};
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
 
 /// Samples that the grid of a reference has at most: five references of 350 bytes a sample stay below 200 MB.
 const MOST_SAMPLES: f64 = 1e5;
@@ -59,7 +59,7 @@ pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
 
 /// The scene as the reference runs it: the tightest settings, on a dense grid.
 pub fn reference(scene: &Scene) -> Scene {
-    let integrator = Integrator { max_steps: scene.integrator.max_steps, ..Integrator::preset(Preset::Reference) };
+    let integrator = scene.integrator.with_preset(Preset::Reference);
     sampled(Model::Analytic, &Scene { integrator, ..scene.clone() })
 }
 

@@ -1,11 +1,11 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
 use super::{
-    Comparison, Cost, Differences, MEMBERS, Model, Recording, Rung, Verdict, compare, cost, ladder, member, own,
-    record, reference, run, sampled, verdicts,
+    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Verdict, compare, cost, ladder, member, own, record,
+    reference, sampled, verdicts,
 };
 use crate::scene::{Bounds, Scene};
-use crate::trace::RunError;
+use crate::trace::{Model, RunError, run};
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]
