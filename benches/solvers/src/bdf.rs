@@ -5,9 +5,10 @@ use std::cell::Cell;
 use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverStopReason};
 
 use crate::field::{FIRST_STEP_S, Field, Vector, Watcher, start};
+use crate::published::Published;
+use crate::support::absolute;
 use crate::support::problem::Problem;
-use crate::support::track::{Cost, Track};
-use crate::support::{Contestant, absolute};
+use crate::support::track::Cost;
 
 /// Far below the duration of an impact.
 const SMALLEST_STEP_S: f64 = 1e-18;
@@ -21,7 +22,13 @@ fn array(y: &[f64]) -> Vector {
     std::array::from_fn(|i| y[i])
 }
 
-impl Bdf {
+impl Published for Bdf {
+    const METHOD: &str = "diffsol BDF";
+
+    fn rtol(&self) -> f64 {
+        self.rtol
+    }
+
     fn integrate(&self, problem: &Problem, mut watcher: Option<&mut Watcher>) -> Result<Cost, String> {
         let field = Field::new(problem);
         let (angle, rate) = absolute(self.rtol);
@@ -70,25 +77,5 @@ impl Bdf {
         let counts = solver.get_statistics();
         let rejected = counts.number_of_error_test_failures + counts.number_of_nonlinear_solver_fails;
         Ok(field.cost(counts.number_of_steps, rejected))
-    }
-}
-
-impl Contestant for Bdf {
-    fn method(&self) -> &str {
-        "diffsol BDF"
-    }
-
-    fn rtol(&self) -> f64 {
-        self.rtol
-    }
-
-    fn run(&self, problem: &Problem) -> Result<Cost, String> {
-        self.integrate(problem, None)
-    }
-
-    fn follow(&self, problem: &Problem) -> Track {
-        let mut watcher = Watcher::new(problem);
-        let result = self.integrate(problem, Some(&mut watcher));
-        watcher.finish(result)
     }
 }

@@ -6,6 +6,7 @@
 
 mod bdf;
 mod field;
+mod published;
 mod radau;
 mod rodas;
 #[path = "../../support/mod.rs"]
@@ -18,7 +19,7 @@ use phalanx::scene::{Method, Preset};
 
 use support::ours::Ours;
 use support::table::{compare, print};
-use support::{Contestant, rtols};
+use support::{Contestant, rtols, write};
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -36,11 +37,7 @@ fn main() {
     let comparison = compare(&contestants(), args.repetitions as usize);
     print(&comparison);
     if let Some(path) = args.json {
-        let written = serde_json::to_string_pretty(&comparison).map_err(std::io::Error::other);
-        if let Err(error) = written.and_then(|text| std::fs::write(&path, text + "\n")) {
-            eprintln!("cannot write {}: {error}", path.display());
-            std::process::exit(1);
-        }
+        write(&path, &comparison);
     }
 }
 

@@ -3,9 +3,10 @@
 use differential_equations::prelude::*;
 
 use crate::field::{FIRST_STEP_S, Field, Vector, Watcher, start};
+use crate::published::Published;
+use crate::support::absolute;
 use crate::support::problem::Problem;
-use crate::support::track::{Cost, Track};
-use crate::support::{Contestant, absolute};
+use crate::support::track::Cost;
 
 /// Radau IIA of order 5 after Hairer's code.
 pub struct DeRadau5 {
@@ -52,7 +53,13 @@ impl Solout<f64, Vector> for Look<'_, '_> {
     }
 }
 
-impl DeRadau5 {
+impl Published for DeRadau5 {
+    const METHOD: &str = "differential-equations Radau5";
+
+    fn rtol(&self) -> f64 {
+        self.rtol
+    }
+
     fn integrate(&self, problem: &Problem, watcher: Option<&mut Watcher>) -> Result<Cost, String> {
         let field = Field::new(problem);
         let (angle, rate) = absolute(self.rtol);
@@ -67,25 +74,5 @@ impl DeRadau5 {
             Ok(solution) => Ok(field.cost(solution.steps.accepted, solution.steps.rejected)),
             Err(error) => Err(format!("{error:?}")),
         }
-    }
-}
-
-impl Contestant for DeRadau5 {
-    fn method(&self) -> &str {
-        "differential-equations Radau5"
-    }
-
-    fn rtol(&self) -> f64 {
-        self.rtol
-    }
-
-    fn run(&self, problem: &Problem) -> Result<Cost, String> {
-        self.integrate(problem, None)
-    }
-
-    fn follow(&self, problem: &Problem) -> Track {
-        let mut watcher = Watcher::new(problem);
-        let result = self.integrate(problem, Some(&mut watcher));
-        watcher.finish(result)
     }
 }

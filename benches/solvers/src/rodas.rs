@@ -4,9 +4,9 @@ use numeris::ode::{AdaptiveSettings, RODAS4, Rosenbrock};
 use numeris::{Matrix, Vector as Column};
 
 use crate::field::{FIRST_STEP_S, Field, Vector, Watcher, start};
-use crate::support::Contestant;
+use crate::published::Published;
 use crate::support::problem::Problem;
-use crate::support::track::{Cost, Track};
+use crate::support::track::Cost;
 
 /// The Rosenbrock method of order 4(3) by Hairer & Wanner.
 ///
@@ -21,7 +21,13 @@ pub struct Rodas4 {
 /// shorten the step.
 const UNREACHABLE_RATE: f64 = 1e12;
 
-impl Rodas4 {
+impl Published for Rodas4 {
+    const METHOD: &str = "numeris RODAS4";
+
+    fn rtol(&self) -> f64 {
+        self.rtol
+    }
+
     fn integrate(&self, problem: &Problem, watcher: Option<&mut Watcher>) -> Result<Cost, String> {
         let field = Field::new(problem);
         let settings = AdaptiveSettings {
@@ -69,24 +75,4 @@ fn hermite(x: f64, h: f64, from: &Vector, to: &Vector) -> Vector {
         }
         _ => (1.0 - x) * from[i] + x * to[i],
     })
-}
-
-impl Contestant for Rodas4 {
-    fn method(&self) -> &str {
-        "numeris RODAS4"
-    }
-
-    fn rtol(&self) -> f64 {
-        self.rtol
-    }
-
-    fn run(&self, problem: &Problem) -> Result<Cost, String> {
-        self.integrate(problem, None)
-    }
-
-    fn follow(&self, problem: &Problem) -> Track {
-        let mut watcher = Watcher::new(problem);
-        let result = self.integrate(problem, Some(&mut watcher));
-        watcher.finish(result)
-    }
 }
