@@ -9,7 +9,9 @@
 //! | `resolve`, `defaults` | raw → [`Scene`], physics checked |
 //! | `show` | [`Scene`] → a complete scene file |
 //! | `torque` | the motor torque of an actuation over time |
+//! | `bodies` | scenes of discs instead of a finger |
 
+mod bodies;
 mod check;
 mod defaults;
 mod entry;
@@ -25,6 +27,7 @@ mod suggest;
 mod torque;
 mod words;
 
+pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use error::{Problem, SceneError};
 pub use file::{load, parse};
 pub use schema::schema;

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod between;
+pub mod bodies;
 mod engine;
 mod engine_reading;
 mod engine_recorder;

@@ -1,0 +1,9 @@
+//! What a simulation of discs says, whichever model made it: the counterpart of the finger's samples, events and sinks.
+
+mod run;
+mod sample;
+mod sink;
+
+pub use run::{BodiesRunError, run_bodies};
+pub use sample::{BodiesEvent, BodiesOutcome, BodiesSample, DiscState};
+pub use sink::BodiesSink;

@@ -1,0 +1,26 @@
+//! Runs either model of a scene of discs.
+
+use super::{BodiesOutcome, BodiesSink};
+use crate::integrator::Failure;
+use crate::scene::BodiesScene;
+use crate::trace::{Model, SinkError};
+
+/// Why a run did not get to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum BodiesRunError {
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+    /// The simulation could not be completed; `so_far` is the run up to there, which the sink has in full.
+    #[error("the simulation could not be completed {failure}")]
+    Simulation { failure: Failure, so_far: Box<BodiesOutcome> },
+}
+
+/// Simulates `scene` with one of the models.
+pub fn run_bodies(
+    model: Model,
+    scene: &BodiesScene,
+    sink: &mut impl BodiesSink,
+) -> Result<BodiesOutcome, BodiesRunError> {
+    let _ = (model, scene, sink);
+    todo!("both models of discs")
+}

@@ -1,0 +1,21 @@
+//! Consumers of a run of discs.
+
+use super::{BodiesEvent, BodiesSample};
+use crate::trace::SinkError;
+
+/// Takes the samples and events of a run in order of time.
+pub trait BodiesSink {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError>;
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError>;
+}
+
+/// Takes everything and keeps nothing.
+impl BodiesSink for () {
+    fn sample(&mut self, _: &BodiesSample) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
