@@ -64,6 +64,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
         let impulses = Site::ALL.map(|site| self.sites[site as usize].impulse + motion.normal_impulse(site));
         let now = sample(motion, &self.start, &impulses);
+        self.meet_between_steps(motion, end_s - dt)?;
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
             let site = motion.space.sites[site].touch.site;
@@ -77,6 +78,14 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             self.close_step(motion, site, end_s)?;
         }
         self.emit(&now, dt, motion.scene.duration_s)
+    }
+
+    /// Surfaces that the last step left apart, in its frozen geometry, and that overlap where this one starts.
+    fn meet_between_steps(&mut self, motion: &Motion, start_s: f64) -> Result<(), SinkError> {
+        for at in motion.space.sites.iter().filter(|at| at.touch.gap <= 0.0) {
+            self.change(at.touch.site, ChangeKind::Meets, start_s, -motion.space.rate[at.normal], 0.0)?;
+        }
+        Ok(())
     }
 
     /// A sample at a touch within the step: up to here the site has had no impulse and the bodies have moved freely, from
