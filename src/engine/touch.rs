@@ -85,11 +85,7 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
         let in_reach = || world.physics.narrow_phase.contact_pair(world.phalanges[index], object).is_some();
         let place = &linkage.places[contact.body];
         let Some((gap, point, normal)) = surface(world, plan, index, place) else { continue };
-        let arm = sub(point, place.com);
-        let row = |direction: [f64; 2]| Row {
-            on: (contact.body, [direction[0], direction[1], cross(arm, direction)]),
-            against: None,
-        };
+        let row = |direction: [f64; 2]| row(contact.body, place, point, direction);
         touches.push(Touch {
             site: contact.site,
             law: contact.law.normal,
@@ -105,14 +101,23 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
     }
 }
 
-/// The gap of a touch when the bodies are elsewhere.
-pub fn gap_at(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> f64 {
+/// The gap of a touch when the bodies are elsewhere, and the row of its slip there.
+pub fn elsewhere(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> (f64, Row) {
     match touch.source {
-        Source::Stop(index) => stop_gap(plan, index, places),
+        Source::Stop(index) => (stop_gap(plan, index, places), touch.slip_row),
         Source::Contact(index) => {
-            surface(world, plan, index, &places[plan.contacts[index].body]).map_or(touch.gap, |found| found.0)
+            let body = plan.contacts[index].body;
+            let found = surface(world, plan, index, &places[body]);
+            found.map_or((touch.gap, touch.slip_row), |(gap, point, normal)| {
+                (gap, row(body, &places[body], point, perp(normal)))
+            })
         }
     }
+}
+
+/// The row of a direction at a point of a body.
+fn row(body: usize, place: &Place, point: [f64; 2], direction: [f64; 2]) -> Row {
+    Row { on: (body, [direction[0], direction[1], cross(sub(point, place.com), direction)]), against: None }
 }
 
 fn stop_gap(plan: &Plan, index: usize, places: &[Place]) -> f64 {
