@@ -11,8 +11,8 @@ pub use document::{
 };
 pub use text::{duration, text};
 pub use validation::{
-    AngleDifference, COLUMNS, CheckReport, ContactDifference, DifferencesReport, ImpactReport, ModelReport,
-    SettingReport, Status, ValidationReport, series, validation_json, validation_text,
+    AngleDifference, COLUMNS, CheckReport, ContactDifference, DifferencesReport, FindingReport, ImpactReport,
+    ModelReport, SettingReport, Status, ValidationReport, series, validation_json, validation_text,
 };
 
 use serde::Serialize;

@@ -4,8 +4,9 @@ use super::{
     Comparison, Cost, Differences, MEMBERS, Recording, Rung, Verdict, compare, cost, ladder, member, own, record,
     reference, sampled, verdicts,
 };
+use crate::invariants::{Finding, Invariants};
 use crate::scene::{Bounds, Scene};
-use crate::trace::{Model, RunError, run};
+use crate::trace::{Model, RunError, Sink, run};
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +42,9 @@ pub struct Validation {
     pub engine: Recording,
     /// Of the engine as the scene says: worst of the ensemble.
     pub differences: Differences,
+    /// How near the two runs above came to breaking an invariant.
+    pub reference_invariants: [Finding; 8],
+    pub engine_invariants: [Finding; 8],
     pub rows: Vec<Row>,
     pub verdict: Verdict,
 }
@@ -96,14 +100,29 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
         };
         rows.push(Row { rung, tried });
     }
+    let reference_invariants = held(Model::Analytic, &reference(scene), &references[0]);
+    let engine_invariants = held(Model::Engine, scene, &engine);
     Ok(Validation {
         bounds: scene.bounds,
-        verdict: verdicts(&differences, &scene.bounds),
+        verdict: verdicts(&differences, &scene.bounds)
+            .and_invariants("analytic_invariants", &reference_invariants)
+            .and_invariants("engine_invariants", &engine_invariants),
+        reference_invariants,
+        engine_invariants,
         reference: references.into_iter().next().unwrap_or_default(),
         engine,
         differences,
         rows,
     })
+}
+
+/// How near a kept run came to breaking an invariant.
+fn held(model: Model, scene: &Scene, run: &Recording) -> [Finding; 8] {
+    let mut invariants = Invariants::new(model, scene);
+    for sample in &run.samples {
+        invariants.sample(sample).expect("measuring writes nothing");
+    }
+    invariants.findings(&run.outcome)
 }
 
 /// Compares and times one setting.

@@ -2,6 +2,7 @@
 //! both models side by side.
 
 mod document;
+mod invariants;
 mod series;
 mod text;
 
@@ -9,6 +10,7 @@ pub use document::{
     AngleDifference, CheckReport, ContactDifference, DifferencesReport, ImpactReport, ModelReport, SettingReport,
     Status, ValidationReport,
 };
+pub use invariants::FindingReport;
 pub use series::{COLUMNS, series};
 pub use text::validation_text;
 
