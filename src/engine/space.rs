@@ -91,7 +91,7 @@ impl Space {
             let com = [place.com[0] + ahead * v[0], place.com[1] + ahead * v[1]];
             self.places.push(Place { com, direction: [cos, sin], angle });
         }
-        for site in self.sites.iter().filter(|site| site.touch.normal_row.against.is_none()) {
+        for site in self.sites.iter().filter(|site| site.touch.is_between_surfaces()) {
             let (gap, slip_row) = elsewhere(&site.touch, world, plan, &self.places);
             let straight = site.touch.gap + ahead * self.rate[site.normal];
             self.free[site.normal] += 2.0 * (gap - straight) / (ahead * ahead);

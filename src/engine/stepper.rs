@@ -27,7 +27,8 @@ const SHORTEST_S: f64 = 1e-10;
 
 /// The next step, ending at `end_s` at the latest.
 pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
-    let corner = next_corner(&motion.scene.actuation, motion.clock.now());
+    let motor = motion.plan.motor.as_ref();
+    let corner = motor.map_or(f64::INFINITY, |motor| next_corner(&motor.actuation, motion.clock.now()));
     let left = motion.clock.until(end_s.min(corner));
     match stepping {
         Stepping::Fixed { step_s } => {
@@ -59,7 +60,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     }
     for touch in &motion.touches {
         let rate = touch.normal_row.rate(&motion.velocities);
-        let at = motion.space.sites.iter().find(|at| at.touch.site == touch.site);
+        let at = motion.space.sites.iter().find(|at| at.touch.index == touch.index);
         let (scale, force) = at.map_or((FIRST_CROSSING * touch.law.transition_m, 0.0), |at| {
             let inverse_mass = motion.space.w[at.normal * (motion.space.len() + 1)];
             let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass);
@@ -87,9 +88,9 @@ fn turning(motion: &Motion) -> f64 {
     let rows = motion.space.len();
     let of = |at: &super::space::Site| {
         let row = &motion.space.rows[at.normal];
-        let turn = |(body, _): &(usize, _)| motion.velocities[*body][2].abs();
+        let turn = std::iter::once(&row.on).chain(&row.against).map(|(body, _)| motion.velocities[*body][2].abs());
         let pushed = motion.space.w[at.normal * (rows + 1)] * motion.contact.force[at.normal];
-        if row.against.is_none() { pushed * turn(&row.on) } else { 0.0 }
+        if at.touch.is_between_surfaces() { pushed * turn.fold(0.0, f64::max) } else { 0.0 }
     };
     motion.space.sites.iter().map(of).fold(0.0, f64::max)
 }

@@ -11,7 +11,9 @@ mod outcome;
 mod reading;
 mod recorder;
 mod sample;
+mod search;
 mod sink;
+mod tracked;
 
 pub use analytic::{RunError, run_analytic};
 pub use between::between;
