@@ -9,10 +9,10 @@ use phalanx::scene::{Scene, Stepping};
 use phalanx::trace::Site;
 use support::anchor;
 
-fn motion<'a>(scene: &'a Scene, plan: &'a Plan) -> Motion<'a> {
+fn motion<'a>(scene: &Scene, plan: &'a Plan) -> Motion<'a> {
     let settings = &scene.engine;
     let world = engine::build(plan, settings.construction, settings.response, settings.iterations);
-    Motion::new(scene, plan, world).expect("a world")
+    Motion::new(plan, world).expect("a world")
 }
 
 /// M⁻¹ over all bodies, and the opening rates J of the finger's five pins, from plain geometry.
@@ -86,7 +86,7 @@ fn single(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f64) -> engine:
     let scene = anchor();
     let plan = engine::plan(&scene).unwrap();
     let motion = motion(&scene, &plan);
-    let mut touch = *motion.touches.iter().find(|touch| touch.site == Site::Proximal).unwrap();
+    let mut touch = *motion.touches.iter().find(|touch| engine::site(&plan, touch.index) == Site::Proximal).unwrap();
     (touch.gap, touch.law, touch.friction) = (gap, law.normal, law.friction);
     let rows = 1 + usize::from(law.friction.is_some());
     let mut space = engine::Space::default();
@@ -215,7 +215,7 @@ fn steps_follow_their_criteria() {
         }
         motion.advance(dt).unwrap();
         for change in &motion.contact.changes {
-            let site = motion.space.sites[change.site].touch.site;
+            let site = engine::site(&plan, motion.space.sites[change.site].touch.index);
             if change.kind == engine::ChangeKind::Meets && site != Site::Limit {
                 landed += 1;
                 // The touch is met in a short step, after an approach of ever shorter ones.

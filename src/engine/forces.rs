@@ -1,17 +1,19 @@
 //! Smooth forces on the bodies: gravity, motor and spring.
 
 use super::linkage::{Linkage, Twist};
-use super::plan::{L11, Plan, PlannedSpring};
-use crate::scene::{Scene, SpringKind, torque};
+use super::plan::{Plan, PlannedSpring};
+use crate::scene::{SpringKind, torque};
 
 /// Forces and torques about the centres of mass at time `t`, at the places the linkage has.
-pub fn smooth(scene: &Scene, plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
-    let [gx, gy] = scene.gravity_m_s2;
+pub fn smooth(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
+    let [gx, gy] = plan.gravity_m_s2;
     for (force, inertia) in out.iter_mut().zip(&linkage.inertias) {
         *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
     }
     // The motor stands on the ground, which takes the reaction.
-    out[L11][2] += torque(&scene.actuation, t).0;
+    if let Some(motor) = &plan.motor {
+        out[motor.on][2] += torque(&motor.actuation, t).0;
+    }
     if let Some(spring) = &plan.spring {
         let torque = -spring.closing_sign * pull(spring, extension(spring, linkage));
         out[spring.on][2] += torque;
@@ -35,8 +37,8 @@ fn pull(spring: &PlannedSpring, extension: f64) -> f64 {
 }
 
 /// Energies of gravity and spring, in J; the spring's is zero in the straight configuration.
-pub fn potential(scene: &Scene, plan: &Plan, linkage: &Linkage) -> (f64, f64) {
-    let [gx, gy] = scene.gravity_m_s2;
+pub fn potential(plan: &Plan, linkage: &Linkage) -> (f64, f64) {
+    let [gx, gy] = plan.gravity_m_s2;
     let gravity = linkage
         .inertias
         .iter()

@@ -137,6 +137,9 @@ impl Linkage {
     /// Factorises A at the present places.
     pub fn factorise(&mut self) -> Result<(), Locked> {
         let size = self.first.len();
+        if size == 0 {
+            return Ok(());
+        }
         for (row, &first) in self.factor.chunks_exact_mut(size).zip(&self.first) {
             row[first..].fill(0.0);
         }

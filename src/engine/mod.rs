@@ -1,14 +1,15 @@
-//! The engine model: the gripper as rapier bodies and joints, with the contact laws in place of rapier's own response.
+//! The engine model: a scene as rapier bodies and joints, with the contact laws in place of rapier's own response.
 //!
 //! [How it drives rapier, and what rapier limits](crate::docs::engine). Independent of the analytic model: both share the
 //! scene, lengths, masses and scalar laws, nothing else.
 //!
 //! | file | job |
 //! |---|---|
-//! | `plan` | what a scene needs, as plain lists of bodies, pins, stops and contacts |
+//! | `plan` | what a scene needs, as plain lists of bodies, pins, drives, stops and contacts |
+//! | `finger`, `discs` | the plans of the two kinds of scene |
 //! | `world`, `hook` | the rapier world of a plan; contact taken out of rapier's hands |
 //! | `linkage` | joints' reactions: the saddle-point system of bodies and joints |
-//! | `forces` | gravity, motor, spring; energies |
+//! | `forces`, `drive` | gravity, motor, spring, energies; bodies that move as told |
 //! | `touch`, `space` | gaps and their rows; the contact space of one step |
 //! | `implicit`, `substeps` | one implicit stage; contact integrated through one step |
 //! | `settle` | rates of pressing contacts at a node |
@@ -17,6 +18,9 @@
 //! | `dense` | small dense systems in place |
 
 mod dense;
+mod discs;
+mod drive;
+mod finger;
 mod forces;
 mod hook;
 mod implicit;
@@ -31,12 +35,15 @@ mod substeps;
 mod touch;
 mod world;
 
+pub use discs::plan_discs;
+pub use finger::{L11, L12, L21, L22, index_of, plan, site};
 pub use forces::{kinetic, potential};
 pub use linkage::{Inertia, Linkage, Locked, Place, Twist};
 pub use motion::{Motion, StepError};
 pub use native::Native;
 pub use plan::{
-    Capsule, L11, L12, L21, L22, Plan, PlannedBody, PlannedContact, PlannedPin, PlannedSpring, PlannedStop, plan,
+    Against, Capsule, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedMotor, PlannedPin,
+    PlannedSpring, PlannedStop, Shape,
 };
 pub use space::{Site, Space};
 pub use stepper::next;

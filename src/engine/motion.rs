@@ -8,20 +8,19 @@
 
 use rapier2d_f64::prelude::*;
 
-use super::forces;
 use super::hook::Governed;
 use super::linkage::{Linkage, Locked, Twist};
 use super::native::{self, Native};
-use super::plan::{L11, Plan};
+use super::plan::Plan;
 use super::settle::Settled;
 use super::space::Space;
 use super::substeps::{Contact, Unsolved};
 use super::touch::{self, Touch};
 use super::world::World;
-use crate::gripper::Site;
+use super::{drive, forces};
 use crate::integrator::Clock;
 use crate::law::normal_force;
-use crate::scene::{Construction, Scene, torque};
+use crate::scene::Construction;
 
 /// Why a step could not be taken.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -36,7 +35,6 @@ pub enum StepError {
 
 /// A world at a node in time.
 pub struct Motion<'a> {
-    pub scene: &'a Scene,
     pub plan: &'a Plan,
     pub world: World,
     pub linkage: Linkage,
@@ -53,6 +51,7 @@ pub struct Motion<'a> {
     /// What rapier's own contact did in the last step, where the scene asks for it.
     pub native: Vec<Native>,
     pub last_dt_s: f64,
+    /// Work of the motor, and of whatever drives bodies.
     pub motor_work_j: f64,
     pub contact_work_j: f64,
     forces: Vec<Twist>,
@@ -72,11 +71,10 @@ pub struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     /// A world at t = 0.
-    pub fn new(scene: &'a Scene, plan: &'a Plan, world: World) -> Result<Self, StepError> {
+    pub fn new(plan: &'a Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, plan);
         let bodies = plan.bodies.len();
         let mut motion = Self {
-            scene,
             plan,
             world,
             linkage,
@@ -118,11 +116,12 @@ impl<'a> Motion<'a> {
         self.space.assemble(world, plan, linkage, &self.touches, &self.velocities, &self.step_accelerations, dt);
         self.contact.solve(&self.space, dt)?;
         self.contact_work_j += self.contact.work;
+        self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
 
         for (place, before) in self.linkage.places.iter().zip(&mut self.before) {
             *before = [place.com[0], place.com[1], place.angle];
         }
-        let torque_before = torque(&self.scene.actuation, self.clock.now()).0;
+        let torque_before = self.plan.motor_torque(self.clock.now());
         self.push(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
@@ -134,38 +133,42 @@ impl<'a> Motion<'a> {
         self.linkage.factorise()?;
         self.read_means();
         // Where rapier answers contact, its impulses meet the bodies at the rates of before the step.
-        self.contact_work_j +=
+        let (work, on_driven) =
             native::read(&self.world, self.plan, &self.touches, &self.velocities, &self.means, &mut self.native);
+        self.contact_work_j += work;
+        self.motor_work_j -= on_driven;
         touch::measure(&self.world, self.plan, &self.linkage, &mut self.touches);
         // A jump of the torque at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
-        forces::smooth(self.scene, self.plan, &self.linkage, before_node, &mut self.forces);
+        forces::smooth(self.plan, &self.linkage, before_node, &mut self.forces);
         self.kick(0.5 * dt);
         self.settle();
 
-        let torque_after = torque(&self.scene.actuation, before_node).0;
-        let turned = self.linkage.places[L11].angle - self.before[L11][2];
-        self.motor_work_j += 0.5 * (torque_before + torque_after) * turned;
+        let torque_after = self.plan.motor_torque(before_node);
+        if let Some(motor) = &self.plan.motor {
+            let turned = self.linkage.places[motor.on].angle - self.before[motor.on][2];
+            self.motor_work_j += 0.5 * (torque_before + torque_after) * turned;
+        }
         self.look();
         Ok(())
     }
 
-    /// Normal and tangential force at a site at the end of the last step, whoever answers there.
-    pub fn forces(&self, site: Site) -> (f64, f64) {
-        if let Some(at) = self.space.sites.iter().find(|at| at.touch.site == site) {
+    /// Normal and tangential force of a stop or contact at the end of the last step, whoever answers there.
+    pub fn forces(&self, index: usize) -> (f64, f64) {
+        if let Some(at) = self.space.sites.iter().find(|at| at.touch.index == index) {
             let force = &self.contact.force;
             // Before the first step there is none.
             return (force.get(at.normal).copied().unwrap_or(0.0), at.tangent.map_or(0.0, |t| force[t]));
         }
-        let native = self.native.iter().find(|native| native.site == site);
+        let native = self.native.iter().find(|native| native.index == index);
         native.map_or((0.0, 0.0), |native| (native.normal / self.last_dt_s, native.tangential / self.last_dt_s))
     }
 
-    /// Normal impulse of a site in the last step, whoever answers there.
-    pub fn normal_impulse(&self, site: Site) -> f64 {
-        match self.space.sites.iter().find(|at| at.touch.site == site) {
+    /// Normal impulse of a stop or contact in the last step, whoever answers there.
+    pub fn normal_impulse(&self, index: usize) -> f64 {
+        match self.space.sites.iter().find(|at| at.touch.index == index) {
             Some(at) => self.contact.early[at.normal] + self.contact.late[at.normal],
-            None => self.native.iter().find(|native| native.site == site).map_or(0.0, |native| native.normal),
+            None => self.native.iter().find(|native| native.index == index).map_or(0.0, |native| native.normal),
         }
     }
 
@@ -176,7 +179,7 @@ impl<'a> Motion<'a> {
         self.impulse.copy_from_slice(&self.forces);
         self.impulse.iter_mut().flatten().for_each(|force| *force *= half);
         for site in &self.space.sites {
-            let touch = self.touches.iter().find(|touch| touch.site == site.touch.site).unwrap_or(&site.touch);
+            let touch = self.touches.iter().find(|touch| touch.index == site.touch.index).unwrap_or(&site.touch);
             touch.normal_row.add_to(&mut self.impulse, self.contact.late[site.normal]);
             if let Some(tangent) = site.tangent {
                 touch.slip_row.add_to(&mut self.impulse, self.contact.late[tangent]);
@@ -188,6 +191,7 @@ impl<'a> Motion<'a> {
             v[2] += inertia.inverse_inertia * impulse[2];
         }
         self.linkage.project(&mut self.velocities);
+        drive::set_velocities(self.plan, self.clock.now(), &mut self.velocities);
     }
 
     /// Late impulses were found with the directions and loads of the step's start. Where a contact presses on, what they
@@ -199,10 +203,11 @@ impl<'a> Motion<'a> {
         settled.begin();
         for (index, site) in space.sites.iter().enumerate() {
             let (normal, force) = (site.normal, contact.force[site.normal]);
-            if force <= 0.0 {
+            // Where every side is fixed or driven there is nothing to settle.
+            if force <= 0.0 || space.w[normal * space.len() + normal] == 0.0 {
                 continue;
             }
-            let Some(touch) = touches.iter().find(|touch| touch.site == site.touch.site) else { continue };
+            let Some(touch) = touches.iter().find(|touch| touch.index == site.touch.index) else { continue };
             let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[normal]);
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
             settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
@@ -215,9 +220,10 @@ impl<'a> Motion<'a> {
 
     /// Forces and accelerations at the node, for what comes.
     fn look(&mut self) {
-        forces::smooth(self.scene, self.plan, &self.linkage, self.clock.now(), &mut self.forces);
+        forces::smooth(self.plan, &self.linkage, self.clock.now(), &mut self.forces);
         self.middle.copy_from_slice(&self.accelerations);
         self.linkage.accelerations(&self.forces, &self.velocities, &mut self.accelerations);
+        drive::set_accelerations(self.plan, &mut self.accelerations);
         let changes =
             self.accelerations.iter().zip(&self.middle).map(|(now, then)| (now[0] - then[0]).hypot(now[1] - then[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
@@ -247,6 +253,7 @@ impl<'a> Motion<'a> {
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
         self.linkage.accelerations_closing(&self.forces, &self.open, dt, &mut self.step_accelerations);
+        drive::set_accelerations(self.plan, &mut self.step_accelerations);
     }
 
     /// Takes rapier from the last mean velocity to the next one, by forces over the step: to the node's velocity, half a step
@@ -269,6 +276,7 @@ impl<'a> Motion<'a> {
             body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
             body.add_torque(impulse[2] / dt, false);
         }
+        drive::steer(self.plan, &self.linkage.places, &self.world.bodies, &mut physics.bodies, self.clock.now(), dt);
         physics.integration_parameters.dt = dt;
         physics.step_with_events(&Governed, &());
     }

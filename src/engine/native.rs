@@ -1,24 +1,24 @@
 //! rapier's own rigid contact, for scenes that ask for it: what it did, read from its contact manifolds.
 
 use super::linkage::Twist;
-use super::plan::Plan;
-use super::touch::Touch;
+use super::plan::{Plan, PlannedDrive};
+use super::touch::{Row, Touch};
 use super::world::World;
-use crate::gripper::Site;
 use crate::scene::Response;
 
 /// Impulses of one contact in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Native {
-    pub site: Site,
+    /// Index among the stops and contacts of the plan.
+    pub index: usize,
     pub normal: f64,
-    /// Along the tangent, on the phalanx; it opposes the slip.
+    /// Along the tangent, on the body of the contact; it opposes the slip.
     pub tangential: f64,
     /// Closing rate before the step.
     pub closing: f64,
 }
 
-/// Reads the impulses of the last step, and returns their work on the bodies. `touches` are those of the step's start.
+/// Reads the impulses of the last step, and returns their work on all bodies, and on those that are driven. `touches` are those of the step's start.
 pub fn read(
     world: &World,
     plan: &Plan,
@@ -26,13 +26,14 @@ pub fn read(
     before: &[Twist],
     after: &[Twist],
     out: &mut Vec<Native>,
-) -> f64 {
+) -> (f64, f64) {
     out.clear();
-    let (Response::Rapier { .. }, Some(object)) = (world.response, world.object) else { return 0.0 };
-    let mut work = 0.0;
-    for (index, contact) in plan.contacts.iter().enumerate() {
-        let Some(pair) = world.physics.narrow_phase.contact_pair(world.phalanges[index], object) else { continue };
-        let Some(touch) = touches.iter().find(|touch| touch.site == contact.site) else { continue };
+    let Response::Rapier { .. } = world.response else { return (0.0, 0.0) };
+    let (mut work, mut on_driven) = (0.0, 0.0);
+    for (contact, [own, other]) in world.contacts.iter().enumerate() {
+        let Some(pair) = world.physics.narrow_phase.contact_pair(*own, *other) else { continue };
+        let index = plan.stops.len() + contact;
+        let Some(touch) = touches.iter().find(|touch| touch.index == index) else { continue };
         let points = pair.manifolds().iter().flat_map(|manifold| &manifold.points);
         let (mut normal, mut tangential) = (0.0, 0.0);
         for point in points {
@@ -42,9 +43,13 @@ pub fn read(
         let slip = touch.slip_row.rate(after);
         let tangential = -tangential.copysign(slip);
         // A rigid impulse does the work of the mean of the rates before and after it.
-        let mean = |row: &super::touch::Row| 0.5 * (row.rate(before) + row.rate(after));
+        let mean = |row: &Row| 0.5 * (row.rate(before) + row.rate(after));
         work += normal * mean(&touch.normal_row) + tangential * mean(&touch.slip_row);
-        out.push(Native { site: contact.site, normal, tangential, closing: -touch.normal_row.rate(before) });
+        for PlannedDrive { body, .. } in &plan.drives {
+            let mean = |row: &Row| 0.5 * (row.rate_of(*body, &before[*body]) + row.rate_of(*body, &after[*body]));
+            on_driven += normal * mean(&touch.normal_row) + tangential * mean(&touch.slip_row);
+        }
+        out.push(Native { index, normal, tangential, closing: -touch.normal_row.rate(before) });
     }
-    work
+    (work, on_driven)
 }

@@ -2,7 +2,7 @@
 
 use super::linkage::{Linkage, Place, Twist};
 use super::plan::Plan;
-use super::touch::{Row, Touch, gap_at};
+use super::touch::{Row, Touch, elsewhere};
 use super::world::World;
 
 /// One touch in contact space.
@@ -78,9 +78,9 @@ impl Space {
         respond(&self.rows, linkage, velocities.len(), &mut self.response, &mut self.w);
     }
 
-    /// Surfaces curve and normals turn as bodies move: the gap's second derivative is not the row's acceleration alone. The
-    /// rest of it is read off the gap that the present velocities lead to. Accelerations stay out of it: a contact that
-    /// holds its bodies does not let them get there.
+    /// Surfaces curve and normals turn as bodies move: the gap's second derivative, and the slip's first, are not the rows'
+    /// accelerations alone. The rest is read off the gap and the slip that the present velocities lead to. Accelerations
+    /// stay out of it: a contact that holds its bodies does not let them get there.
     fn add_curvature(&mut self, world: &World, plan: &Plan, linkage: &Linkage, velocities: &[Twist], dt: f64) {
         // Long enough that the difference is not rounding, short enough that it stays local.
         let ahead = dt.max(SHORTEST_LOOK_S);
@@ -91,10 +91,13 @@ impl Space {
             let com = [place.com[0] + ahead * v[0], place.com[1] + ahead * v[1]];
             self.places.push(Place { com, direction: [cos, sin], angle });
         }
-        for site in self.sites.iter().filter(|site| site.touch.normal_row.against.is_none()) {
-            let gap = gap_at(&site.touch, world, plan, &self.places);
+        for site in self.sites.iter().filter(|site| site.touch.is_between_surfaces()) {
+            let (gap, slip_row) = elsewhere(&site.touch, world, plan, &self.places);
             let straight = site.touch.gap + ahead * self.rate[site.normal];
             self.free[site.normal] += 2.0 * (gap - straight) / (ahead * ahead);
+            if let Some(tangent) = site.tangent {
+                self.free[tangent] += (slip_row.rate(velocities) - self.rate[tangent]) / ahead;
+            }
         }
     }
 

@@ -23,7 +23,8 @@ const SHORTEST_S: f64 = 1e-10;
 
 /// The next step, ending at `end_s` at the latest.
 pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
-    let corner = next_corner(&motion.scene.actuation, motion.clock.now());
+    let motor = motion.plan.motor.as_ref();
+    let corner = motor.map_or(f64::INFINITY, |motor| next_corner(&motor.actuation, motion.clock.now()));
     let left = motion.clock.until(end_s.min(corner));
     match stepping {
         Stepping::Fixed { step_s } => {

@@ -4,9 +4,8 @@ use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
 use super::linkage::{Linkage, Place, Twist};
-use super::plan::Plan;
+use super::plan::{Against, Plan};
 use super::world::World;
-use crate::gripper::Site;
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::plane::{cross, perp, rotate, sub};
 use crate::scene::Response;
@@ -28,6 +27,12 @@ impl Row {
         along(&self.on) + self.against.as_ref().map_or(0.0, along)
     }
 
+    /// The part of the rate that is one body's own.
+    pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
+        let own = std::iter::once(&self.on).chain(&self.against).filter(|(on, _)| *on == body);
+        own.map(|(_, row)| row[0] * velocity[0] + row[1] * velocity[1] + row[2] * velocity[2]).sum()
+    }
+
     /// Adds a multiple of the row to a generalised impulse.
     pub fn add_to(&self, impulse: &mut [Twist], size: f64) {
         for (body, row) in std::iter::once(&self.on).chain(&self.against) {
@@ -41,7 +46,8 @@ impl Row {
 /// One place of possible contact at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    pub site: Site,
+    /// Index among the stops and contacts of the plan.
+    pub index: usize,
     pub law: NormalLaw,
     pub friction: Option<FrictionLaw>,
     /// Distance, negative in penetration.
@@ -49,7 +55,7 @@ pub struct Touch {
     pub normal: [f64; 2],
     pub point: [f64; 2],
     pub normal_row: Row,
-    /// Slip of the phalanx over the object; nothing for a stop.
+    /// Slip of the body's surface over the other one; nothing for a stop.
     pub slip_row: Row,
     /// Whether the scene's laws answer here: not where rapier does, nor where the pair is out of reach.
     pub governed: bool,
@@ -63,12 +69,19 @@ enum Source {
     Contact(usize),
 }
 
-/// Every stop, and every phalanx against the object.
+impl Touch {
+    /// Whether the gap is one of surfaces, whose normals turn as bodies move; that of a stop is an angle.
+    pub fn is_between_surfaces(&self) -> bool {
+        matches!(self.source, Source::Contact(_))
+    }
+}
+
+/// Every stop, and every contact.
 pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<Touch>) {
     touches.clear();
     for (index, stop) in plan.stops.iter().enumerate() {
         touches.push(Touch {
-            site: stop.site,
+            index,
             law: stop.law,
             friction: None,
             gap: stop_gap(plan, index, &linkage.places),
@@ -80,18 +93,14 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             source: Source::Stop(index),
         });
     }
-    let Some(object) = world.object else { return };
     for (index, contact) in plan.contacts.iter().enumerate() {
-        let in_reach = || world.physics.narrow_phase.contact_pair(world.phalanges[index], object).is_some();
-        let place = &linkage.places[contact.body];
-        let Some((gap, point, normal)) = surface(world, plan, index, place) else { continue };
-        let arm = sub(point, place.com);
-        let row = |direction: [f64; 2]| Row {
-            on: (contact.body, [direction[0], direction[1], cross(arm, direction)]),
-            against: None,
-        };
+        let [own, other] = world.contacts[index];
+        let in_reach = || world.physics.narrow_phase.contact_pair(own, other).is_some();
+        let Some(found) = surfaces(world, plan, index, &linkage.places) else { continue };
+        let Surfaces { gap, point, normal, .. } = found;
+        let row = |direction: [f64; 2]| row(plan, index, &linkage.places, &found, direction);
         touches.push(Touch {
-            site: contact.site,
+            index: plan.stops.len() + index,
             law: contact.law.normal,
             friction: contact.law.friction,
             gap,
@@ -105,13 +114,32 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
     }
 }
 
-/// The gap of a touch when the bodies are elsewhere.
-pub fn gap_at(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> f64 {
+/// The gap of a touch when the bodies are elsewhere, and the row of its slip there.
+pub fn elsewhere(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> (f64, Row) {
     match touch.source {
-        Source::Stop(index) => stop_gap(plan, index, places),
+        Source::Stop(index) => (stop_gap(plan, index, places), touch.slip_row),
         Source::Contact(index) => {
-            surface(world, plan, index, &places[plan.contacts[index].body]).map_or(touch.gap, |found| found.0)
+            let found = surfaces(world, plan, index, places);
+            found.map_or((touch.gap, touch.slip_row), |found| {
+                (found.gap, row(plan, index, places, &found, perp(found.normal)))
+            })
         }
+    }
+}
+
+/// The row of a direction at a contact: each surface by its own nearest point.
+fn row(plan: &Plan, index: usize, places: &[Place], at: &Surfaces, direction: [f64; 2]) -> Row {
+    let side = |body: usize, point: [f64; 2], direction: [f64; 2]| {
+        let arm = sub(point, places[body].com);
+        (body, [direction[0], direction[1], cross(arm, direction)])
+    };
+    let contact = &plan.contacts[index];
+    Row {
+        on: side(contact.body, at.point, direction),
+        against: match contact.against {
+            Against::Body(body) => Some(side(body, at.other_point, [-direction[0], -direction[1]])),
+            Against::Fixed(_) => None,
+        },
     }
 }
 
@@ -120,15 +148,37 @@ fn stop_gap(plan: &Plan, index: usize, places: &[Place]) -> f64 {
     places[stop.on].angle - places[stop.against].angle - stop.least_rad
 }
 
-/// Gap, point on the phalanx and normal (object → phalanx) of a phalanx at a place, from parry.
-fn surface(world: &World, plan: &Plan, index: usize, place: &Place) -> Option<(f64, [f64; 2], [f64; 2])> {
-    let colliders = &world.physics.colliders;
-    let (phalanx, object) = (&colliders[world.phalanges[index]], &colliders[world.object?]);
-    let com = plan.bodies[plan.contacts[index].body].body.com_m;
-    let origin = sub(place.com, rotate(com, place.direction));
+/// Two surfaces at given places: the gap, the nearest point of each, and the normal from the other surface to the body's.
+struct Surfaces {
+    gap: f64,
+    point: [f64; 2],
+    other_point: [f64; 2],
+    normal: [f64; 2],
+}
+
+/// The surfaces of a contact with all bodies at given places, from parry.
+fn surfaces(world: &World, plan: &Plan, index: usize, places: &[Place]) -> Option<Surfaces> {
+    let contact = &plan.contacts[index];
+    let [own, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
+    let pose = pose(plan, contact.body, places);
+    let other_pose = match contact.against {
+        Against::Body(body) => self::pose(plan, body, places),
+        Against::Fixed(_) => *other.position(),
+    };
+    let found = query::contact(&other_pose, other.shape(), &pose, own.shape(), Real::MAX).ok()??;
+    let (point, other_point, normal) = (found.point2, found.point1, found.normal1);
+    Some(Surfaces {
+        gap: found.dist,
+        point: [point.x, point.y],
+        other_point: [other_point.x, other_point.y],
+        normal: [normal.x, normal.y],
+    })
+}
+
+/// Pose of a body's frame when its centre of mass is at a place.
+fn pose(plan: &Plan, body: usize, places: &[Place]) -> Pose {
+    let place = &places[body];
+    let origin = sub(place.com, rotate(plan.bodies[body].body.com_m, place.direction));
     let rotation = Rotation { re: place.direction[0], im: place.direction[1] };
-    let pose = Pose::from_parts(Vector::new(origin[0], origin[1]), rotation);
-    let contact = query::contact(object.position(), object.shape(), &pose, phalanx.shape(), Real::MAX).ok()??;
-    let point = contact.point2;
-    Some((contact.dist, [point.x, point.y], [contact.normal1.x, contact.normal1.y]))
+    Pose::from_parts(Vector::new(origin[0], origin[1]), rotation)
 }

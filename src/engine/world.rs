@@ -1,22 +1,23 @@
 //! The rapier world of a plan, with the settings that make rapier accurate (the [module](super) says what each is worth).
 
+use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
 use super::hook::Governed;
-use super::plan::{Plan, PlannedPin};
+use super::plan::{Against, Capsule, Plan, PlannedBody, PlannedPin, Shape};
 use crate::scene::{Construction, Response};
 
-/// Phalanges and the object pair with each other only: links of one finger pass through one another.
-const PHALANX: Group = Group::GROUP_1;
-const OBJECT: Group = Group::GROUP_2;
+/// What moves pairs with what is fixed, and with what moves only where the plan says so: links of one finger pass through
+/// one another.
+const MOVING: Group = Group::GROUP_1;
+const FIXED: Group = Group::GROUP_2;
 
 /// A rapier world, and what of it belongs to which body of the plan.
 pub struct World {
     pub physics: PhysicsWorld,
     pub bodies: Vec<RigidBodyHandle>,
-    /// Collider of each contact of the plan.
-    pub phalanges: Vec<ColliderHandle>,
-    pub object: Option<ColliderHandle>,
+    /// Colliders of each contact of the plan: that of its body, and the other one.
+    pub contacts: Vec<[ColliderHandle; 2]>,
     /// Constraint between two bodies that stands for each pin of the plan; `None` where a multibody's own coordinate does.
     pub joints: Vec<Option<ImpulseJointHandle>>,
     pub construction: Construction,
@@ -26,7 +27,7 @@ pub struct World {
 /// Constraints close their error in one step.
 const RIGID: SpringCoefficients<f64> = SpringCoefficients { natural_frequency: 1e14, damping_ratio: 1.0 };
 
-/// How far apart rapier keeps a pair in mind, in radii of the object: far enough that no step outruns it.
+/// How far apart rapier keeps a pair in mind, in radii of the largest surface: far enough that no step outruns it.
 const REACH: f64 = 0.5;
 
 /// Builds the world. With [`Response::Laws`] every contact pair is left to the hook.
@@ -40,12 +41,16 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
     let bodies: Vec<RigidBodyHandle> = plan
         .bodies
         .iter()
-        .map(|planned| {
+        .enumerate()
+        .map(|(i, planned)| {
             let body = &planned.body;
             let com = Vector::new(body.com_m[0], body.com_m[1]);
             let pose = Pose::new(Vector::new(planned.origin_m[0], planned.origin_m[1]), planned.angle_rad);
+            let driven = plan.drives.iter().any(|drive| drive.body == i);
+            let builder =
+                if driven { RigidBodyBuilder::kinematic_velocity_based() } else { RigidBodyBuilder::dynamic() };
             physics.insert_body(
-                RigidBodyBuilder::dynamic()
+                builder
                     .pose(pose)
                     .additional_mass_properties(MassProperties::new(com, body.mass_kg, body.inertia_kg_m2))
                     // A sleeping body misses forces; a fast link turns further than rapier's cap of 45° a step.
@@ -75,7 +80,7 @@ pub fn build(plan: &Plan, construction: Construction, response: Response, iterat
         }
     }
 
-    let mut world = World { physics, bodies, phalanges: Vec::new(), object: None, joints, construction, response };
+    let mut world = World { physics, bodies, contacts: Vec::new(), joints, construction, response };
     add_colliders(&mut world, plan, response);
     refresh(&mut world);
     if construction == Construction::Reduced {
@@ -94,7 +99,12 @@ fn refresh(world: &mut World) {
 }
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
-    let reach_m = REACH * plan.disc_m.map_or(0.0, |disc| disc.0);
+    let shapes = plan.fixed.iter().map(|fixed| fixed.shape).chain(plan.bodies.iter().filter_map(|body| body.shape));
+    let radius = |shape| match shape {
+        Shape::Capsule(Capsule { radius_m, .. }) | Shape::Disc { radius_m } => radius_m,
+        Shape::HalfPlane => 0.0,
+    };
+    let reach_m = REACH * shapes.map(radius).fold(0.0, f64::max);
     IntegrationParameters {
         num_solver_iterations: 1,
         num_internal_pgs_iterations: iterations as usize,
@@ -128,32 +138,66 @@ fn joint(pin: &PlannedPin) -> RevoluteJoint {
 }
 
 fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
-    let Some((radius_m, centre_m)) = plan.disc_m else { return };
     let finish = |builder: ColliderBuilder, own: Group, other: Group| {
-        let builder =
-            builder.density(0.0).collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And));
+        let builder = builder
+            .density(0.0)
+            .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And))
+            // By default a driven body meets only what moves freely.
+            .active_collision_types(ActiveCollisionTypes::all());
         match response {
             Response::Laws => builder.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS),
             Response::Rapier { friction, restitution } => builder.friction(friction).restitution(restitution),
         }
     };
-    let disc = ColliderBuilder::ball(radius_m).translation(Vector::new(centre_m[0], centre_m[1]));
-    world.object = Some(world.physics.insert_collider(finish(disc, OBJECT, PHALANX), None));
-    for contact in &plan.contacts {
-        let Some(capsule) = plan.bodies[contact.body].phalanx else { continue };
-        let end = Vector::new(capsule.angle_rad.cos(), capsule.angle_rad.sin()) * capsule.length_m;
-        let shape = ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m);
-        let parent = Some(world.bodies[contact.body]);
-        world.phalanges.push(world.physics.insert_collider(finish(shape, PHALANX, OBJECT), parent));
+    let fixed: Vec<_> = plan
+        .fixed
+        .iter()
+        .map(|fixed| {
+            let builder = collider(fixed.shape).translation(Vector::new(fixed.origin_m[0], fixed.origin_m[1]));
+            world.physics.insert_collider(finish(builder, FIXED, MOVING), None)
+        })
+        .collect();
+    let bodies_meet = plan.contacts.iter().any(|contact| matches!(contact.against, Against::Body(_)));
+    let partners = if bodies_meet { MOVING | FIXED } else { FIXED };
+    let moving: Vec<_> = plan
+        .bodies
+        .iter()
+        .zip(&world.bodies)
+        .map(|(planned, body)| {
+            let builder = finish(collider(planned.shape?), MOVING, partners);
+            Some(world.physics.insert_collider(builder, Some(*body)))
+        })
+        .collect();
+    world.contacts.extend(plan.contacts.iter().map(|contact| {
+        let other = match contact.against {
+            Against::Body(index) => moving[index],
+            Against::Fixed(index) => Some(fixed[index]),
+        };
+        let (Some(own), Some(other)) = (moving[contact.body], other) else {
+            panic!("a contact of a plan is between two bodies with surfaces")
+        };
+        [own, other]
+    }));
+}
+
+fn collider(shape: Shape) -> ColliderBuilder {
+    match shape {
+        Shape::Capsule(capsule) => {
+            let end = Vector::new(capsule.angle_rad.cos(), capsule.angle_rad.sin()) * capsule.length_m;
+            ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m)
+        }
+        Shape::Disc { radius_m } => ColliderBuilder::ball(radius_m),
+        Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }
 
-/// Initial rates: every body turns about its origin, and the origin moves with the links before it.
+/// Initial rates: every body turns about its origin, and the origin moves with the links before it, or by itself.
 fn set_rates(world: &mut World, plan: &Plan) {
-    if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0) {
+    if plan.bodies.iter().all(|body| body.rate_rad_s == 0.0 && body.velocity_m_s == [0.0; 2]) {
         return;
     }
-    let mut origin_rates = vec![Vector::ZERO; plan.bodies.len()];
+    let own = |body: &PlannedBody| Vector::new(body.velocity_m_s[0], body.velocity_m_s[1]);
+    let mut origin_rates: Vec<_> = plan.bodies.iter().map(own).collect();
     for pin in plan.pins.iter().filter(|pin| !pin.closes_loop) {
         let Some(first) = pin.first else { continue };
         let planned = &plan.bodies[first];

@@ -20,8 +20,8 @@ pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunErr
     };
     let settings = &scene.engine;
     let world = build(&plan, settings.construction, settings.response, settings.iterations);
-    let mut motion = Motion::new(scene, &plan, world).map_err(|error| unstarted(error.to_string()))?;
-    let mut recorder = EngineRecorder::new(&motion, sink);
+    let mut motion = Motion::new(&plan, world).map_err(|error| unstarted(error.to_string()))?;
+    let mut recorder = EngineRecorder::new(scene, &motion, sink);
     recorder.begin(&motion)?;
     let mut steps = 0;
     let broken = loop {

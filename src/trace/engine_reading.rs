@@ -1,9 +1,8 @@
 //! Turns a node of the engine model into a sample.
 
 use super::{ContactSample, Energy, LimitSample, Sample, Site};
-use crate::engine::{L11, L12, L21, L22, Motion, kinetic, potential};
+use crate::engine::{self, L11, L12, L21, L22, Motion, Touch, kinetic, potential};
 use crate::law::elastic_energy;
-use crate::scene::torque;
 
 /// Energies at the start of the run, from which works and losses count.
 #[derive(Clone, Copy, Debug)]
@@ -16,12 +15,12 @@ pub(super) struct Start {
 
 impl Start {
     pub fn new(motion: &Motion) -> Self {
-        let (gravity, spring) = potential(motion.scene, motion.plan, &motion.linkage);
+        let (gravity, spring) = potential(motion.plan, &motion.linkage);
         Self { kinetic: kinetic(&motion.linkage, &motion.velocities), gravity, spring, elastic: elastic(motion) }
     }
 }
 
-fn elastic(motion: &Motion) -> f64 {
+pub(super) fn elastic(motion: &Motion) -> f64 {
     let governed = motion.touches.iter().filter(|touch| touch.governed);
     governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum()
 }
@@ -44,7 +43,7 @@ pub(super) fn sample(motion: &Motion, start: &Start, impulses: &[f64; 3]) -> Sam
         qd21_rad_s: rate(L21),
         qd12_rad_s: rate(L12) - rate(L11),
         qd22_rad_s: rate(L22) - rate(L21),
-        motor_torque_n_m: torque(&motion.scene.actuation, time_s).0,
+        motor_torque_n_m: motion.plan.motor_torque(time_s),
         proximal: contact(motion, Site::Proximal, impulses),
         distal: contact(motion, Site::Distal, impulses),
         limit: limit(motion, impulses),
@@ -60,11 +59,21 @@ pub(super) fn sample(motion: &Motion, start: &Start, impulses: &[f64; 3]) -> Sam
     }
 }
 
+fn touch<'a>(motion: &'a Motion, site: Site) -> Option<&'a Touch> {
+    let index = engine::index_of(motion.plan, site)?;
+    motion.touches.iter().find(|touch| touch.index == index)
+}
+
+/// Normal and tangential force of a site at the end of the last step.
+pub(super) fn forces(motion: &Motion, site: Site) -> (f64, f64) {
+    engine::index_of(motion.plan, site).map_or((0.0, 0.0), |index| motion.forces(index))
+}
+
 fn contact(motion: &Motion, site: Site, impulses: &[f64; 3]) -> ContactSample {
-    let Some(touch) = motion.touches.iter().find(|touch| touch.site == site) else {
+    let Some(touch) = touch(motion, site) else {
         return ContactSample::NONE;
     };
-    let (normal_n, tangential_n) = motion.forces(site);
+    let (normal_n, tangential_n) = forces(motion, site);
     ContactSample {
         gap_m: touch.gap,
         gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
@@ -78,13 +87,13 @@ fn contact(motion: &Motion, site: Site, impulses: &[f64; 3]) -> ContactSample {
 }
 
 fn limit(motion: &Motion, impulses: &[f64; 3]) -> LimitSample {
-    let Some(touch) = motion.touches.iter().find(|touch| touch.site == Site::Limit) else {
+    let Some(touch) = touch(motion, Site::Limit) else {
         return LimitSample::NONE;
     };
     LimitSample {
         gap_rad: touch.gap,
         gap_rate_rad_s: touch.normal_row.rate(&motion.velocities),
-        torque_n_m: motion.forces(Site::Limit).0,
+        torque_n_m: forces(motion, Site::Limit).0,
         impulse_n_m_s: impulses[Site::Limit as usize],
     }
 }

@@ -1,12 +1,15 @@
 //! Turns the steps of the engine model into samples, events and summary figures.
 
-use super::engine_reading::{Start, sample};
-use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work, between};
-use crate::engine::{Change, ChangeKind, L11, L12, L21, L22, Motion};
+use super::engine_reading::{Start, forces, sample};
+use super::tracked::{Told, Tracked};
+use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
+use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Motion};
+use crate::scene::Scene;
 
 pub(super) struct EngineRecorder<'a, S: Sink> {
     sink: &'a mut S,
     interval_s: f64,
+    end_s: f64,
     next: u64,
     start: Start,
     sites: [Tracked; 3],
@@ -16,25 +19,13 @@ pub(super) struct EngineRecorder<'a, S: Sink> {
     loop_gap_m: f64,
 }
 
-/// One site through time.
-#[derive(Clone, Copy, Debug, Default)]
-struct Tracked {
-    summary: SiteSummary,
-    touching: bool,
-    pressing: bool,
-    /// Whether the force has ended since the last touch-down.
-    released: bool,
-    /// Impulse up to the start of the present step, and at the last touch-down.
-    impulse: f64,
-    at_touchdown: f64,
-}
-
 impl<'a, S: Sink> EngineRecorder<'a, S> {
-    pub fn new(motion: &Motion, sink: &'a mut S) -> Self {
+    pub fn new(scene: &Scene, motion: &Motion, sink: &'a mut S) -> Self {
         let start = Start::new(motion);
         Self {
             sink,
-            interval_s: 1.0 / motion.scene.log.numeric_hz,
+            interval_s: 1.0 / scene.log.numeric_hz,
+            end_s: scene.duration_s,
             next: 1,
             last: sample(motion, &start, &[0.0; 3]),
             start,
@@ -48,7 +39,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
     /// Contacts that are there from the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
-            self.change(touch.site, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
+            self.change(engine::site(motion.plan, touch.index), ChangeKind::Meets, 0.0, 0.0, 0.0)?;
         }
         let first = self.last;
         self.sink.sample(&first)
@@ -62,11 +53,12 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
-        let impulses = Site::ALL.map(|site| self.sites[site as usize].impulse + motion.normal_impulse(site));
+        let impulses = Site::ALL.map(|site| self.sites[site as usize].impulse + impulse(motion, site));
         let now = sample(motion, &self.start, &impulses);
+        self.meet_between_steps(motion, end_s - dt)?;
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
-            let site = motion.space.sites[site].touch.site;
+            let site = engine::site(motion.plan, motion.space.sites[site].touch.index);
             let time_s = end_s - dt + after_s;
             if kind == ChangeKind::Meets && !self.sites[site as usize].touching {
                 self.pass_touch(motion, &now, site, time_s)?;
@@ -76,7 +68,21 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         for site in Site::ALL {
             self.close_step(motion, site, end_s)?;
         }
-        self.emit(&now, dt, motion.scene.duration_s)
+        self.emit(&now, dt)
+    }
+
+    /// Surfaces that the last step left apart, in its frozen geometry, and that overlap where this one starts.
+    fn meet_between_steps(&mut self, motion: &Motion, start_s: f64) -> Result<(), SinkError> {
+        for at in motion.space.sites.iter().filter(|at| at.touch.gap <= 0.0) {
+            self.change(
+                engine::site(motion.plan, at.touch.index),
+                ChangeKind::Meets,
+                start_s,
+                -motion.space.rate[at.normal],
+                0.0,
+            )?;
+        }
+        Ok(())
     }
 
     /// A sample at a touch within the step: up to here the site has had no impulse and the bodies have moved freely, from
@@ -108,32 +114,28 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
 
     /// Sums and extremes of one site over the step, and changes that fell between two steps.
     fn close_step(&mut self, motion: &Motion, site: Site, end_s: f64) -> Result<(), SinkError> {
-        let found = motion.space.sites.iter().enumerate().find(|(_, at)| at.touch.site == site);
-        let (force, mut peak, mut deepest) = (motion.forces(site).0, 0.0, 0.0_f64);
-        if let Some((index, _)) = found {
-            (peak, deepest) = (motion.contact.peak[index], motion.contact.deepest[index]);
-        } else if let Some(native) = motion.native.iter().find(|native| native.site == site) {
+        let Some(index) = engine::index_of(motion.plan, site) else { return Ok(()) };
+        let found = motion.space.sites.iter().position(|at| at.touch.index == index);
+        let (force, mut peak, mut deepest) = (forces(motion, site).0, 0.0, 0.0_f64);
+        if let Some(at) = found {
+            (peak, deepest) = (motion.contact.peak[at], motion.contact.deepest[at]);
+        } else if let Some(native) = motion.native.iter().find(|native| native.index == index) {
             peak = force;
             if force > 0.0 && !self.sites[site as usize].touching {
                 let closing = native.closing;
                 self.change(site, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
             }
         }
-        if let Some(touch) = motion.touches.iter().find(|touch| touch.site == site) {
+        if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {
             deepest = deepest.max(-touch.gap);
             let tracked = &mut self.sites[site as usize];
             tracked.touching &= touch.gap <= 0.0 || force > 0.0;
         }
         let tracked = &mut self.sites[site as usize];
-        tracked.impulse += motion.normal_impulse(site);
-        let summary = &mut tracked.summary;
-        summary.impulse_n_s = tracked.impulse;
-        summary.peak_normal_n = summary.peak_normal_n.max(peak);
-        summary.max_penetration_m = summary.max_penetration_m.max(deepest);
-        match (tracked.pressing, force > 0.0) {
-            (true, false) => self.change(site, ChangeKind::LetsGo, end_s, 0.0, 0.0),
-            (false, true) => self.change(site, ChangeKind::Presses, end_s, 0.0, 0.0),
-            _ => Ok(()),
+        tracked.add_step(peak, deepest, impulse(motion, site));
+        match tracked.unnoticed(force) {
+            Some(kind) => self.change(site, kind, end_s, 0.0, 0.0),
+            None => Ok(()),
         }
     }
 
@@ -146,34 +148,10 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         closing: f64,
         impulse: f64,
     ) -> Result<(), SinkError> {
-        let tracked = &mut self.sites[site as usize];
-        let so_far = tracked.impulse + impulse;
-        let mut event = Event { time_s, site, kind: EventKind::TouchDown, approach_speed: 0.0, impulse: 0.0 };
-        match kind {
-            ChangeKind::Meets if !tracked.touching => {
-                (tracked.touching, tracked.released, tracked.at_touchdown) = (true, false, so_far);
-                event.approach_speed = closing;
-                tracked.summary.first_s.get_or_insert(time_s);
-                tracked.summary.touchdowns += 1;
-            }
-            ChangeKind::LetsGo if tracked.pressing => {
-                (tracked.pressing, tracked.released) = (false, true);
-                (event.kind, event.impulse) = (EventKind::LiftOff, so_far - tracked.at_touchdown);
-            }
-            ChangeKind::Presses if !tracked.pressing => {
-                tracked.pressing = true;
-                if !tracked.released {
-                    return Ok(());
-                }
-                tracked.released = false;
-                event.kind = EventKind::Reload;
-            }
-            ChangeKind::Parts => {
-                tracked.touching = false;
-                return Ok(());
-            }
-            _ => return Ok(()),
-        }
+        let Some(Told { kind, approach, impulse }) = self.sites[site as usize].change(kind, time_s, closing, impulse)
+        else {
+            return Ok(());
+        };
         self.work.events += 1;
         // Rates jump soon after an event: whoever interpolates needs the sample just before it.
         if self.emitted_s < self.last.time_s {
@@ -181,19 +159,19 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             self.emitted_s = last.time_s;
             self.sink.sample(&last)?;
         }
-        self.sink.event(&event)
+        self.sink.event(&Event { time_s, site, kind, approach_speed: approach, impulse })
     }
 
     /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short or the run
     /// is over.
-    fn emit(&mut self, now: &Sample, dt: f64, duration_s: f64) -> Result<(), SinkError> {
+    fn emit(&mut self, now: &Sample, dt: f64) -> Result<(), SinkError> {
         self.emit_grid(now)?;
         self.last = *now;
         let on_grid = self.next as f64 * self.interval_s == now.time_s;
         if on_grid {
             self.next += 1;
         }
-        if on_grid || dt < self.interval_s || now.time_s >= duration_s {
+        if on_grid || dt < self.interval_s || now.time_s >= self.end_s {
             self.emitted_s = now.time_s;
             self.sink.sample(now)?;
         }
@@ -223,6 +201,11 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         let sites = self.sites.map(|tracked| tracked.summary);
         Ok(Outcome { last: self.last, sites, work: self.work, loop_gap_m: self.loop_gap_m })
     }
+}
+
+/// Normal impulse of a site in the last step.
+fn impulse(motion: &Motion, site: Site) -> f64 {
+    engine::index_of(motion.plan, site).map_or(0.0, |index| motion.normal_impulse(index))
 }
 
 /// Angles and rates of `sample` as free motion from `from` makes them, given the angular acceleration of each body.

@@ -12,6 +12,7 @@ mod reading;
 mod recorder;
 mod sample;
 mod sink;
+mod tracked;
 
 pub use analytic::{RunError, run_analytic};
 pub use between::between;
