@@ -4,16 +4,20 @@
 //!   tolerance. And what leapfrog misses of a changing acceleration adds up to no more than 100 tolerances a
 //!   second.
 //! * Touch: a step ends where a gap is predicted to close, and the last steps before it shrink by halves.
-//! * Impact: no step may press a surface in by more than a part of its damper's transition at the present rate.
+//! * Impact: no step may move a surface by more than a part of the depth at which its law stops it.
+//! * Turning: a contact's direction is frozen in a step; what it turns meanwhile, under its force, counts as drift.
 //! * Effort: a step after a contact solve that needed many sub-steps is not longer than the one before.
 //! * Steps at most double, end at jumps of the motor torque and at the end of the run.
 
 use super::motion::Motion;
 use super::substeps::time_to_zero;
+use crate::law::NormalLaw;
 use crate::scene::{Stepping, next_corner};
 
-/// Part of the damper's transition an impact may cross in one step.
-const CROSSING: f64 = 0.05;
+/// Part of its stopping depth an impact may cross in one step…
+const CROSSING: f64 = 0.15;
+/// …or, where its inertia is not known yet, part of its damper's transition.
+const FIRST_CROSSING: f64 = 0.05;
 /// Sub-steps from which a contact counts as hard.
 const HARD_SUBSTEPS: u32 = 60;
 /// Tolerances per second by which the scheme may drift off in free motion: two tolerances in a closing of 20 ms.
@@ -49,16 +53,23 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
         last => 2.0 * last,
     };
     // Leapfrog misses dt³/12 of the acceleration's rate of change in a step: an error that grows at this speed.
-    let drift_m_s = motion.last_dt_s * motion.acceleration_change / 12.0;
+    let drift_m_s = motion.last_dt_s * (motion.acceleration_change + motion.last_dt_s * turning(motion)) / 12.0;
     let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening).sqrt());
     if drift_m_s > 0.0 {
         dt = dt.min(motion.last_dt_s * (DRIFT_PER_S * tolerance_m / drift_m_s).sqrt());
     }
     for touch in &motion.touches {
         let rate = touch.normal_row.rate(&motion.velocities);
-        let crossing = CROSSING * touch.law.transition_m / rate.abs();
+        let at = motion.space.sites.iter().find(|at| at.touch.site == touch.site);
+        let (scale, force) = at.map_or((FIRST_CROSSING * touch.law.transition_m, 0.0), |at| {
+            let inverse_mass = motion.space.w[at.normal * (motion.space.len() + 1)];
+            let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass);
+            (CROSSING * stop.max(-touch.gap), motion.contact.force[at.normal])
+        });
+        let crossing = scale / rate.abs();
         if touch.gap <= 0.0 {
-            if rate < 0.0 {
+            // On its way out a surface matters only while it still pushes.
+            if rate < 0.0 || force > 0.0 {
                 dt = dt.min(crossing);
             }
             continue;
@@ -70,4 +81,30 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
         }
     }
     dt.max(SHORTEST_S)
+}
+
+/// Rate at which the accelerations that contacts make turn with their bodies, in m/s³ (a stop's acts on angles: none).
+fn turning(motion: &Motion) -> f64 {
+    let rows = motion.space.len();
+    let of = |at: &super::space::Site| {
+        let row = &motion.space.rows[at.normal];
+        let turn = |(body, _): &(usize, _)| motion.velocities[*body][2].abs();
+        let pushed = motion.space.w[at.normal * (rows + 1)] * motion.contact.force[at.normal];
+        if row.against.is_none() { pushed * turn(&row.on) } else { 0.0 }
+    };
+    motion.space.sites.iter().map(of).fold(0.0, f64::max)
+}
+
+/// About how deep a surface gets that hits with `speed` and nothing behind it: spring or damper alone, whichever stops it
+/// sooner.
+fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
+    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
+    let spring = ((e + 1.0) * speed * speed / (2.0 * k * inverse_mass)).powf((e + 1.0).recip());
+    // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
+    let beyond = speed / (c * inverse_mass) - 0.5 * transition_m;
+    let damper = match beyond > 0.0 {
+        true => transition_m + beyond,
+        false => (speed * transition_m * transition_m / (c * inverse_mass)).cbrt(),
+    };
+    spring.min(damper)
 }

@@ -174,7 +174,7 @@ fn first_touch(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Op
 
 /// Worst relative difference of the impulse of the impacts that matter.
 fn impulses(impacts: &Impacts, expected: &Impacts, site: Site, until_s: f64) -> Option<f64> {
-    let whole = |impact: &&Impact| impact.time_s + super::IMPACT_S <= until_s;
+    let whole = |impact: &&Impact| impact.end_s() <= until_s;
     let largest = expected.all.iter().filter(whole).map(Impact::impulse_n_s).fold(0.0, f64::max);
     let mut found = impacts.of(site);
     let mut worst = None;

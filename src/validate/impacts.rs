@@ -2,7 +2,7 @@
 
 use crate::trace::{ContactSample, Event, EventKind, Sample, Sink, SinkError, Site};
 
-/// How long after its touch-down the impulse of an impact is taken. The force of an impact of these grippers has done
+/// How long after its touch-down the impulse of a contact that stays is taken. The force of an impact of these grippers has done
 /// its work after some 10 µs; what the motor and the spring press into the object in 20 µs is below a hundredth of it.
 pub const IMPACT_S: f64 = 20e-6;
 
@@ -22,12 +22,19 @@ pub struct Impact {
     after_n_s: f64,
     met: bool,
     over: bool,
+    /// Time of the lift-off that ends the contact, and its normal impulse; `None` while it lasts.
+    lift: Option<(f64, f64)>,
 }
 
 impl Impact {
-    /// Normal impulse in the [`IMPACT_S`] after the touch-down.
+    /// Normal impulse up to the lift-off; of a contact that stays, in the [`IMPACT_S`] after the touch-down.
     pub fn impulse_n_s(&self) -> f64 {
-        self.after_n_s - self.before_n_s
+        self.lift.map_or(self.after_n_s - self.before_n_s, |(_, impulse_n_s)| impulse_n_s)
+    }
+
+    /// End of what [`Impact::impulse_n_s`] takes in.
+    pub fn end_s(&self) -> f64 {
+        self.lift.map_or(self.time_s + IMPACT_S, |(end_s, _)| end_s)
     }
 
     /// Looks at the interval from one sample to the next.
@@ -89,7 +96,14 @@ impl Sink for Impacts {
                 after_n_s: before_n_s,
                 met: false,
                 over: false,
+                lift: None,
             });
+        }
+        if let Some(impact) = self.all.iter_mut().rfind(|impact| impact.site == event.site) {
+            match event.kind {
+                EventKind::LiftOff => impact.lift = Some((event.time_s, event.impulse)),
+                EventKind::TouchDown | EventKind::Reload => impact.lift = None,
+            }
         }
         Ok(())
     }

@@ -10,8 +10,8 @@
 //!
 //! **What is compared.** Joint angles (a whole turn apart is the same) and rates at every step of the engine, the
 //! reference interpolated between its dense samples; forces at the end of the run; times of first touch; the normal
-//! impulse in the first [`IMPACT_S`] of every impact, each model counted from its own touch-down; the opening of the
-//! engine's joints; energy that came from nowhere.
+//! impulse of every impact up to its lift-off, or in the first [`IMPACT_S`] of a contact that stays, each model counted
+//! from its own touch-down; the opening of the engine's joints; energy that came from nowhere.
 //!
 //! | file | job |
 //! |---|---|

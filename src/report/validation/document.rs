@@ -73,7 +73,7 @@ pub struct ImpactReport {
     pub site: &'static str,
     pub analytic_s: Option<f64>,
     pub engine_s: Option<f64>,
-    /// Normal impulse in the first `window_s` after the touch-down.
+    /// How long the impulse is taken after the touch-down: up to the analytic model's lift-off, or for the first 20 µs.
     pub window_s: f64,
     pub analytic_n_s: Option<f64>,
     pub engine_n_s: Option<f64>,
@@ -206,7 +206,7 @@ fn impacts(analytic: &Recording, engine: &Recording) -> Vec<ImpactReport> {
                 site: site.name(),
                 analytic_s: pair.0.map(|impact| impact.time_s),
                 engine_s: pair.1.map(|impact| impact.time_s),
-                window_s: IMPACT_S,
+                window_s: pair.0.or(pair.1).map_or(IMPACT_S, |impact| impact.end_s() - impact.time_s),
                 analytic_n_s: pair.0.map(|impact| impact.impulse_n_s()),
                 engine_n_s: pair.1.map(|impact| impact.impulse_n_s()),
             });

@@ -107,12 +107,12 @@ fn side_by_side(report: &ValidationReport) -> String {
 const MOST_IMPACTS: usize = 12;
 
 fn impacts(impacts: &[ImpactReport]) -> String {
-    let window = impacts.first().map_or(0.0, |impact| impact.window_s);
     let mut rows = vec![row([
         "impact",
         "analytic, ms",
         "engine, ms",
-        &format!("impulse in {}: analytic, mN·s", duration(window)),
+        "for, µs",
+        "impulse: analytic, mN·s",
         "engine, mN·s",
         "difference, %",
     ])];
@@ -126,6 +126,7 @@ fn impacts(impacts: &[ImpactReport]) -> String {
             impact.site,
             &or_dash(impact.analytic_s.map(|s| s * 1e3), 7),
             &or_dash(impact.engine_s.map(|s| s * 1e3), 7),
+            &figure(impact.window_s * 1e6, 5),
             &or_dash(impact.analytic_n_s.map(|n_s| n_s * 1e3), 5),
             &or_dash(impact.engine_n_s.map(|n_s| n_s * 1e3), 5),
             &or_dash(relative, 3),
