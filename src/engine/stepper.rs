@@ -60,7 +60,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     }
     for touch in &motion.touches {
         let rate = touch.normal_row.rate(&motion.velocities);
-        let at = motion.space.sites.iter().find(|at| at.touch.site == touch.site);
+        let at = motion.space.sites.iter().find(|at| at.touch.index == touch.index);
         let (scale, force) = at.map_or((FIRST_CROSSING * touch.law.transition_m, 0.0), |at| {
             let inverse_mass = motion.space.w[at.normal * (motion.space.len() + 1)];
             let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass);
