@@ -1,8 +1,10 @@
-//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws.
+//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in [`discs`]
+//! Newton's equations of discs.
 //!
 //! Independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing else.
 
 pub mod contact;
+pub mod discs;
 pub mod dynamics;
 pub mod kinematics;
 mod model;

@@ -158,16 +158,6 @@ impl Model {
         }
     }
 
-    /// Normal law on the branch of `state`.
-    #[inline(always)]
-    fn branch(&self, law: &NormalLaw, state: SiteState, delta: f64, rate: f64) -> NormalForce {
-        match state {
-            SiteState::Free | SiteState::Released => NormalForce::default(),
-            SiteState::Active => unclamped_normal_force(law, delta, rate),
-            SiteState::Natural => normal_force(law, delta, rate),
-        }
-    }
-
     /// q̈_a and the rates of the quadratures (2.24), from the position-dependent terms and the geometry of the sites in contact.
     #[inline(always)]
     fn accelerations<T: Real>(
@@ -192,7 +182,7 @@ impl Model {
                 continue;
             };
             let gap_rate = dot(geometry.normal_row, v);
-            let normal = normal_over_gap(|d, rate| self.branch(law, mode[index], d, rate), geometry.gap, gap_rate);
+            let normal = normal_over_gap(|d, rate| branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
             load[1] += geometry.normal_row[1] * normal;
             contact_power += normal * gap_rate;
@@ -229,7 +219,7 @@ impl Model {
         let law = self.normal_law(site)?;
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);
-        let normal = self.branch(law, state, delta, delta_rate).force.max(0.0);
+        let normal = branch(law, state, delta, delta_rate).force.max(0.0);
         let tangential = self.friction_law(site).map_or(0.0, |f| friction_force(f, slip, normal));
         Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
@@ -264,6 +254,16 @@ impl Model {
     /// Motor torque at time `t`, in N·m.
     pub fn motor_torque(&self, t: f64) -> f64 {
         torque(&self.actuation, t).0
+    }
+}
+
+/// Normal law on the branch of `state`.
+#[inline(always)]
+pub(super) fn branch(law: &NormalLaw, state: SiteState, delta: f64, rate: f64) -> NormalForce {
+    match state {
+        SiteState::Free | SiteState::Released => NormalForce::default(),
+        SiteState::Active => unclamped_normal_force(law, delta, rate),
+        SiteState::Natural => normal_force(law, delta, rate),
     }
 }
 

@@ -150,7 +150,7 @@ const RESTART_FRACTION: f64 = 0.05;
 /// whichever bites first, has used up the momentum.
 ///
 /// Damper alone: m v = c_max (δ³/δ_max² − …), spring alone: m v² / 2 = k δᵉ⁺¹/(e + 1).
-fn stopping_time(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
+pub(super) fn stopping_time(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
     let speed = speed.max(1e-6);
     let by_damper = if law.damping_max_n_s_per_m > 0.0 {
         (mass * speed * law.transition_m.powi(2) / law.damping_max_n_s_per_m).cbrt()

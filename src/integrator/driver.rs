@@ -198,7 +198,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             state: &state,
         };
         let wanted = self.h;
-        let mut h = wanted.min(self.approach_limit());
+        let longest = self.system.longest_step(origin.t, &state.q, &state.v, &mode);
+        let mut h = wanted.min(self.approach_limit()).min(longest);
         let left = self.clock.until(stop);
         loop {
             // A step that would leave a sliver before the stop takes the sliver along.

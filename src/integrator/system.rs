@@ -73,6 +73,12 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// Next time after `t` at which the right-hand side jumps by itself; infinite if none.
     fn next_corner(&self, t: f64) -> f64;
 
+    /// A bound on the next step from this state, where the error estimate knows of none: what only quadratures feel.
+    #[inline(always)]
+    fn longest_step(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> f64 {
+        f64::INFINITY
+    }
+
     fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<S>;
 
     /// How near to zero a guard must be for its event to be taken.

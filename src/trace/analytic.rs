@@ -72,7 +72,7 @@ fn drive<K: OneStep<2, QUADRATURES>, S: Sink>(
     integrate::<2, QUADRATURES, 3, _, K, _>(model, options, 0.0, start, duration_s, recorder)
 }
 
-fn work(counters: &Counters) -> Work {
+pub(super) fn work(counters: &Counters) -> Work {
     Work {
         steps: counters.steps,
         rejected: counters.rejected,

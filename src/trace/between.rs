@@ -20,7 +20,6 @@ pub fn between(a: &Sample, b: &Sample, t: f64) -> Sample {
     };
     let q = |angle: fn(&Sample) -> f64, rate: fn(&Sample) -> f64| cubic(angle(a), rate(a), angle(b), rate(b));
     let of = |field: fn(&Sample) -> f64| line(field(a), field(b));
-    let energy = |field: fn(&Energy) -> f64| line(field(&a.energy), field(&b.energy));
     Sample {
         time_s: t,
         q11_rad: q(|s| s.q11_rad, |s| s.qd11_rad_s),
@@ -41,19 +40,11 @@ pub fn between(a: &Sample, b: &Sample, t: f64) -> Sample {
             torque_n_m: line(a.limit.torque_n_m, b.limit.torque_n_m),
             impulse_n_m_s: line(a.limit.impulse_n_m_s, b.limit.impulse_n_m_s),
         },
-        energy: Energy {
-            kinetic_j: energy(|e| e.kinetic_j),
-            gravity_j: energy(|e| e.gravity_j),
-            spring_j: energy(|e| e.spring_j),
-            elastic_j: energy(|e| e.elastic_j),
-            dissipated_j: energy(|e| e.dissipated_j),
-            motor_work_j: energy(|e| e.motor_work_j),
-            balance_j: energy(|e| e.balance_j),
-        },
+        energy: energy(&a.energy, &b.energy, &line),
     }
 }
 
-fn contact(a: &ContactSample, b: &ContactSample, line: &impl Fn(f64, f64) -> f64) -> ContactSample {
+pub(super) fn contact(a: &ContactSample, b: &ContactSample, line: &impl Fn(f64, f64) -> f64) -> ContactSample {
     let pair = |p: [f64; 2], q: [f64; 2]| [line(p[0], q[0]), line(p[1], q[1])];
     ContactSample {
         gap_m: line(a.gap_m, b.gap_m),
@@ -64,5 +55,18 @@ fn contact(a: &ContactSample, b: &ContactSample, line: &impl Fn(f64, f64) -> f64
         impulse_n_s: line(a.impulse_n_s, b.impulse_n_s),
         point_m: pair(a.point_m, b.point_m),
         normal: pair(a.normal, b.normal),
+    }
+}
+
+pub(super) fn energy(a: &Energy, b: &Energy, line: &impl Fn(f64, f64) -> f64) -> Energy {
+    let of = |field: fn(&Energy) -> f64| line(field(a), field(b));
+    Energy {
+        kinetic_j: of(|e| e.kinetic_j),
+        gravity_j: of(|e| e.gravity_j),
+        spring_j: of(|e| e.spring_j),
+        elastic_j: of(|e| e.elastic_j),
+        dissipated_j: of(|e| e.dissipated_j),
+        motor_work_j: of(|e| e.motor_work_j),
+        balance_j: of(|e| e.balance_j),
     }
 }

@@ -1,10 +1,10 @@
 //! Runs the engine model of a scene and tells a sink about it.
 
 use super::engine_recorder::EngineRecorder;
-use super::{Outcome, RunError, Sink};
+use super::{Outcome, RunError, Sink, SinkError};
 use crate::engine::{Motion, build, next, plan};
 use crate::integrator::{Failure, Reason};
-use crate::scene::Scene;
+use crate::scene::{Engine, Scene};
 
 /// Simulates `scene` with the engine model, as `scene.engine` says.
 ///
@@ -23,25 +23,33 @@ pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunErr
     let mut motion = Motion::new(&plan, world).map_err(|error| unstarted(error.to_string()))?;
     let mut recorder = EngineRecorder::new(scene, &motion, sink);
     recorder.begin(&motion)?;
-    let mut steps = 0;
-    let broken = loop {
-        if motion.clock.now() >= scene.duration_s {
-            break None;
-        }
-        if steps == settings.max_steps {
-            break Some(Reason::Budget(settings.max_steps));
-        }
-        let dt = next(&motion, settings.stepping, scene.duration_s);
-        if let Err(error) = motion.advance(dt) {
-            break Some(Reason::Obstacle(error.to_string()));
-        }
-        steps += 1;
-        recorder.step(&motion)?;
-    };
+    let broken = step_through(&mut motion, settings, scene.duration_s, |motion| recorder.step(motion))?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {
         None => Ok(outcome),
         Some(reason) => Err(RunError::Simulation { failure: Failure { time_s, reason }, so_far: Box::new(outcome) }),
     }
+}
+
+/// Steps to the end of the run, and shows every step; says why where it does not get there.
+pub(super) fn step_through(
+    motion: &mut Motion,
+    settings: &Engine,
+    end_s: f64,
+    mut record: impl FnMut(&Motion) -> Result<(), SinkError>,
+) -> Result<Option<Reason>, SinkError> {
+    let mut steps = 0;
+    while motion.clock.now() < end_s {
+        if steps == settings.max_steps {
+            return Ok(Some(Reason::Budget(settings.max_steps)));
+        }
+        let dt = next(motion, settings.stepping, end_s);
+        if let Err(error) = motion.advance(dt) {
+            return Ok(Some(Reason::Obstacle(error.to_string())));
+        }
+        steps += 1;
+        record(motion)?;
+    }
+    Ok(None)
 }

@@ -11,6 +11,7 @@ mod outcome;
 mod reading;
 mod recorder;
 mod sample;
+mod search;
 mod sink;
 mod tracked;
 

@@ -1,15 +1,13 @@
 //! Turns the steps of the analytic model into samples, events and summary figures.
 
 use super::reading::sample;
+use super::search::{SEARCH_FROM, bisect, parabola_peak};
 use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work};
 use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteState, Snapshot};
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::Scene;
 
 type Point = State<2, QUADRATURES>;
-
-/// Steps whose force comes within this fraction of the peak so far are searched for a higher one.
-const SEARCH_FROM: f64 = 0.8;
 
 pub(super) struct Recorder<'a, S: Sink> {
     model: &'a Model,
@@ -193,36 +191,4 @@ impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
             self.error.get_or_insert(error);
         }
     }
-}
-
-/// Where a rate that starts positive and ends negative is zero.
-fn bisect(mut rate: impl FnMut(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if rate(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
-/// Largest value that successive parabolas find of a smooth function on 0…1, its given ends included.
-fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) -> f64 {
-    let mut points = [(0.0, at_start), (0.5, value(0.5)), (1.0, at_end)];
-    let mut highest = points.iter().map(|p| p.1).fold(f64::MIN, f64::max);
-    for _ in 0..3 {
-        let [(a, fa), (b, fb), (c, fc)] = points;
-        let (p, q) = ((b - a) * (fb - fc), (b - c) * (fb - fa));
-        let vertex = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q);
-        if !(vertex > a && vertex < c) || (vertex - b).abs() < 1e-4 {
-            break;
-        }
-        let at = value(vertex);
-        highest = highest.max(at);
-        points = if vertex < b { [(a, fa), (vertex, at), (b, fb)] } else { [(b, fb), (vertex, at), (c, fc)] };
-        if at < fb {
-            // The middle point was higher: keep it in the middle.
-            points = if vertex < b { [(vertex, at), (b, fb), (c, fc)] } else { [(a, fa), (b, fb), (vertex, at)] };
-        }
-    }
-    highest
 }

@@ -1,9 +1,16 @@
 //! What a simulation of discs says, whichever model made it: the counterpart of the finger's samples, events and sinks.
 
+mod analytic;
+mod between;
+mod engine;
+mod engine_reading;
+mod engine_recorder;
+mod recorder;
 mod run;
 mod sample;
 mod sink;
 
+pub use between::between;
 pub use run::{BodiesRunError, run_bodies};
 pub use sample::{BodiesEvent, BodiesOutcome, BodiesSample, DiscState};
 pub use sink::BodiesSink;

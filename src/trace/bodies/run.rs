@@ -1,5 +1,7 @@
 //! Runs either model of a scene of discs.
 
+use super::analytic::run_analytic;
+use super::engine::run_engine;
 use super::{BodiesOutcome, BodiesSink};
 use crate::integrator::Failure;
 use crate::scene::BodiesScene;
@@ -21,6 +23,8 @@ pub fn run_bodies(
     scene: &BodiesScene,
     sink: &mut impl BodiesSink,
 ) -> Result<BodiesOutcome, BodiesRunError> {
-    let _ = (model, scene, sink);
-    todo!("both models of discs")
+    match model {
+        Model::Analytic => run_analytic(scene, sink),
+        Model::Engine => run_engine(scene, sink),
+    }
 }

@@ -1,0 +1,44 @@
+//! The analytic model of discs: Newton's equations of a few discs, and a half plane, under the contact laws.
+//!
+//! Coordinates are (x, y, angle) of every disc that moves, driven ones too. Independent of the engine model, which it checks.
+//!
+//! | file | job |
+//! |---|---|
+//! | `pair` | gap, normal and rates of two surfaces |
+//! | `model` | accelerations, their exact Jacobian, energies |
+//! | `modes` | branches of the laws, and where they change |
+
+mod model;
+mod modes;
+mod pair;
+
+pub use model::{DiscEnergies, Discs, PAIRS, PairReading, QUADRATURES};
+
+use super::SiteState;
+use super::model::branch;
+use super::modes::stopping_time;
+use crate::scene::BodiesScene;
+
+/// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.
+pub type DiscMode = [SiteState; PAIRS];
+
+/// Discs that may move: sizes are constants of the model.
+pub const MOVING: usize = 3;
+
+/// A scene too large for the closed-form model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{moving} discs move and {pairs} pairs of surfaces may meet; the analytic model takes up to {MOVING} moving discs and \
+     {PAIRS} pairs: fix or remove some, or simulate the scene with `--model engine`, which takes any number"
+)]
+pub struct TooMany {
+    pub moving: usize,
+    pub pairs: usize,
+}
+
+/// Number of discs that move, where the model takes as many.
+pub fn moving_discs(scene: &BodiesScene) -> Result<usize, TooMany> {
+    let moving = scene.discs.iter().filter(|disc| disc.motion.moves()).count();
+    let pairs = scene.pairs().len();
+    if moving > MOVING || pairs > PAIRS { Err(TooMany { moving, pairs }) } else { Ok(moving) }
+}

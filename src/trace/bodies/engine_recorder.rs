@@ -1,0 +1,206 @@
+//! Turns the steps of the engine model of discs into samples, events and summary figures.
+
+use super::engine_reading::{Start, sample};
+use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
+use crate::engine::{Change, ChangeKind, Motion};
+use crate::scene::BodiesScene;
+use crate::trace::tracked::{Told, Tracked};
+use crate::trace::{SinkError, Work};
+
+pub(super) struct EngineRecorder<'a, S: BodiesSink> {
+    scene: &'a BodiesScene,
+    sink: &'a mut S,
+    interval_s: f64,
+    next: u64,
+    start: Start,
+    pairs: Vec<Tracked>,
+    last: BodiesSample,
+    emitted_s: f64,
+    work: Work,
+}
+
+impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
+    pub fn new(scene: &'a BodiesScene, motion: &Motion, sink: &'a mut S) -> Self {
+        let start = Start::new(motion);
+        let count = motion.plan.contacts.len();
+        Self {
+            scene,
+            sink,
+            interval_s: 1.0 / scene.log.numeric_hz,
+            next: 1,
+            last: sample(scene, motion, &start, &vec![0.0; count]),
+            start,
+            pairs: vec![Tracked::default(); count],
+            emitted_s: 0.0,
+            work: Work::default(),
+        }
+    }
+
+    /// Contacts that are there from the start, and the first sample.
+    pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
+            self.change(touch.index, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
+            self.pairs[touch.index].add_step(self.last.contacts[touch.index].normal_n, -touch.gap, 0.0);
+        }
+        self.sink.sample(&self.last)
+    }
+
+    /// One step: its events, its samples, its figures.
+    pub fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        let (end_s, dt) = (motion.clock.now(), motion.last_dt_s);
+        self.work.steps += 1;
+        self.work.contact_substeps += u64::from(motion.contact.substeps);
+        self.work.newton_iterations += u64::from(motion.contact.iterations);
+        self.work.rejected += u64::from(motion.contact.repeated);
+        let impulses: Vec<f64> = self
+            .pairs
+            .iter()
+            .enumerate()
+            .map(|(pair, tracked)| tracked.impulse + motion.normal_impulse(pair))
+            .collect();
+        let now = sample(self.scene, motion, &self.start, &impulses);
+        // Surfaces that the last step left apart, in its frozen geometry, and that overlap where this one starts.
+        for at in motion.space.sites.iter().filter(|at| at.touch.gap <= 0.0) {
+            self.change(at.touch.index, ChangeKind::Meets, end_s - dt, -motion.space.rate[at.normal], 0.0)?;
+        }
+        for index in 0..motion.contact.changes.len() {
+            let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
+            let pair = motion.space.sites[site].touch.index;
+            let time_s = end_s - dt + after_s;
+            if kind == ChangeKind::Meets && !self.pairs[pair].touching {
+                self.pass_touch(motion, &now, pair, time_s, closing)?;
+            }
+            self.change(pair, kind, time_s, closing, impulse)?;
+        }
+        for pair in 0..self.pairs.len() {
+            self.close_step(motion, pair, end_s)?;
+        }
+        self.emit(now, dt)
+    }
+
+    /// A sample at a touch within the step: up to here the pair has had no impulse and the discs have moved freely, from
+    /// here on not.
+    fn pass_touch(
+        &mut self,
+        motion: &Motion,
+        now: &BodiesSample,
+        pair: usize,
+        time_s: f64,
+        closing: f64,
+    ) -> Result<(), SinkError> {
+        if time_s <= self.last.time_s {
+            return Ok(());
+        }
+        let mut touch = between(&self.last, now, time_s);
+        let time = time_s - self.last.time_s;
+        let moving = self.scene.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
+        for ((index, _), a) in moving.zip(&motion.step_accelerations) {
+            let (from, to) = (&self.last.discs[index], &mut touch.discs[index]);
+            for axis in 0..2 {
+                let rate = from.velocity_m_s[axis];
+                to.centre_m[axis] = from.centre_m[axis] + time * (rate + 0.5 * time * a[axis]);
+                to.velocity_m_s[axis] = rate + time * a[axis];
+            }
+            to.angle_rad = from.angle_rad + time * (from.spin_rad_s + 0.5 * time * a[2]);
+            to.spin_rad_s = from.spin_rad_s + time * a[2];
+        }
+        let contact = &mut touch.contacts[pair];
+        (contact.gap_m, contact.gap_rate_m_s, contact.normal_n, contact.tangential_n) = (0.0, -closing, 0.0, 0.0);
+        contact.impulse_n_s = self.last.contacts[pair].impulse_n_s;
+        self.emit_grid(&touch)?;
+        self.emitted_s = time_s;
+        self.sink.sample(&touch)?;
+        // Whatever comes until the end of the step comes at the rates after the impact.
+        for (state, end) in touch.discs.iter_mut().zip(&now.discs) {
+            (state.velocity_m_s, state.spin_rad_s) = (end.velocity_m_s, end.spin_rad_s);
+        }
+        self.last = touch;
+        Ok(())
+    }
+
+    /// Sums and extremes of one pair over the step, and changes that fell between two steps.
+    fn close_step(&mut self, motion: &Motion, pair: usize, end_s: f64) -> Result<(), SinkError> {
+        let (force, mut peak, mut deepest) = (motion.forces(pair).0, 0.0, 0.0_f64);
+        if let Some(at) = motion.space.sites.iter().position(|at| at.touch.index == pair) {
+            (peak, deepest) = (motion.contact.peak[at], motion.contact.deepest[at]);
+        } else if let Some(native) = motion.native.iter().find(|native| native.index == pair) {
+            peak = force;
+            if force > 0.0 && !self.pairs[pair].touching {
+                let closing = native.closing;
+                self.change(pair, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
+            }
+        }
+        let tracked = &mut self.pairs[pair];
+        if let Some(touch) = motion.touches.iter().find(|touch| touch.index == pair) {
+            deepest = deepest.max(-touch.gap);
+            tracked.touching &= touch.gap <= 0.0 || force > 0.0;
+        }
+        tracked.add_step(peak, deepest, motion.normal_impulse(pair));
+        match tracked.unnoticed(force) {
+            Some(kind) => self.change(pair, kind, end_s, 0.0, 0.0),
+            None => Ok(()),
+        }
+    }
+
+    /// A change of one pair; `impulse` is that of the present step up to here.
+    fn change(
+        &mut self,
+        pair: usize,
+        kind: ChangeKind,
+        time_s: f64,
+        closing: f64,
+        impulse: f64,
+    ) -> Result<(), SinkError> {
+        let Some(Told { kind, approach, impulse }) = self.pairs[pair].change(kind, time_s, closing, impulse) else {
+            return Ok(());
+        };
+        self.work.events += 1;
+        // Rates jump soon after an event: whoever interpolates needs the sample just before it.
+        if self.emitted_s < self.last.time_s {
+            self.emitted_s = self.last.time_s;
+            self.sink.sample(&self.last)?;
+        }
+        self.sink.event(&BodiesEvent { time_s, pair, kind, approach_m_s: approach, impulse_n_s: impulse })
+    }
+
+    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short or the run
+    /// is over.
+    fn emit(&mut self, now: BodiesSample, dt: f64) -> Result<(), SinkError> {
+        self.emit_grid(&now)?;
+        self.last = now;
+        let time_s = self.last.time_s;
+        let on_grid = self.next as f64 * self.interval_s == time_s;
+        if on_grid {
+            self.next += 1;
+        }
+        if on_grid || dt < self.interval_s || time_s >= self.scene.duration_s {
+            self.emitted_s = time_s;
+            self.sink.sample(&self.last)?;
+        }
+        Ok(())
+    }
+
+    /// The grid points between the last sample and `end`, that one left out.
+    fn emit_grid(&mut self, end: &BodiesSample) -> Result<(), SinkError> {
+        loop {
+            let t = self.next as f64 * self.interval_s;
+            if t >= end.time_s {
+                return Ok(());
+            }
+            self.next += 1;
+            if t > self.last.time_s {
+                self.emitted_s = t;
+                self.sink.sample(&between(&self.last, end, t))?;
+            }
+        }
+    }
+
+    /// The last sample, if the run broke off between grid points, and the summary.
+    pub fn finish(self) -> Result<BodiesOutcome, SinkError> {
+        if self.emitted_s < self.last.time_s {
+            self.sink.sample(&self.last)?;
+        }
+        let pairs = self.pairs.into_iter().map(|tracked| tracked.summary).collect();
+        Ok(BodiesOutcome { last: self.last, pairs, work: self.work })
+    }
+}
