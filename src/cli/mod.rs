@@ -11,6 +11,7 @@ mod output;
 mod overrides;
 mod progress;
 mod run;
+mod run_bodies;
 pub mod scene;
 mod validate;
 mod validate_files;

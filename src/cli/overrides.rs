@@ -4,7 +4,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::Failure;
-use crate::scene::{Construction, Engine, Preset, Scene, Stepping};
+use crate::scene::{BodiesScene, Construction, Engine, Integrator, Preset, Scene, Stepping};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
 
@@ -68,37 +68,61 @@ pub struct Overrides {
 }
 
 impl Overrides {
-    /// Puts the flags into the scene.
+    /// Puts the flags into the scene of a finger.
     ///
     /// # Errors
     /// A flag of the model that does not run.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
+        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s)
+    }
+
+    /// Puts the flags into a scene of discs.
+    ///
+    /// # Errors
+    /// A flag of the model that does not run, or of a finger.
+    pub fn apply_bodies(&self, model: Model, scene: &mut BodiesScene) -> Result<(), Failure> {
+        if self.construction == Some(ConstructionArg::Reduced) {
+            return Err(Failure::bad_input(
+                "--construction reduced makes coordinates of joints, and a scene of discs has none; leave it out: every disc \
+                 moves freely in the engine",
+            ));
+        }
+        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s)
+    }
+
+    fn put(
+        &self,
+        model: Model,
+        integrator: &mut Integrator,
+        engine: &mut Engine,
+        scene_duration_s: &mut f64,
+    ) -> Result<(), Failure> {
         self.refuse_idle(model)?;
         if let Some(preset) = self.preset {
             let preset = match preset {
                 PresetArg::Engineering => Preset::Engineering,
                 PresetArg::Reference => Preset::Reference,
             };
-            scene.integrator = scene.integrator.with_preset(preset);
+            *integrator = integrator.with_preset(preset);
         }
         if let Some(rtol) = self.rtol {
-            scene.integrator.rtol = rtol;
+            integrator.rtol = rtol;
         }
         if let Some(construction) = self.construction {
-            scene.engine.construction = match construction {
+            engine.construction = match construction {
                 ConstructionArg::Maximal => Construction::Maximal,
                 ConstructionArg::Reduced => Construction::Reduced,
             };
         }
         if let Some(step_s) = self.step {
-            scene.engine.stepping = Stepping::Fixed { step_s };
+            engine.stepping = Stepping::Fixed { step_s };
         }
         if let Some(tolerance_m) = self.tolerance {
-            let max_step_s = longest_step(&scene.engine);
-            scene.engine.stepping = Stepping::Adaptive { tolerance_m, max_step_s };
+            let max_step_s = longest_step(engine);
+            engine.stepping = Stepping::Adaptive { tolerance_m, max_step_s };
         }
         if let Some(duration_s) = self.duration {
-            scene.duration_s = duration_s;
+            *scene_duration_s = duration_s;
         }
         Ok(())
     }

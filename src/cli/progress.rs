@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use crate::report::duration;
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Nothing is shown before this.
@@ -73,6 +74,18 @@ impl Sink for Progress {
     }
 
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+impl BodiesSink for Progress {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        let duration_s = self.duration_s;
+        self.line.show(|elapsed| line(sample.time_s, duration_s, elapsed));
+        Ok(())
+    }
+
+    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
         Ok(())
     }
 }

@@ -8,15 +8,15 @@ use clap::Args;
 use super::output::{complain, print};
 use super::overrides::Overrides;
 use super::progress::Progress;
-use super::{Failure, Status};
+use super::{Failure, Status, run_bodies};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
 use crate::log::{self, FileWriter, RunInfo, Severity};
 use crate::report::{self, RunReport};
-use crate::scene::{self, Scene};
+use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
 
-/// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria.
+/// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx run scenes/experiment-95.toml\n  phalanx run scenes/experiment-95.toml --log run.mcap\n  \
@@ -27,27 +27,33 @@ use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
 )]
 pub struct RunArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
 
     /// Which of the two independent models simulates the scene
     #[arg(long, value_enum, default_value_t = Model::Analytic)]
-    model: Model,
+    pub(super) model: Model,
 
     /// Write a log (MCAP, readable while it grows); an older log of that name is replaced
     #[arg(long, value_name = "FILE.mcap")]
-    log: Option<PathBuf>,
+    pub(super) log: Option<PathBuf>,
 
     /// Print one JSON document with SI units in its keys instead of the summary
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 
     #[command(flatten)]
-    overrides: Overrides,
+    pub(super) overrides: Overrides,
 }
 
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<Status, Failure> {
-    let mut scene = scene::load(&args.scene)?;
+    match scene::load_any(&args.scene)? {
+        AnyScene::Finger(scene) => finger(args, *scene),
+        AnyScene::Bodies(scene) => run_bodies::run(args, *scene),
+    }
+}
+
+fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
     let model = args.model.name();
     let mut sinks = Sinks {
@@ -78,31 +84,27 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
                 }
                 RunError::Sink(error) => (sinks.last_s, error.to_string(), None),
             };
-            let message = format!(
-                "the simulation stopped at {} of {}: {reason}",
-                report::duration(time_s),
-                report::duration(scene.duration_s)
-            );
             let failure = report::Failure { time_s, reason };
+            let message = stopped(&failure, scene.duration_s);
             (RunReport::failed(&scene, model, wall_s, failure, so_far), Some(message))
         }
     };
     report.log = args.log.as_ref().map(|path| path.display().to_string());
 
-    let finished = finish_log(sinks, &report);
+    let finished = finish_log(sinks.log, sinks.last_s, report.error.as_ref());
     print(&match args.json {
         true => report::json(&report),
         false => report::text(&report),
     })?;
     match (broken, finished) {
-        (Some(message), _) => Err(Failure::incomplete(message + &kept(&report))),
+        (Some(message), _) => Err(Failure::incomplete(message + &kept(report.log.as_deref()))),
         (None, Err(error)) => Err(Failure::incomplete(error)),
         (None, Ok(())) => Ok(Status::Done),
     }
 }
 
 /// What the log says about the run.
-pub(super) fn info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> RunInfo<'a> {
+pub(super) fn info<'a, S>(scene: &'a S, path: &'a Path, model: &'a str) -> RunInfo<'a, S> {
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 
@@ -119,13 +121,23 @@ fn final_angles(scene: &Scene) -> Option<FinalAngles> {
     }
 }
 
+/// How far a run came, and why not further.
+pub(super) fn stopped(failure: &report::Failure, duration_s: f64) -> String {
+    let (at, of) = (report::duration(failure.time_s), report::duration(duration_s));
+    format!("the simulation stopped at {at} of {of}: {}", failure.reason)
+}
+
 /// Says in the log how the run ended, and finishes it.
-fn finish_log(mut sinks: Sinks, report: &RunReport) -> Result<(), SinkError> {
-    let Some(mut log) = sinks.log.take() else {
+pub(super) fn finish_log<C>(
+    log: Option<FileWriter<C>>,
+    last_s: f64,
+    error: Option<&report::Failure>,
+) -> Result<(), SinkError> {
+    let Some(mut log) = log else {
         return Ok(());
     };
-    let (time_s, severity, text) = match &report.error {
-        None => (sinks.last_s, Severity::Info, "completed".to_string()),
+    let (time_s, severity, text) = match error {
+        None => (last_s, Severity::Info, "completed".to_string()),
         Some(error) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
     };
     log.note(time_s, severity, &text)?;
@@ -133,8 +145,9 @@ fn finish_log(mut sinks: Sinks, report: &RunReport) -> Result<(), SinkError> {
     Ok(())
 }
 
-fn kept(report: &RunReport) -> String {
-    match &report.log {
+/// Where what there is of a run can be found.
+pub(super) fn kept(log: Option<&str>) -> String {
+    match log {
         Some(path) => format!("; the log up to there is in {path}"),
         None => "; with --log FILE.mcap the run up to there is kept".to_string(),
     }

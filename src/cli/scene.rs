@@ -8,7 +8,7 @@ use clap::Subcommand;
 use super::output::{complain, print};
 use super::{Failure, Status};
 use crate::gripper::total_mass;
-use crate::scene::{self, Scene};
+use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
 
 /// Show, check and describe scene files.
 #[derive(Clone, Debug, Subcommand)]
@@ -51,8 +51,8 @@ pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
 pub fn answer(command: &SceneCommand) -> Answer {
     match command {
         SceneCommand::Schema => Answer { stdout: scene::schema(), good: true, ..Answer::default() },
-        SceneCommand::Show { scene } => match scene::load(scene) {
-            Ok(scene) => Answer { stdout: scene::show(&scene), good: true, ..Answer::default() },
+        SceneCommand::Show { scene } => match scene::load_any(scene) {
+            Ok(scene) => Answer { stdout: scene::show_any(&scene), good: true, ..Answer::default() },
             Err(error) => Answer { stderr: format!("{error}\n"), ..Answer::default() },
         },
         SceneCommand::Check { scenes } => check(scenes),
@@ -62,7 +62,7 @@ pub fn answer(command: &SceneCommand) -> Answer {
 fn check(files: &[PathBuf]) -> Answer {
     let mut answer = Answer { good: true, ..Answer::default() };
     for file in files {
-        match scene::load(file) {
+        match scene::load_any(file) {
             Ok(scene) => {
                 let _ = writeln!(answer.stdout, "{}: good: {}", file.display(), summary(&scene));
             }
@@ -76,7 +76,34 @@ fn check(files: &[PathBuf]) -> Answer {
 }
 
 /// One line on what a scene holds.
-fn summary(scene: &Scene) -> String {
+fn summary(scene: &AnyScene) -> String {
+    match scene {
+        AnyScene::Finger(scene) => finger(scene),
+        AnyScene::Bodies(scene) => bodies(scene),
+    }
+}
+
+fn bodies(scene: &BodiesScene) -> String {
+    let of = |wanted: fn(&DiscMotion) -> bool| {
+        let names = scene.discs.iter().filter(|disc| wanted(&disc.motion)).map(|disc| disc.name.as_str());
+        names.collect::<Vec<_>>().join(", ")
+    };
+    let kinds = [
+        ("free", of(|motion| matches!(motion, DiscMotion::Free { .. }))),
+        ("driven", of(|motion| matches!(motion, DiscMotion::Driven { .. }))),
+        ("fixed", of(|motion| matches!(motion, DiscMotion::Fixed))),
+    ];
+    let mut parts: Vec<String> =
+        kinds.iter().filter(|(_, names)| !names.is_empty()).map(|(kind, names)| format!("{kind} {names}")).collect();
+    if let Some(plane) = scene.half_plane {
+        parts.push(format!("half plane at {:.2} mm", plane.level_m * 1e3));
+    }
+    let pairs = scene.pairs().len();
+    let plural = if pairs == 1 { "" } else { "s" };
+    format!("discs: {}; {pairs} pair{plural}; {:.1} ms", parts.join("; "), scene.duration_s * 1e3)
+}
+
+fn finger(scene: &Scene) -> String {
     let l = &scene.finger.lengths;
     let object = match scene.object {
         Some(disc) => format!("object {:.1} mm in radius", disc.radius_m * 1e3),

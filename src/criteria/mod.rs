@@ -9,13 +9,17 @@
 //!   when it counts as 0.
 //! * **class**: [`Class::of`].
 //!
+//! [`Rebounds`] finds restitution in a scene of discs.
+//!
 //! [`Tracker`] finds these figures while a run streams by, keeping nothing but the last sample.
 
 mod formula;
 mod hermite;
+mod rebounds;
 mod tracker;
 
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
+pub use rebounds::{Rebound, Rebounds};
 pub use tracker::{FinalAngles, Tracker};
 
 /// The dynamic criteria of one run.

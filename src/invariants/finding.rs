@@ -1,6 +1,7 @@
 //! How near an invariant came to being broken.
 
-use crate::trace::Site;
+use std::cmp::Ordering;
+use std::fmt;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Invariant {
@@ -56,11 +57,11 @@ impl Invariant {
 }
 
 /// The worst of one invariant over a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     pub invariant: Invariant,
-    /// Where and when it was worst.
-    pub site: Option<Site>,
+    /// Where (the name of a contact or stop) and when it was worst.
+    pub place: Option<String>,
     pub time_s: f64,
     /// In the unit of the invariant; what is allowed there.
     pub measured: f64,
@@ -68,38 +69,31 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn new(invariant: Invariant) -> Self {
-        Self { invariant, site: None, time_s: 0.0, measured: 0.0, allowed: 0.0 }
-    }
-
     /// Part of what is allowed; above 1 the invariant is broken.
     pub fn share(&self) -> f64 {
-        match self.measured.partial_cmp(&0.0) {
-            Some(std::cmp::Ordering::Greater) => self.measured / self.allowed,
-            Some(_) => 0.0,
-            None => f64::INFINITY,
-        }
+        Self::part(self.measured, self.allowed)
     }
 
     pub fn is_broken(&self) -> bool {
         self.share() > 1.0
     }
 
-    /// Takes over a measurement that is worse.
-    pub(super) fn note(&mut self, site: Option<Site>, time_s: f64, measured: f64, allowed: f64) {
-        let found = Self { site, time_s, measured, allowed, ..*self };
-        if found.share() > self.share() {
-            *self = found;
+    /// `measured` as a part of what is allowed: 0 for nothing, infinite for what is no number.
+    pub(super) fn part(measured: f64, allowed: f64) -> f64 {
+        match measured.partial_cmp(&0.0) {
+            Some(Ordering::Greater) => measured / allowed,
+            Some(_) => 0.0,
+            None => f64::INFINITY,
         }
     }
 }
 
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let site = self.site.map_or(String::new(), |site| format!(" ({})", site.name()));
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = self.place.as_ref().map_or(String::new(), |place| format!(" ({place})"));
         write!(
             f,
-            "{}{site}: {:.3e} of {:.3e} allowed, at {:.6} ms",
+            "{}{place}: {:.3e} of {:.3e} allowed, at {:.6} ms",
             self.invariant.name(),
             self.measured,
             self.allowed,

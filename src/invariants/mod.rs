@@ -10,9 +10,12 @@
 //! | penetration, limit | δ | depth in which the spring alone stores all energy there is: (e + 1) E = k δᵉ⁺¹ |
 //! | loop gap | opening of a joint | [`Tolerances::loop_gap_m`] |
 //!
-//! [`Invariants`] is a [`Sink`](crate::trace::Sink); [`Invariants::findings`] says how near each came to being broken.
+//! [`Invariants`] is a sink of runs, of fingers ([`Invariants::new`]) and of discs ([`Invariants::of_discs`]);
+//! [`Invariants::findings`] says how near each invariant came to being broken.
 
+mod discs;
 mod finding;
+mod finger;
 mod measure;
 mod tolerance;
 

@@ -1,6 +1,6 @@
 //! How much of each invariant a run may miss, by the settings it is made with.
 
-use crate::scene::{Engine, Integrator, Response, Scene, Stepping};
+use crate::scene::{Engine, Integrator, Response, Stepping};
 use crate::trace::Model;
 
 /// What discretisation leaves of the invariants. Where they hold exactly (finite, nothing pulls) there is no tolerance.
@@ -16,11 +16,11 @@ pub struct Tolerances {
 }
 
 impl Tolerances {
-    /// Those of a model at the settings of a scene.
-    pub fn of(model: Model, scene: &Scene) -> Self {
+    /// Those of a model at its settings; `loop_gap_m` is what the scene allows the engine's joints.
+    pub fn of(model: Model, integrator: &Integrator, engine: &Engine, loop_gap_m: f64) -> Self {
         match model {
-            Model::Analytic => Self::analytic(&scene.integrator),
-            Model::Engine => Self::engine(&scene.engine, scene.bounds.loop_gap_m),
+            Model::Analytic => Self::analytic(integrator),
+            Model::Engine => Self::engine(engine, loop_gap_m),
         }
     }
 

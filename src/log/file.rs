@@ -4,12 +4,13 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::metadata::RunInfo;
+use super::finger::FingerChannels;
+use super::metadata::{Logged, RunInfo};
 use super::writer::Writer;
 use crate::trace::SinkError;
 
 /// A log that goes to a file.
-pub type FileWriter = Writer<File>;
+pub type FileWriter<C = FingerChannels> = Writer<File, C>;
 
 /// Why a log could not be started.
 #[derive(Debug, thiserror::Error)]
@@ -41,7 +42,7 @@ pub enum LogError {
 ///
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
-pub fn create(path: &Path, run: &RunInfo<'_>) -> Result<FileWriter, LogError> {
+pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<Writer<File, S::Channels>, LogError> {
     if path.is_dir() {
         return Err(LogError::IsDirectory { path: path.to_path_buf(), suggestion: path.join("run.mcap") });
     }

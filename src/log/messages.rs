@@ -5,7 +5,8 @@
 
 use foxglove::Encode;
 
-use crate::trace::{ContactSample, Event, EventKind, Sample};
+use crate::trace::bodies::{BodiesEvent, DiscState};
+use crate::trace::{self, ContactSample, Event, EventKind, Sample};
 
 /// `/state`: joint angles and rates, motor torque.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
@@ -24,7 +25,21 @@ pub struct State {
     pub motor_torque_n_m: f64,
 }
 
-/// `/contact/…`: one phalanx against the object. The normal is a unit vector from the object to the phalanx.
+/// `/disc/…`: one disc of a scene of discs. The angle is counter-clockwise, and not brought back by whole turns.
+#[derive(Clone, Copy, Debug, PartialEq, Encode)]
+pub struct Disc {
+    /// Time since the start of the run, in s.
+    pub timestamp: f64,
+    pub x_m: f64,
+    pub y_m: f64,
+    pub angle_rad: f64,
+    pub vx_m_s: f64,
+    pub vy_m_s: f64,
+    pub spin_rad_s: f64,
+}
+
+/// `/contact/…`: one phalanx against the object, or a disc against its partner. Forces are those on the phalanx (the
+/// disc); the normal is a unit vector from the object (the partner) to it.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
 pub struct Contact {
     pub timestamp: f64,
@@ -64,7 +79,7 @@ pub struct Energy {
     pub balance_j: f64,
 }
 
-/// `/impact/proximal`, `/impact/distal`: a change of contact.
+/// `/impact/…`: a change of contact.
 ///
 /// | | `pressed` | `touch_down` | |
 /// |---|---|---|---|
@@ -140,11 +155,24 @@ impl From<&Sample> for Limit {
     }
 }
 
-impl From<&Sample> for Energy {
-    fn from(sample: &Sample) -> Self {
-        let energy = &sample.energy;
+impl Disc {
+    pub fn new(time_s: f64, disc: &DiscState) -> Self {
+        Disc {
+            timestamp: time_s,
+            x_m: disc.centre_m[0],
+            y_m: disc.centre_m[1],
+            angle_rad: disc.angle_rad,
+            vx_m_s: disc.velocity_m_s[0],
+            vy_m_s: disc.velocity_m_s[1],
+            spin_rad_s: disc.spin_rad_s,
+        }
+    }
+}
+
+impl Energy {
+    pub fn new(time_s: f64, energy: &trace::Energy) -> Self {
         Energy {
-            timestamp: sample.time_s,
+            timestamp: time_s,
             kinetic_j: energy.kinetic_j,
             gravity_j: energy.gravity_j,
             spring_j: energy.spring_j,
@@ -164,6 +192,18 @@ impl From<&Event> for Impact {
             touch_down: event.kind == EventKind::TouchDown,
             approach_speed_m_s: event.approach_speed,
             impulse_n_s: event.impulse,
+        }
+    }
+}
+
+impl From<&BodiesEvent> for Impact {
+    fn from(event: &BodiesEvent) -> Self {
+        Impact {
+            timestamp: event.time_s,
+            pressed: event.kind != EventKind::LiftOff,
+            touch_down: event.kind == EventKind::TouchDown,
+            approach_speed_m_s: event.approach_m_s,
+            impulse_n_s: event.impulse_n_s,
         }
     }
 }

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use super::bodies::BodiesChannels;
+use super::finger::FingerChannels;
+use super::writer::Channels;
+use crate::scene::{BodiesScene, Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
@@ -16,10 +19,65 @@ const ENGINE: &str = "engine";
 /// The version of rapier that is pinned in the manifest.
 const RAPIER_VERSION: &str = "0.36.1";
 
+/// A kind of scene as far as a log has to know it.
+pub trait Logged {
+    /// Its channels.
+    type Channels: Channels<Self>
+    where
+        Self: Sized;
+
+    fn about(&self) -> About<'_>;
+}
+
+/// What the log of any scene says about it.
+#[derive(Clone, Copy, Debug)]
+pub struct About<'a> {
+    /// In the words of scene files.
+    pub kind: &'static str,
+    pub name: &'a str,
+    pub source: &'a str,
+    pub duration_s: f64,
+    pub numeric_hz: f64,
+    pub integrator: &'a Integrator,
+    pub engine: &'a Engine,
+}
+
+impl Logged for Scene {
+    type Channels = FingerChannels;
+
+    fn about(&self) -> About<'_> {
+        About {
+            kind: "finger",
+            name: &self.name,
+            source: &self.source,
+            duration_s: self.duration_s,
+            numeric_hz: self.log.numeric_hz,
+            integrator: &self.integrator,
+            engine: &self.engine,
+        }
+    }
+}
+
+impl Logged for BodiesScene {
+    type Channels = BodiesChannels;
+
+    fn about(&self) -> About<'_> {
+        About {
+            kind: "bodies",
+            name: &self.name,
+            source: &self.source,
+            duration_s: self.duration_s,
+            numeric_hz: self.log.numeric_hz,
+            integrator: &self.integrator,
+            engine: &self.engine,
+        }
+    }
+}
+
 /// Which run a log is of.
 #[derive(Clone, Copy, Debug)]
-pub struct RunInfo<'a> {
-    pub scene: &'a Scene,
+pub struct RunInfo<'a, S = Scene> {
+    pub scene: &'a S,
     /// File name of the scene, without directories: the name of the attachment.
     pub scene_file: &'a str,
     /// `analytic` or `engine`.
@@ -30,20 +88,21 @@ pub struct RunInfo<'a> {
 ///
 /// The attached scene is the file as written; where the command line overrode it, these settings are the ones that
 /// held. Numbers are printed in the shortest form that reads back to the same double.
-pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
-    let Scene { name, duration_s, log, .. } = run.scene;
+pub fn metadata<S: Logged>(run: &RunInfo<'_, S>) -> BTreeMap<String, String> {
+    let About { kind, name, duration_s, numeric_hz, integrator: integration, engine: stepping, .. } = run.scene.about();
     let mut entries = vec![
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("model", run.model.to_string()),
-        ("scene", name.clone()),
+        ("kind", kind.to_string()),
+        ("scene", name.to_string()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{duration_s:?}")),
-        ("log_numeric_hz", format!("{:?}", log.numeric_hz)),
+        ("log_numeric_hz", format!("{numeric_hz:?}")),
     ];
     match run.model {
-        ENGINE => entries.extend(engine(&run.scene.engine)),
-        _ => entries.extend(integrator(&run.scene.integrator)),
+        ENGINE => entries.extend(engine(stepping)),
+        _ => entries.extend(integrator(integration)),
     }
     entries.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
 }

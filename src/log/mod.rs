@@ -10,6 +10,16 @@
 //! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
 //! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
 //!
+//! The log of a scene of discs has other names, and the same messages where they fit:
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | `/disc/NAME` | [`Disc`] | place, angle and rates of a disc |
+//! | `/contact/PAIR` | [`Contact`] | gap, slip, forces; PAIR is `hammer-anvil` or `hammer-plane` |
+//! | `/energy` | [`Energy`] | energies, works and their balance; the motor's work is that on driven discs |
+//! | `/impact/PAIR` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
+//! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
+//!
 //! **Clock.** One clock, from 0 at the start of the simulation: log time = publish time = the message's stamp rounded to
 //! the nanosecond, and never going back. Steps within an impact can be shorter than a nanosecond; such neighbours share
 //! a log time, and the `timestamp` field (s, unrounded) still tells them apart. No wall clock is read, so the same run
@@ -20,15 +30,21 @@
 //!
 //! **Crashes.** Every chunk is written whole and flushed, so a killed run leaves a log that reads up to its last chunk.
 
+mod bodies;
+mod core;
 mod file;
+mod finger;
 mod messages;
 mod metadata;
 mod writer;
 
+pub use bodies::BodiesChannels;
+pub use core::{CHUNK_BYTES, Core, Severity};
 pub use file::{FileWriter, LogError, create};
-pub use messages::{Contact, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
+pub use finger::FingerChannels;
+pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
-    ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, construction_name, law_name, metadata, method_name, preset_name,
-    stepping_name,
+    ATTACHMENT_MEDIA_TYPE, About, Logged, METADATA_NAME, RunInfo, construction_name, law_name, metadata, method_name,
+    preset_name, stepping_name,
 };
-pub use writer::{CHUNK_BYTES, Severity, Writer};
+pub use writer::{Channels, Writer};

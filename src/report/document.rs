@@ -7,13 +7,15 @@ use serde::Serialize;
 use crate::criteria::Criteria;
 use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
 use crate::scene::{Engine, Integrator, Scene, Stepping};
-use crate::trace::{ContactSample, Outcome, Sample, Site, SiteSummary, Work};
+use crate::trace::{ContactSample, Energy, Outcome, Sample, Site, SiteSummary, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
     /// Name of the scene.
     pub scene: String,
+    /// `finger`.
+    pub kind: &'static str,
     /// `analytic` or `engine`.
     pub model: String,
     /// Length asked for; `end_s` says how far the run came.
@@ -173,6 +175,7 @@ impl RunReport {
         let engine = model == "engine";
         RunReport {
             scene: scene.name.clone(),
+            kind: "finger",
             model: model.to_string(),
             duration_s: scene.duration_s,
             steps: outcome.map(|outcome| outcome.work.steps),
@@ -183,7 +186,7 @@ impl RunReport {
             completed: false,
             end_s: outcome.map(|outcome| outcome.last.time_s),
             error: None,
-            energy: outcome.map(|outcome| Energies::from(&outcome.last)),
+            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
             work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
             integrator: (!engine).then(|| IntegratorUsed::from(&scene.integrator)),
             engine: engine.then(|| EngineUsed::from(&scene.engine)),
@@ -239,9 +242,8 @@ impl From<&Sample> for Final {
     }
 }
 
-impl From<&Sample> for Energies {
-    fn from(sample: &Sample) -> Self {
-        let energy = &sample.energy;
+impl From<&Energy> for Energies {
+    fn from(energy: &Energy) -> Self {
         Energies {
             kinetic_j: energy.kinetic_j,
             gravity_j: energy.gravity_j,

@@ -1,10 +1,12 @@
 //! What a run is reported as: one document of plain figures, printed for people or as JSON.
 
+mod bodies;
 mod document;
 mod table;
 mod text;
 mod validation;
 
+pub use bodies::{BodiesReport, DiscReport, PairReport, bodies_json, bodies_text};
 pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,

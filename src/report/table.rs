@@ -23,6 +23,11 @@ pub fn table(rows: &[Vec<String>]) -> String {
     text
 }
 
+/// Cells of a row.
+pub fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(String::from).to_vec()
+}
+
 /// A number with so many significant digits: plain from 1e-3 to 1e6, with an exponent beyond.
 pub fn figure(value: f64, digits: usize) -> String {
     if value == 0.0 {

@@ -2,12 +2,28 @@
 
 use std::fmt::Write;
 
-use super::document::{Contacts, Dynamics, Energies, EngineUsed, Final, IntegratorUsed, PhalanxReport, RunReport};
-use super::table::{figure, table};
+use super::document::{
+    Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, PhalanxReport, RunReport, WorkReport,
+};
+use super::table::{figure, row, table};
 
 /// The whole summary, with a line end.
 pub fn text(report: &RunReport) -> String {
-    let mut sections = vec![heading(report)];
+    let mut sections = vec![heading(&Heading {
+        scene: &report.scene,
+        model: &report.model,
+        duration_s: report.duration_s,
+        steps: report.steps,
+        wall_s: report.wall_s,
+        end_s: report.end_s,
+        error: report.error.as_ref(),
+        work: report.work.as_ref(),
+        integrator: report.integrator.as_ref(),
+        engine: report.engine.as_ref(),
+        joints: true,
+        loop_gap_m: report.loop_gap_m,
+        log: report.log.as_deref(),
+    })];
     if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
         sections.push(final_state(last, end_s));
     }
@@ -23,7 +39,25 @@ pub fn text(report: &RunReport) -> String {
     sections.join("\n")
 }
 
-fn heading(report: &RunReport) -> String {
+/// What every summary begins with.
+pub(super) struct Heading<'a> {
+    pub scene: &'a str,
+    pub model: &'a str,
+    pub duration_s: f64,
+    pub steps: Option<u64>,
+    pub wall_s: f64,
+    pub end_s: Option<f64>,
+    pub error: Option<&'a Failure>,
+    pub work: Option<&'a WorkReport>,
+    pub integrator: Option<&'a IntegratorUsed>,
+    pub engine: Option<&'a EngineUsed>,
+    /// Whether the scene has joints to speak of.
+    pub joints: bool,
+    pub loop_gap_m: Option<f64>,
+    pub log: Option<&'a str>,
+}
+
+pub(super) fn heading(report: &Heading<'_>) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
@@ -31,13 +65,17 @@ fn heading(report: &RunReport) -> String {
         "{}: {} model{}",
         report.scene,
         report.model,
-        report.integrator.as_ref().map(integrator).or_else(|| report.engine.as_ref().map(engine)).unwrap_or_default()
+        report
+            .integrator
+            .map(integrator)
+            .or_else(|| report.engine.map(|used| engine(used, report.joints)))
+            .unwrap_or_default()
     );
     let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
     if let Some(gap_m) = report.loop_gap_m {
         let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
     }
-    if let Some(error) = &report.error {
+    if let Some(error) = report.error {
         let _ = writeln!(
             text,
             "NOT COMPLETED: stopped at {} of {}: {}",
@@ -46,7 +84,7 @@ fn heading(report: &RunReport) -> String {
             error.reason
         );
     }
-    if let Some(log) = &report.log {
+    if let Some(log) = report.log {
         let _ = writeln!(text, "log: {log}");
     }
     text
@@ -56,20 +94,24 @@ fn integrator(used: &IntegratorUsed) -> String {
     format!(", {} (rtol {:e}, {} preset)", used.method, used.rtol, used.preset)
 }
 
-fn engine(used: &EngineUsed) -> String {
+fn engine(used: &EngineUsed, joints: bool) -> String {
     let stepping = match (used.step_s, used.tolerance_m, used.max_step_s) {
         (Some(step_s), ..) => format!("steps of {}", duration(step_s)),
         (None, Some(tolerance_m), Some(max_step_s)) => {
-            format!("joints within {} m a step, steps up to {}", figure(tolerance_m, 3), duration(max_step_s))
+            let what = if joints { "joints" } else { "discs" };
+            format!("{what} within {} m a step, steps up to {}", figure(tolerance_m, 3), duration(max_step_s))
         }
         _ => String::new(),
     };
     let law = if used.law == "rapier" { ", rapier's own contact" } else { "" };
-    format!(", {} construction ({stepping}, {} sweeps{law})", used.construction, used.iterations)
+    match joints {
+        true => format!(", {} construction ({stepping}, {} sweeps{law})", used.construction, used.iterations),
+        false => format!(", {stepping}{law}"),
+    }
 }
 
-fn cost(report: &RunReport) -> String {
-    let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, &report.work) else {
+fn cost(report: &Heading<'_>) -> String {
+    let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, report.work) else {
         return String::new();
     };
     let effort = match report.engine {
@@ -164,11 +206,7 @@ fn dynamics(criteria: &Dynamics) -> String {
     ])
 }
 
-fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
-    cells.map(String::from).to_vec()
-}
-
-fn milliseconds(time_s: Option<f64>) -> String {
+pub(super) fn milliseconds(time_s: Option<f64>) -> String {
     time_s.map_or("–".to_string(), |time_s| format!("{:.6}", time_s * 1e3))
 }
 

@@ -1,6 +1,6 @@
 //! What holds when a scene does not say otherwise: thesis Table 3.2, and the settings of the integrator.
 
-use super::{Bounds, Construction, Engine, Integrator, Method, Preset, Response, Stepping};
+use super::{BodiesBounds, Bounds, Construction, Engine, Integrator, Method, Preset, Response, Stepping};
 use crate::law::NormalLaw;
 
 pub const DURATION_S: f64 = 0.020;
@@ -66,6 +66,13 @@ impl Bounds {
             loop_gap_m: 1e-7,
             until_s: duration_s,
         }
+    }
+}
+
+impl BodiesBounds {
+    /// What every scene of discs is held to unless it says otherwise.
+    pub const fn over(duration_s: f64) -> Self {
+        Self { position_m: 1e-6, contact_time_s: 5e-7, impulse: 5e-3, peak_force: 1e-2, until_s: duration_s }
     }
 }
 

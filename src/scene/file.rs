@@ -8,13 +8,52 @@ use toml::de::{DeTable, Deserializer};
 
 use super::check::Checker;
 use super::error::{Problem, SceneError, line_column};
+use super::kinds::Words;
 use super::raw::RawScene;
-use super::schema::schema_value;
-use super::{Scene, keys, resolve};
+use super::raw_bodies::RawBodiesScene;
+use super::schema::schema_of;
+use super::suggest::nearest;
+use super::words::SceneKind;
+use super::{AnyScene, Scene, keys, resolve};
 
-/// Reads, checks and resolves a scene file.
+/// Reads, checks and resolves the scene file of a finger.
+///
+/// # Errors
+/// What is wrong with the file, or that it is a scene of another kind.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    let path = path.as_ref();
+    let (text, file) = read(path.as_ref())?;
+    parse(&text, &file)
+}
+
+/// Reads, checks and resolves a scene file of either kind.
+pub fn load_any(path: impl AsRef<Path>) -> Result<AnyScene, SceneError> {
+    let (text, file) = read(path.as_ref())?;
+    parse_any(&text, &file)
+}
+
+/// Checks and resolves the text of a finger's scene; `file_name` appears in messages and gives the default name.
+///
+/// # Errors
+/// What is wrong with the text, or that it is a scene of another kind.
+pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
+    let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
+    match any(text, file_name).map_err(refuse)? {
+        AnyScene::Finger(scene) => Ok(*scene),
+        AnyScene::Bodies(_) => Err(refuse(vec![not_a_finger(text)])),
+    }
+}
+
+/// Checks and resolves the text of a scene of either kind.
+pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
+    any(text, file_name).map_err(|problems| SceneError::Invalid {
+        file: file_name.to_string(),
+        text: text.to_string(),
+        problems,
+    })
+}
+
+/// The text of a file, and what messages call it.
+fn read(path: &Path) -> Result<(String, String), SceneError> {
     let file = path.display().to_string();
     let read = |reason: &str| SceneError::Read { file: file.clone(), reason: reason.to_string() };
     if path.is_dir() {
@@ -31,23 +70,58 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         let (line, column) = line_column(&before, before.len());
         SceneError::NotUtf8 { file: file.clone(), line, column }
     })?;
-    parse(&text, &file)
+    Ok((text, file))
 }
 
-/// Checks and resolves the text of a scene; `file_name` appears in messages and gives the default name.
-pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
-    scene(text, file_name).map_err(|problems| SceneError::Invalid {
-        file: file_name.to_string(),
-        text: text.to_string(),
-        problems,
-    })
-}
-
-fn scene(text: &str, file_name: &str) -> Result<Scene, Vec<Problem>> {
+fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
     let mut document = DeTable::parse(text).map_err(|e| vec![syntax(&e)])?;
-    let weeds = keys::weed(document.get_mut(), &schema_value());
-    let raw = RawScene::deserialize(Deserializer::from(document)).map_err(|e| vec![syntax(&e)])?;
-    resolve::resolve(&raw, Checker::new(text, weeds), file_name)
+    let kind = kind(document.get_ref());
+    let other = match kind {
+        SceneKind::Finger => SceneKind::Bodies,
+        SceneKind::Bodies => SceneKind::Finger,
+    };
+    let (schema, other_schema) = (schema_of(kind), schema_of(other));
+    let allowed =
+        keys::Allowed { kind: kind.word(), schema: &schema, other_kind: other.word(), other_schema: &other_schema };
+    let weeds = keys::weed(document.get_mut(), &allowed);
+    let checker = Checker::new(text, weeds);
+    let from = Deserializer::from(document);
+    match kind {
+        SceneKind::Finger => {
+            let raw = RawScene::deserialize(from).map_err(|e| vec![syntax(&e)])?;
+            resolve::finger(&raw, checker, file_name).map(|scene| AnyScene::Finger(Box::new(scene)))
+        }
+        SceneKind::Bodies => {
+            let raw = RawBodiesScene::deserialize(from).map_err(|e| vec![syntax(&e)])?;
+            resolve::bodies(&raw, checker, file_name).map(|scene| AnyScene::Bodies(Box::new(scene)))
+        }
+    }
+}
+
+/// The kind of a scene, or the one it was probably meant to be: all else is judged by it.
+fn kind(document: &DeTable<'_>) -> SceneKind {
+    let Some(word) = document.get("kind").and_then(|value| value.get_ref().as_str()) else {
+        return SceneKind::Finger;
+    };
+    let words: Vec<&str> = SceneKind::WORDS.iter().map(|(word, _)| *word).collect();
+    let meant = nearest(word, &words);
+    let found = SceneKind::WORDS.iter().find(|(candidate, _)| *candidate == word || Some(*candidate) == meant);
+    match found {
+        Some((_, kind)) => *kind,
+        None if document.contains_key("discs") => SceneKind::Bodies,
+        None => SceneKind::Finger,
+    }
+}
+
+/// A sound scene of discs where a finger is wanted.
+fn not_a_finger(text: &str) -> Problem {
+    let document = DeTable::parse(text).ok();
+    Problem {
+        span: document.and_then(|document| document.get_ref().get("kind").map(|value| value.span())),
+        message: "this is a scene of kind \"bodies\", but only one of kind \"finger\" will do here".into(),
+        label: "another kind".into(),
+        help: "give the scene of a finger; scenes of discs are for `phalanx run`, `validate` and `scene`".into(),
+    }
 }
 
 /// An error of the TOML parser.

@@ -1,31 +1,52 @@
 //! Keys a scene does not know, found by walking the document along the JSON Schema, so that all are reported at once.
 
+use std::ops::Range;
+
 use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use super::error::Problem;
 use super::suggest::nearest;
 
+/// What a scene may say, and what one of the other kind may.
+pub struct Allowed<'a> {
+    pub kind: &'a str,
+    pub schema: &'a Value,
+    pub other_kind: &'a str,
+    pub other_schema: &'a Value,
+}
+
 /// Takes out every unknown key, and every table where a value is wanted or the other way round, and says so of each.
-pub fn weed(document: &mut DeTable<'_>, schema: &Value) -> Vec<Problem> {
+pub fn weed(document: &mut DeTable<'_>, allowed: &Allowed) -> Vec<Problem> {
     let mut problems = Vec::new();
-    walk(document, schema, schema, "", &mut problems);
+    walk(document, allowed.schema, Some(allowed.other_schema), allowed, "", &mut problems);
     problems
 }
 
-fn walk(table: &mut DeTable<'_>, schema: &Value, root: &Value, path: &str, problems: &mut Vec<Problem>) {
-    let Some(properties) = properties(schema) else { return };
+/// One table; `foreign` is the same table of the other kind of scene, if that has one.
+fn walk(
+    table: &mut DeTable<'_>,
+    schema: &Value,
+    foreign: Option<&Value>,
+    allowed: &Allowed,
+    path: &str,
+    problems: &mut Vec<Problem>,
+) {
     for (key, mut value) in std::mem::take(table) {
         let name = key.get_ref().as_ref();
         let here = join(path, name);
-        let Some(property) = properties.get(name) else {
-            problems.push(unknown(name, path, key.span(), properties, root));
+        let foreign = foreign.and_then(|table| child(table, name));
+        let Some(property) = child(schema, name) else {
+            problems.push(match foreign {
+                Some(_) => of_other_kind(name, path, key.span(), allowed),
+                None => unknown(name, path, key.span(), schema, allowed.schema),
+            });
             continue;
         };
-        let wants_table = self::properties(property).is_some();
+        let wants_table = is_table(property);
         let span = value.span();
         match (value.get_mut(), wants_table) {
-            (DeValue::Table(inner), true) => walk(inner, property, root, &here, problems),
+            (DeValue::Table(inner), true) => walk(inner, property, foreign, allowed, &here, problems),
             (DeValue::Table(_), false) => {
                 problems.push(Problem {
                     span: Some(key.span()),
@@ -50,18 +71,22 @@ fn walk(table: &mut DeTable<'_>, schema: &Value, root: &Value, path: &str, probl
     }
 }
 
-fn unknown(
-    name: &str,
-    path: &str,
-    span: std::ops::Range<usize>,
-    allowed: &Map<String, Value>,
-    root: &Value,
-) -> Problem {
-    let place = |path: &str| match path {
-        "" => "at the top level".to_string(),
-        path => format!("in [{path}]"),
-    };
-    let names: Vec<&str> = allowed.keys().map(String::as_str).collect();
+/// A key that would be good in a scene of the other kind.
+fn of_other_kind(name: &str, path: &str, span: Range<usize>, allowed: &Allowed) -> Problem {
+    let Allowed { kind, other_kind, .. } = allowed;
+    Problem {
+        span: Some(span),
+        message: format!(
+            "`{}` belongs to scenes of kind \"{other_kind}\", but this one is of kind \"{kind}\"",
+            join(path, name)
+        ),
+        label: "of another kind".into(),
+        help: format!("remove it, or say kind = \"{other_kind}\" at the top of the file"),
+    }
+}
+
+fn unknown(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Value) -> Problem {
+    let names: Vec<&str> = properties(schema).into_iter().flat_map(Map::keys).map(String::as_str).collect();
     let mut elsewhere = Vec::new();
     find(name, root, "", &mut elsewhere);
     elsewhere.sort_by_key(|path| path.matches('.').count());
@@ -80,6 +105,9 @@ fn unknown(
 
 /// Paths of all tables that have a key `name`.
 fn find(name: &str, schema: &Value, path: &str, found: &mut Vec<String>) {
+    if let Some(each) = named(schema) {
+        find(name, each, &join(path, "NAME"), found);
+    }
     let Some(properties) = properties(schema) else { return };
     if properties.contains_key(name) {
         found.push(path.to_string());
@@ -89,8 +117,29 @@ fn find(name: &str, schema: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
+/// What a table holds under a key.
+fn child<'a>(schema: &'a Value, name: &str) -> Option<&'a Value> {
+    properties(schema).and_then(|properties| properties.get(name)).or(named(schema))
+}
+
+fn is_table(schema: &Value) -> bool {
+    properties(schema).is_some() || named(schema).is_some()
+}
+
 fn properties(schema: &Value) -> Option<&Map<String, Value>> {
     schema.get("properties")?.as_object()
+}
+
+/// What every key of a table holds whose keys are names of the user's.
+fn named(schema: &Value) -> Option<&Value> {
+    schema.get("additionalProperties").filter(|each| each.is_object())
+}
+
+fn place(path: &str) -> String {
+    match path {
+        "" => "at the top level".to_string(),
+        path => format!("in [{path}]"),
+    }
 }
 
 fn join(path: &str, key: &str) -> String {

@@ -2,12 +2,12 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `raw` | the file as it is written; source of the JSON Schema |
+//! | `raw`, `raw_bodies` | the file as it is written, of either kind; source of the JSON Schema |
 //! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
 //! | `file`, `keys` | text → raw, unknown keys |
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
-//! | `resolve`, `defaults` | raw → [`Scene`], physics checked |
-//! | `show` | [`Scene`] → a complete scene file |
+//! | `resolve`, `defaults` | raw → [`Scene`] or [`BodiesScene`], physics checked |
+//! | `show` | either → a complete scene file |
 //! | `torque` | the motor torque of an actuation over time |
 //! | `bodies` | scenes of discs instead of a finger |
 
@@ -20,6 +20,7 @@ mod file;
 mod keys;
 mod kinds;
 mod raw;
+mod raw_bodies;
 mod resolve;
 mod schema;
 mod show;
@@ -29,9 +30,9 @@ mod words;
 
 pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use error::{Problem, SceneError};
-pub use file::{load, parse};
+pub use file::{load, load_any, parse, parse_any};
 pub use schema::schema;
-pub use show::show;
+pub use show::{show, show_any, show_bodies};
 pub use torque::{next_corner, torque};
 
 use crate::gripper::Finger;

@@ -16,13 +16,14 @@ use crate::gripper::Assembly;
 /// defaults. Quantities are texts with a unit: "15 mm", "120 deg", "480 N*mm".
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(title = "phalanx scene")]
+#[schemars(title = "scene of a finger")]
 pub struct RawScene {
     /// Name in reports and logs. Default: the file's name without its extension.
     pub name: Entry<Text>,
     /// What the scene is for; not used by the simulation.
     pub description: Entry<Text>,
-    /// Kind of gripper: "finger" is one finger of two phalanges and one motor.
+    /// Kind of scene: "finger" is one finger of two phalanges and one motor; "bodies", of which all keys are others, are
+    /// discs and a half plane.
     #[schemars(extend("default" = "finger"))]
     pub kind: Entry<Choice<SceneKind>>,
     /// Simulated time.
@@ -214,13 +215,13 @@ pub struct RawLimit {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RawContact {
-    /// Stiffness k in N/m^e, a plain number because its unit depends on the exponent e.
+    /// Stiffness k in N/m^e, a plain number because its unit depends on the exponent e; 0 leaves the damper alone.
     #[schemars(extend("default" = 1e8))]
     pub stiffness_si: Entry<Number>,
     /// Exponent e, at least 1; give it together with stiffness_si.
     #[schemars(extend("default" = 2.2))]
     pub exponent: Entry<Number>,
-    /// Damping c_max, fully engaged beyond the transition.
+    /// Damping c_max, fully engaged beyond the transition; 0 leaves the spring alone.
     #[schemars(extend("default" = "1e6 N*s/m"))]
     pub damping: Entry<LinearDamping>,
     /// Penetration over which the damper engages.
@@ -310,9 +311,9 @@ pub struct RawIntegrator {
     pub method: Entry<Choice<Method>>,
     /// Relative tolerance of rates.
     pub rtol: Entry<Number>,
-    /// Absolute tolerance of angles.
+    /// Absolute tolerance of angles; of places of discs the same number in m.
     pub atol_angle: Entry<Angle>,
-    /// Absolute tolerance of rates.
+    /// Absolute tolerance of rates; of velocities of discs the same number in m/s.
     pub atol_rate: Entry<AngularRate>,
     /// Steps after which a run is given up.
     #[schemars(extend("default" = 10_000_000))]
@@ -324,13 +325,14 @@ pub struct RawIntegrator {
 #[serde(default, deny_unknown_fields)]
 pub struct RawEngine {
     /// "maximal": every body moves freely, every joint is a constraint; "reduced": a tree of joints in its own
-    /// coordinates, closed by one constraint.
+    /// coordinates, closed by one constraint (a scene of discs has no joints: "maximal" only).
     #[schemars(extend("default" = "maximal"))]
     pub construction: Entry<Choice<Construction>>,
     /// What answers when bodies touch: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
     #[schemars(extend("default" = "scene"))]
     pub law: Entry<Choice<EngineLaw>>,
-    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the proximal contact.
+    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the
+    /// proximal one of a finger).
     pub friction: Entry<Number>,
     /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
     #[schemars(extend("default" = 0.0))]

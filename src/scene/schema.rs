@@ -1,19 +1,44 @@
 //! JSON Schema of scene files.
 
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use super::kinds::Words;
 use super::raw::RawScene;
+use super::raw_bodies::RawBodiesScene;
+use super::words::SceneKind;
 
-/// JSON Schema (draft 7, understood by the TOML language servers) of a scene file, as text.
+/// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of either kind, as text.
 pub fn schema() -> String {
-    format!("{:#}\n", schema_value())
+    let [mut finger, mut bodies] = [SceneKind::Finger, SceneKind::Bodies].map(schema_of);
+    let dialect = finger["$schema"].take();
+    for kind in [&mut finger, &mut bodies] {
+        kind.as_object_mut().map(|map| map.remove("$schema"));
+    }
+    let whole = json!({
+        "$schema": dialect,
+        "title": "phalanx scene",
+        "description": "A scene of phalanx. Its kind says which keys it has: \"finger\" unless said otherwise.",
+        "type": "object",
+        "properties": { "kind": finger["properties"]["kind"] },
+        "if": { "properties": { "kind": { "const": SceneKind::Bodies.word() } }, "required": ["kind"] },
+        "then": bodies,
+        "else": finger,
+    });
+    format!("{whole:#}\n")
 }
 
-/// The same as a value. Tables are nested in place: no references to follow.
-pub(super) fn schema_value() -> Value {
-    let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
-    let mut schema = settings.into_generator().into_root_schema_for::<RawScene>().to_value();
+/// The schema of one kind of scene. Tables are nested in place: no references to follow.
+pub(super) fn schema_of(kind: SceneKind) -> Value {
+    fn generate<T: JsonSchema>() -> Value {
+        let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
+        settings.into_generator().into_root_schema_for::<T>().to_value()
+    }
+    let mut schema = match kind {
+        SceneKind::Finger => generate::<RawScene>(),
+        SceneKind::Bodies => generate::<RawBodiesScene>(),
+    };
     unwrap_lines(&mut schema);
     schema
 }

@@ -4,10 +4,19 @@ use super::kinds::Words;
 use super::{Construction, Interpolation, Method, Placement, Preset};
 use crate::gripper::Assembly;
 
-/// Kind of gripper.
+/// Kind of scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneKind {
     Finger,
+    Bodies,
+}
+
+/// What moves a disc.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    Free,
+    Driven,
+    Fixed,
 }
 
 /// How the motor torque goes over time.
@@ -43,7 +52,12 @@ pub enum StepSizes {
 }
 
 impl Words for SceneKind {
-    const WORDS: &'static [(&'static str, Self)] = &[("finger", SceneKind::Finger)];
+    const WORDS: &'static [(&'static str, Self)] = &[("finger", SceneKind::Finger), ("bodies", SceneKind::Bodies)];
+}
+
+impl Words for Motion {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("free", Motion::Free), ("driven", Motion::Driven), ("fixed", Motion::Fixed)];
 }
 
 impl Words for MotorProfile {

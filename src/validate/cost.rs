@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use super::steps_only;
-use crate::scene::{Preset, Scene};
-use crate::trace::{Model, RunError, run};
+use super::{Subject, steps_only};
+use crate::scene::Preset;
+use crate::trace::Model;
 
 /// Time spent on repeating one setting, in earnest and in haste, and how often at most.
 const PATIENCE_S: f64 = 0.2;
@@ -40,22 +40,22 @@ impl Cost {
 
 /// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off
 /// a grid of times for a log is not part of it: that costs what the log rate says, whatever the settings.
-pub fn cost(model: Model, scene: &Scene, quick: bool) -> Result<Cost, RunError> {
+pub fn cost<S: Subject>(model: Model, scene: &S, quick: bool) -> Result<Cost, S::Error> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
-    let everyday = Scene { integrator: scene.integrator.with_preset(Preset::Engineering), ..scene.clone() };
+    let everyday = scene.with_integrator(scene.integrator().with_preset(Preset::Engineering));
     let (mut times, mut beside) = (Vec::new(), Vec::new());
     let (mut steps, mut wanted) = (0, 1);
     while times.len() < wanted {
         let start = Instant::now();
-        steps = run(model, scene, &mut ())?.work.steps;
+        steps = scene.steps(model)?;
         times.push(start.elapsed().as_secs_f64());
         if times.len() == 1 {
             wanted = ((patience_s / times[0]) as usize).clamp(1, MOST_RUNS);
         }
         for _ in 0..BESIDE {
             let start = Instant::now();
-            run(Model::Analytic, &everyday, &mut ())?;
+            everyday.steps(Model::Analytic)?;
             beside.push(start.elapsed().as_secs_f64());
         }
     }
@@ -65,7 +65,7 @@ pub fn cost(model: Model, scene: &Scene, quick: bool) -> Result<Cost, RunError> 
     }
     let runs = times.len();
     let (wall_s, analytic_wall_s) = (median(times), median(beside));
-    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.duration_s })
+    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.duration_s() })
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -190,7 +190,7 @@ fn impulses(impacts: &Impacts, expected: &Impacts, site: Site, until_s: f64) -> 
 }
 
 /// |a − b|; infinite where that is no number.
-fn distance(a: f64, b: f64) -> f64 {
+pub(super) fn distance(a: f64, b: f64) -> f64 {
     let difference = (a - b).abs();
     if difference.is_nan() { f64::INFINITY } else { difference }
 }

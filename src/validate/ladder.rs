@@ -1,7 +1,7 @@
 //! The settings that are tried: both models, from coarse to fine.
 
-use super::MEMBERS;
-use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use super::{MEMBERS, Subject};
+use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Stepping};
 use crate::trace::Model;
 
 /// A setting that is predicted to need more steps than this is left out.
@@ -68,9 +68,9 @@ pub struct Rung {
 }
 
 impl Rung {
-    fn engine(engine: Engine, scene: &Scene) -> Self {
-        let own = engine == scene.engine;
-        let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > ONCE_STEPS);
+    fn engine(engine: Engine, scene: &impl Subject) -> Self {
+        let own = engine == *scene.engine();
+        let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s() / step_s > ONCE_STEPS);
         let members = if long && !own { 1 } else { MEMBERS };
         Rung { family: Family::of(&engine), settings: Settings::Engine(engine), own, members }
     }
@@ -87,10 +87,10 @@ impl Rung {
     }
 
     /// The scene with this setting.
-    pub fn apply(&self, scene: &Scene) -> Scene {
+    pub fn apply<S: Subject>(&self, scene: &S) -> S {
         match self.settings {
-            Settings::Analytic(integrator) => Scene { integrator, ..scene.clone() },
-            Settings::Engine(engine) => Scene { engine, ..scene.clone() },
+            Settings::Analytic(integrator) => scene.with_integrator(integrator),
+            Settings::Engine(engine) => scene.with_engine(engine),
         }
     }
 
@@ -100,10 +100,10 @@ impl Rung {
     }
 
     /// Steps a run will take, as far as that can be told; `own` is what the scene's own engine run took.
-    pub fn predicted_steps(&self, scene: &Scene, own: u64) -> Option<f64> {
-        match (self.settings, scene.engine.stepping) {
+    pub fn predicted_steps(&self, scene: &impl Subject, own: u64) -> Option<f64> {
+        match (self.settings, scene.engine().stepping) {
             (Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }), _) => {
-                Some(scene.duration_s / step_s)
+                Some(scene.duration_s() / step_s)
             }
             (
                 Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }),
@@ -115,8 +115,8 @@ impl Rung {
 }
 
 /// The setting the scene asks for.
-pub fn own(scene: &Scene) -> Rung {
-    Rung::engine(scene.engine, scene)
+pub fn own(scene: &impl Subject) -> Rung {
+    Rung::engine(*scene.engine(), scene)
 }
 
 /// A setting in few words, without its family.
@@ -132,30 +132,30 @@ pub fn name(rung: &Rung) -> String {
 }
 
 /// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
-pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
+pub fn ladder<S: Subject>(scene: &S, quick: bool) -> Vec<Rung> {
     let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
     let mut engines = adaptive(scene);
     engines.extend(fixed(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
-    if !quick {
+    if S::JOINTED && !quick {
         engines.extend(fixed(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
     }
-    if scene.object.is_some() {
-        let friction = scene.contact.proximal.friction.map_or(0.0, |law| law.mu_static);
+    if let Some(friction) = scene.touching_friction() {
         let native = Response::Rapier { friction, restitution: 0.0 };
         engines.extend(fixed(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
     }
-    if !engines.contains(&scene.engine) {
-        let family = Family::of(&scene.engine);
+    let own = *scene.engine();
+    if !engines.contains(&own) {
+        let family = Family::of(&own);
         let place = engines.iter().rposition(|engine| Family::of(engine) == family);
-        engines.insert(place.map_or(engines.len(), |place| place + 1), scene.engine);
+        engines.insert(place.map_or(engines.len(), |place| place + 1), own);
     }
     let engines = engines.into_iter().map(|engine| Rung::engine(engine, scene));
     engines.chain(analytic(scene).into_iter().map(Rung::analytic)).collect()
 }
 
 /// Tolerances around the scene's own, or around the usual one where its steps are fixed.
-fn adaptive(scene: &Scene) -> Vec<Engine> {
-    let stepping = match scene.engine.stepping {
+fn adaptive(scene: &impl Subject) -> Vec<Engine> {
+    let stepping = match scene.engine().stepping {
         Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
         adaptive @ Stepping::Adaptive { .. } => adaptive,
     };
@@ -164,21 +164,28 @@ fn adaptive(scene: &Scene) -> Vec<Engine> {
     [100.0, 10.0, 1.0, 0.1].map(|factor| engine(scene, Construction::Maximal, Response::Laws, at(factor))).to_vec()
 }
 
-fn fixed(scene: &Scene, construction: Construction, response: Response, steps_s: &[f64], quick: bool) -> Vec<Engine> {
+fn fixed(
+    scene: &impl Subject,
+    construction: Construction,
+    response: Response,
+    steps_s: &[f64],
+    quick: bool,
+) -> Vec<Engine> {
     let coarse = steps_s.iter().filter(|&&step_s| !quick || step_s >= QUICK_STEP_S);
     coarse.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
 }
 
 /// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same
 /// kind.
-fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
-    let same = matches!(response, Response::Laws) == matches!(scene.engine.response, Response::Laws);
-    let iterations = if same { scene.engine.iterations } else { Engine::usual_iterations(response) };
-    Engine { construction, response, stepping, iterations, max_steps: scene.engine.max_steps }
+fn engine(scene: &impl Subject, construction: Construction, response: Response, stepping: Stepping) -> Engine {
+    let own = scene.engine();
+    let same = matches!(response, Response::Laws) == matches!(own.response, Response::Laws);
+    let iterations = if same { own.iterations } else { Engine::usual_iterations(response) };
+    Engine { construction, response, stepping, iterations, max_steps: own.max_steps }
 }
 
 /// The everyday preset loosened and tightened as a whole, and two of the method of the reference.
-fn analytic(scene: &Scene) -> Vec<Integrator> {
+fn analytic(scene: &impl Subject) -> Vec<Integrator> {
     let (usual, reference) = (Integrator::preset(Preset::Engineering), Integrator::preset(Preset::Reference));
     let at = |preset: Integrator, rtol: f64| {
         let factor = rtol / preset.rtol;
@@ -187,7 +194,7 @@ fn analytic(scene: &Scene) -> Vec<Integrator> {
             rtol,
             atol_angle_rad: scaled(preset.atol_angle_rad, factor),
             atol_rate_rad_s: scaled(preset.atol_rate_rad_s, factor),
-            max_steps: scene.integrator.max_steps,
+            max_steps: scene.integrator().max_steps,
             ..preset
         }
     };

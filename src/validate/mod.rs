@@ -13,8 +13,12 @@
 //! impulse of every impact up to its lift-off, or in the first [`IMPACT_S`] of a contact that stays, each model counted
 //! from its own touch-down; the opening of the engine's joints; energy that came from nowhere.
 //!
+//! Of scenes of discs: places of the discs, times of first touch, impulse and peak of every pair, up to `until`; the
+//! members of the ensemble differ in speeds and gravity.
+//!
 //! | file | job |
 //! |---|---|
+//! | `subject` | what a validation needs of a kind of scene; scenes of discs in `bodies` |
 //! | `recording` | the reference: a sink that keeps a run, on a grid dense enough to interpolate in |
 //! | `ensemble` | the members: the same scene with its motor torque a little changed |
 //! | `impacts` | normal impulse of every impact, as a run goes by |
@@ -25,6 +29,7 @@
 //! | `study` | the whole validation of a scene |
 //! | `verdict` | measured against bounds |
 
+mod bodies;
 mod cost;
 mod difference;
 mod ensemble;
@@ -32,15 +37,18 @@ mod impacts;
 mod ladder;
 mod recording;
 mod study;
+mod subject;
 mod track;
 mod verdict;
 
+pub use bodies::{BodiesComparison, BodiesDifferences, BodiesRecording};
 pub use cost::{Cost, cost};
 pub use difference::{Comparison, Differences, compare};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
-pub use recording::{Recording, record, reference, sampled, steps_only};
+pub use recording::{Recording, record};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
+pub use subject::{Subject, reference, sampled, steps_only};
 pub use track::{Angle, Rate, Track, turned};
 pub use verdict::{Check, Verdict, verdicts};

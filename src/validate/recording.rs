@@ -1,13 +1,8 @@
-//! A run kept whole, and the grids of time that make runs fit to be compared.
+//! A run kept whole.
 
 use super::Impacts;
-use crate::scene::{LogRates, Preset, Scene};
+use crate::scene::Scene;
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
-
-/// Samples that the grid of a reference has at most: five references of 350 bytes a sample stay below 200 MB.
-const MOST_SAMPLES: f64 = 1e5;
-/// Finest grid; beyond, interpolation is exact to rounding.
-const FINEST_HZ: f64 = 1e6;
 
 /// Everything a run said, in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,25 +50,4 @@ pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
     let mut recording = Recording::default();
     recording.outcome = run(model, scene, &mut recording)?;
     Ok(recording)
-}
-
-/// The scene as the reference runs it: the tightest settings, on a dense grid.
-pub fn reference(scene: &Scene) -> Scene {
-    let integrator = scene.integrator.with_preset(Preset::Reference);
-    sampled(Model::Analytic, &Scene { integrator, ..scene.clone() })
-}
-
-/// The scene with the samples that a comparison needs. The analytic model is exact between its steps, so a dense grid
-/// is read off; of the engine every step is taken, and nothing that is interpolated.
-pub fn sampled(model: Model, scene: &Scene) -> Scene {
-    let numeric_hz = (MOST_SAMPLES / scene.duration_s).min(FINEST_HZ).max(scene.log.numeric_hz);
-    match model {
-        Model::Analytic => Scene { log: LogRates { numeric_hz }, ..scene.clone() },
-        Model::Engine => steps_only(scene),
-    }
-}
-
-/// The scene with a sample at every step and at no other time.
-pub fn steps_only(scene: &Scene) -> Scene {
-    Scene { log: LogRates { numeric_hz: 1.0 / scene.duration_s }, ..scene.clone() }
 }

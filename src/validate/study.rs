@@ -1,26 +1,23 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
-use super::{
-    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Verdict, compare, cost, ladder, member, own, record,
-    reference, sampled, verdicts,
-};
-use crate::invariants::{Finding, Invariants};
-use crate::scene::{Bounds, Scene};
-use crate::trace::{Model, RunError, Sink, run};
+use super::{Cost, MEMBERS, Rung, Subject, Verdict, cost, ladder, own, reference, sampled};
+use crate::invariants::Finding;
+use crate::scene::Scene;
+use crate::trace::{Model, RunError};
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct Row<D = super::Differences> {
     pub rung: Rung,
-    pub tried: Tried,
+    pub tried: Tried<D>,
 }
 
 /// What came of a setting.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Tried {
+pub enum Tried<D = super::Differences> {
     /// Worst differences of its ensemble; `None` for the reference itself.
     Done {
-        differences: Option<Box<Differences>>,
+        differences: Option<Box<D>>,
         cost: Cost,
     },
     Failed {
@@ -34,28 +31,28 @@ pub enum Tried {
 
 /// Everything that is known after a validation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Validation {
-    pub bounds: Bounds,
-    /// The analytic model at its reference preset, on a dense grid, and the engine as the scene says, both with the
-    /// scene's own torque.
-    pub reference: Recording,
-    pub engine: Recording,
+pub struct Validation<S: Subject = Scene> {
+    pub bounds: S::Bounds,
+    /// The analytic model at its reference preset, on a dense grid, and the engine as the scene says, both of the first
+    /// member of the ensemble: the scene itself.
+    pub reference: S::Recording,
+    pub engine: S::Recording,
     /// Of the engine as the scene says: worst of the ensemble.
-    pub differences: Differences,
+    pub differences: S::Differences,
     /// How near the two runs above came to breaking an invariant.
-    pub reference_invariants: [Finding; 8],
-    pub engine_invariants: [Finding; 8],
-    pub rows: Vec<Row>,
+    pub reference_invariants: Vec<Finding>,
+    pub engine_invariants: Vec<Finding>,
+    pub rows: Vec<Row<S::Differences>>,
     pub verdict: Verdict,
 }
 
 /// Why a scene could not be validated: one of the two runs that must complete did not.
 #[derive(Debug, thiserror::Error)]
 #[error("the {} model of this scene has nothing to compare: {error}", model.name())]
-pub struct StudyError {
+pub struct StudyError<E: std::error::Error + 'static = RunError> {
     pub model: Model,
     #[source]
-    pub error: RunError,
+    pub error: E,
 }
 
 /// How far a validation has come.
@@ -71,40 +68,50 @@ pub struct Progress<'a> {
 ///
 /// # Errors A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail:
 /// their row says so.
-pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> Result<Validation, StudyError> {
+pub fn validate<S: Subject>(
+    scene: &S,
+    quick: bool,
+    tell: &mut dyn FnMut(Progress),
+) -> Result<Validation<S>, StudyError<S::Error>> {
+    let scene = &scene.compared();
     let rungs = ladder(scene, quick);
     let total = rungs.len() + 1;
     tell(Progress { done: 0, total, next: "references" });
-    let broken = |model: Model| move |error: RunError| StudyError { model, error };
-    let scenes: Vec<Scene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
-    let references: Vec<Recording> = scenes
+    let broken = |model: Model| move |error: S::Error| StudyError { model, error };
+    let scenes: Vec<S> = (0..MEMBERS).map(|index| scene.member(index)).collect();
+    let references: Vec<S::Recording> = scenes
         .iter()
-        .map(|scene| record(Model::Analytic, &reference(scene)))
+        .map(|scene| reference(scene).record(Model::Analytic))
         .collect::<Result<_, _>>()
         .map_err(broken(Model::Analytic))?;
-    let engine = record(Model::Engine, &sampled(Model::Engine, scene)).map_err(broken(Model::Engine))?;
+    let engine = sampled(Model::Engine, scene).record(Model::Engine).map_err(broken(Model::Engine))?;
     let own = own(scene);
     let rest = against(&own, &scenes[1..], &references[1..]).map_err(broken(Model::Engine))?;
-    let first = compare(&engine, &references[0], &scene.bounds);
-    let differences = rest.map_or(first, |rest| first.worst(&rest));
+    let first = scene.compare(&engine, &references[0]);
+    let differences = match rest {
+        Some(rest) => S::worse(&first, &rest),
+        None => first,
+    };
 
+    let own_steps = S::recorded_steps(&engine);
     let mut rows = Vec::with_capacity(rungs.len());
     for (index, rung) in rungs.into_iter().enumerate() {
         tell(Progress { done: index + 1, total, next: rung.family.name() });
         let tried = match rung.own {
             true => {
                 let cost = cost(Model::Engine, scene, quick).map_err(broken(Model::Engine))?;
-                Tried::Done { differences: Some(Box::new(differences)), cost }
+                Tried::Done { differences: Some(Box::new(differences.clone())), cost }
             }
-            false => attempt(&rung, &scenes, &references, engine.outcome.work.steps, quick),
+            false => attempt(&rung, &scenes, &references, own_steps, quick),
         };
         rows.push(Row { rung, tried });
     }
-    let reference_invariants = held(Model::Analytic, &reference(scene), &references[0]);
-    let engine_invariants = held(Model::Engine, scene, &engine);
+    let reference_invariants = reference(scene).invariants(Model::Analytic, &references[0]);
+    let engine_invariants = scene.invariants(Model::Engine, &engine);
     Ok(Validation {
-        bounds: scene.bounds,
-        verdict: verdicts(&differences, &scene.bounds)
+        bounds: scene.bounds(),
+        verdict: scene
+            .judge(&differences)
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants),
         reference_invariants,
@@ -116,17 +123,14 @@ pub fn validate(scene: &Scene, quick: bool, tell: &mut dyn FnMut(Progress)) -> R
     })
 }
 
-/// How near a kept run came to breaking an invariant.
-fn held(model: Model, scene: &Scene, run: &Recording) -> [Finding; 8] {
-    let mut invariants = Invariants::new(model, scene);
-    for sample in &run.samples {
-        invariants.sample(sample).expect("measuring writes nothing");
-    }
-    invariants.findings(&run.outcome)
-}
-
 /// Compares and times one setting.
-fn attempt(rung: &Rung, scenes: &[Scene], references: &[Recording], own_steps: u64, quick: bool) -> Tried {
+fn attempt<S: Subject>(
+    rung: &Rung,
+    scenes: &[S],
+    references: &[S::Recording],
+    own_steps: u64,
+    quick: bool,
+) -> Tried<S::Differences> {
     if let Some(steps) = rung.predicted_steps(&scenes[0], own_steps).filter(|&steps| steps > super::LONGEST_STEPS) {
         return Tried::TooLong { steps };
     }
@@ -140,13 +144,18 @@ fn attempt(rung: &Rung, scenes: &[Scene], references: &[Recording], own_steps: u
 }
 
 /// Worst differences of a setting over some members; `None` without members.
-fn against(rung: &Rung, scenes: &[Scene], references: &[Recording]) -> Result<Option<Differences>, RunError> {
-    let mut worst: Option<Differences> = None;
+fn against<S: Subject>(
+    rung: &Rung,
+    scenes: &[S],
+    references: &[S::Recording],
+) -> Result<Option<S::Differences>, S::Error> {
+    let mut worst: Option<S::Differences> = None;
     for (scene, reference) in scenes.iter().zip(references) {
-        let mut comparison = Comparison::new(reference, &scene.bounds);
-        let outcome = run(rung.model(), &sampled(rung.model(), &rung.apply(scene)), &mut comparison)?;
-        let found = comparison.finish(&outcome);
-        worst = Some(worst.map_or(found, |worst| worst.worst(&found)));
+        let found = sampled(rung.model(), &rung.apply(scene)).differences(rung.model(), reference)?;
+        worst = Some(match worst {
+            Some(worst) => S::worse(&worst, &found),
+            None => found,
+        });
     }
     Ok(worst)
 }

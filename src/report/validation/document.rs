@@ -194,7 +194,7 @@ impl ModelReport {
             wall_s: cost.map(|cost| cost.wall_s),
             last: Final::from(&outcome.last),
             contacts: Contacts::from(outcome),
-            energy: Energies::from(&outcome.last),
+            energy: Energies::from(&outcome.last.energy),
             loop_gap_m: outcome.loop_gap_m,
             invariants: invariants.iter().map(FindingReport::from).collect(),
         }

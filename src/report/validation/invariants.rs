@@ -15,7 +15,7 @@ pub struct FindingReport {
     /// The worst, where and when; in the SI unit of what it measures.
     pub measured: f64,
     pub allowed: f64,
-    pub site: Option<&'static str>,
+    pub place: Option<String>,
     pub time_s: f64,
     /// All of that in a line.
     #[serde(skip)]
@@ -31,7 +31,7 @@ impl From<&Finding> for FindingReport {
             share: found.share(),
             measured: found.measured,
             allowed: found.allowed,
-            site: found.site.map(|site| site.name()),
+            place: found.place.clone(),
             time_s: found.time_s,
             line: found.to_string(),
         }

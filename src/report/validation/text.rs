@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::super::table::{figure, table};
+use super::super::table::{figure, row, table};
 use super::super::text::duration;
 use super::document::{
     CheckReport, DifferencesReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport,
@@ -257,8 +257,4 @@ fn cells(setting: &SettingReport) -> Vec<String> {
         cells[0].push_str(" (reference)");
     }
     cells
-}
-
-fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
-    cells.map(String::from).to_vec()
 }

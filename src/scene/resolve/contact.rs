@@ -4,6 +4,7 @@ use super::super::check::{Bound, Checker, NOT_NEGATIVE, POSITIVE};
 use super::super::entry::{Entry, Section};
 use super::super::kinds::{Length, LinearDamping, Number};
 use super::super::raw::{RawContact, RawElastic, RawFriction, RawLimit, RawMaterials, RawSide};
+use super::super::raw_bodies::RawBodiesContact;
 use super::super::{Contacts, defaults};
 use crate::law::{ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
@@ -18,7 +19,8 @@ struct Keys<'a> {
     exponent: &'a Entry<Number>,
     damping: &'a Entry<LinearDamping>,
     transition: &'a Entry<Length>,
-    materials: &'a Section<RawMaterials>,
+    /// `None` where the law cannot come from materials.
+    materials: Option<&'a Section<RawMaterials>>,
     friction: &'a Section<RawFriction>,
 }
 
@@ -30,11 +32,11 @@ pub fn contacts(c: &mut Checker<'_>, raw: &Section<RawContact>, object_radius_m:
         exponent: &raw.exponent,
         damping: &raw.damping,
         transition: &raw.transition,
-        materials: &raw.materials,
+        materials: Some(&raw.materials),
         friction: &raw.friction,
     };
-    let proximal = law(c, [&common, &side("contact.proximal", &raw.proximal)], object_radius_m);
-    let distal = law(c, [&common, &side("contact.distal", &raw.distal)], object_radius_m);
+    let proximal = law(c, &[&common, &side("contact.proximal", &raw.proximal)], object_radius_m);
+    let distal = law(c, &[&common, &side("contact.distal", &raw.distal)], object_radius_m);
     Some(Contacts { proximal: proximal?, distal: distal? })
 }
 
@@ -45,24 +47,38 @@ fn side<'a>(path: &'static str, raw: &'a Section<RawSide>) -> Keys<'a> {
         exponent: &raw.exponent,
         damping: &raw.damping,
         transition: &raw.transition,
-        materials: &raw.materials,
+        materials: Some(&raw.materials),
         friction: &raw.friction,
     }
 }
 
-/// The law of one contact, from the common keys and those that replace them.
-fn law(c: &mut Checker<'_>, levels: [&Keys<'_>; 2], object_radius_m: f64) -> Option<ContactLaw> {
+/// Law of every contact of a scene of discs.
+pub fn contact(c: &mut Checker<'_>, raw: &RawBodiesContact) -> Option<ContactLaw> {
+    let keys = Keys {
+        path: "contact",
+        stiffness_si: &raw.stiffness_si,
+        exponent: &raw.exponent,
+        damping: &raw.damping,
+        transition: &raw.transition,
+        materials: None,
+        friction: &raw.friction,
+    };
+    law(c, &[&keys], 0.0)
+}
+
+/// The law of one contact, from the common keys and those that replace them; the radius is for materials.
+fn law(c: &mut Checker<'_>, levels: &[&Keys<'_>], object_radius_m: f64) -> Option<ContactLaw> {
     let mut normal = defaults::CONTACT;
     for keys in levels {
         let path = keys.path;
-        if let Some((k, e)) = spring(c, path, keys.stiffness_si, keys.exponent, normal.exponent) {
+        if let Some((k, e)) = spring(c, path, keys.stiffness_si, keys.exponent, NOT_NEGATIVE, normal.exponent) {
             (normal.stiffness_n_per_m_e, normal.exponent) = (k, e);
         }
-        if keys.materials.is_given() {
+        if let Some(materials) = keys.materials.filter(|materials| materials.is_given()) {
             for (key, entry) in [("stiffness_si", keys.stiffness_si), ("exponent", keys.exponent)] {
                 c.unused(&format!("{path}.{key}"), entry, &format!("beside [{path}.materials], which give it"));
             }
-            if let Some(k) = hertz(c, path, keys.materials, object_radius_m) {
+            if let Some(k) = hertz(c, path, materials, object_radius_m) {
                 (normal.stiffness_n_per_m_e, normal.exponent) = (k, HERTZ_EXPONENT);
             }
         }
@@ -71,8 +87,26 @@ fn law(c: &mut Checker<'_>, levels: [&Keys<'_>; 2], object_radius_m: f64) -> Opt
         let transition = c.number(&format!("{path}.transition"), keys.transition, POSITIVE);
         normal.transition_m = transition.unwrap_or(normal.transition_m);
     }
-    let friction = friction(c, levels.map(|keys| (keys.path, keys.friction)))?;
+    if normal.stiffness_n_per_m_e == 0.0 && normal.damping_max_n_s_per_m == 0.0 {
+        refuse_nothing(c, levels);
+    }
+    let friction = friction(c, levels)?;
     Some(ContactLaw { normal, friction })
+}
+
+/// A law without spring and damper.
+fn refuse_nothing(c: &mut Checker<'_>, levels: &[&Keys<'_>]) {
+    let last = levels.iter().rev().find_map(|keys| {
+        let span = keys.stiffness_si.span().or(keys.damping.span())?;
+        Some((keys.path, span))
+    });
+    let (path, span) = last.map_or(("contact", None), |(path, span)| (path, Some(span)));
+    c.push(
+        span,
+        format!("[{path}] has neither stiffness nor damping: nothing would hold the surfaces apart"),
+        "both are 0",
+        "give one of them a value above 0: stiffness_si = 1e8 or damping = \"1e6 N*s/m\"",
+    );
 }
 
 /// Stiffness and exponent, which only mean something together.
@@ -81,9 +115,10 @@ fn spring(
     path: &str,
     stiffness: &Entry<Number>,
     exponent: &Entry<Number>,
+    allowed: Bound,
     exponent_before: f64,
 ) -> Option<(f64, f64)> {
-    let k = c.number(&format!("{path}.stiffness_si"), stiffness, POSITIVE);
+    let k = c.number(&format!("{path}.stiffness_si"), stiffness, allowed);
     let e = c.number(&format!("{path}.exponent"), exponent, EXPONENT);
     if exponent.is_given() && !stiffness.is_given() {
         c.push(
@@ -132,12 +167,13 @@ fn elastic(
 
 /// Friction: `Some(None)` is frictionless, `None` is wrong. The coefficients of a level go together: a static one
 /// replaces the dynamic one of the level before as well.
-fn friction(c: &mut Checker<'_>, levels: [(&str, &Section<RawFriction>); 2]) -> Option<Option<FrictionLaw>> {
+fn friction(c: &mut Checker<'_>, levels: &[&Keys<'_>]) -> Option<Option<FrictionLaw>> {
     let (mut mu_static, mut mu_dynamic) = (None, None);
     let (mut v_static, mut v_dynamic) = (defaults::V_STATIC_M_S, defaults::V_DYNAMIC_M_S);
     let mut place = None;
     let mut sound = true;
-    for (path, raw) in levels {
+    for keys in levels {
+        let (path, raw) = (keys.path, keys.friction);
         let key = |name: &str| format!("{path}.friction.{name}");
         if raw.mu_static.is_given() {
             mu_static = c.number(&key("mu_static"), &raw.mu_static, NOT_NEGATIVE);
@@ -198,7 +234,7 @@ fn friction(c: &mut Checker<'_>, levels: [(&str, &Section<RawFriction>); 2]) -> 
 pub fn limit(c: &mut Checker<'_>, raw: &Section<RawLimit>) -> Option<Option<NormalLaw>> {
     let enabled = c.or("limit.enabled", &raw.enabled, true);
     let mut law = defaults::LIMIT;
-    if let Some((k, e)) = spring(c, "limit", &raw.stiffness_si, &raw.exponent, law.exponent) {
+    if let Some((k, e)) = spring(c, "limit", &raw.stiffness_si, &raw.exponent, POSITIVE, law.exponent) {
         (law.stiffness_n_per_m_e, law.exponent) = (k, e);
     }
     law.damping_max_n_s_per_m = c.number_or("limit.damping", &raw.damping, NOT_NEGATIVE, law.damping_max_n_s_per_m);

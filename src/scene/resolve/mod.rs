@@ -2,7 +2,9 @@
 //!
 //! Every part is resolved even after another one failed, so that all problems are reported at once.
 
+mod bodies;
 mod contact;
+mod disc;
 mod drive;
 mod engine;
 mod finger;
@@ -10,24 +12,23 @@ mod object;
 mod run;
 mod start;
 
+pub use bodies::bodies;
+
 use std::path::Path;
 
 use super::check::{Checker, POSITIVE};
 use super::defaults;
+use super::entry::Entry;
 use super::error::Problem;
-use super::raw::RawScene;
+use super::kinds::{Choice, Text, Time};
+use super::raw::{RawLog, RawScene};
 use super::words::SceneKind;
 use super::{LogRates, Scene};
 
-/// Resolves a scene; `file_name` gives its default name.
-pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
-    let SceneKind::Finger = c.or("kind", &raw.kind, SceneKind::Finger);
-    let description = c.get("description", &raw.description).unwrap_or_default();
-    let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
-    let duration = match raw.duration.is_given() {
-        true => c.number("duration", &raw.duration, POSITIVE),
-        false => Some(defaults::DURATION_S),
-    };
+/// Resolves the scene of a finger; `file_name` gives its default name.
+pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
+    let Heading { name, description, duration } =
+        heading(&mut c, &raw.kind, &raw.name, &raw.description, &raw.duration, file_name);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
     let palm = c.or("palm", &raw.palm, true);
 
@@ -40,11 +41,10 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
     let limit = contact::limit(&mut c, &raw.limit);
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
     let integrator = run::integrator(&mut c, &raw.integrator);
-    let engine = engine::engine(&mut c, &raw.engine, contact);
+    let mu_static = contact.map(|contacts| contacts.proximal.friction.map_or(0.0, |law| law.mu_static));
+    let engine = engine::engine(&mut c, &raw.engine, mu_static);
     let bounds = engine::bounds(&mut c, &raw.validate, duration);
-    let log = LogRates {
-        numeric_hz: c.number_or("log.numeric_rate", &raw.log.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ),
-    };
+    let log = log(&mut c, &raw.log);
     // The start is judged only if what it stands on is sound.
     let sound = finger.zip(object).zip(limit);
     let initial = start::initial(&mut c, raw, &plan, sound);
@@ -78,6 +78,39 @@ pub fn resolve(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sc
         }),
         _ => Err(c.into_problems()),
     }
+}
+
+/// What every scene begins with.
+struct Heading {
+    name: String,
+    description: String,
+    /// `None` where it is wrong.
+    duration: Option<f64>,
+}
+
+fn heading(
+    c: &mut Checker<'_>,
+    kind: &Entry<Choice<SceneKind>>,
+    name: &Entry<Text>,
+    description: &Entry<Text>,
+    duration: &Entry<Time>,
+    file_name: &str,
+) -> Heading {
+    // The kind is known already, as far as it can be; a wrong word is noted here.
+    c.get("kind", kind);
+    Heading {
+        description: c.get("description", description).unwrap_or_default(),
+        name: c.get("name", name).unwrap_or_else(|| stem(file_name)),
+        duration: match duration.is_given() {
+            true => c.number("duration", duration, POSITIVE),
+            false => Some(defaults::DURATION_S),
+        },
+    }
+}
+
+fn log(c: &mut Checker<'_>, raw: &RawLog) -> LogRates {
+    let numeric_hz = c.number_or("log.numeric_rate", &raw.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ);
+    LogRates { numeric_hz }
 }
 
 /// The file's name without its extension.

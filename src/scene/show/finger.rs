@@ -1,26 +1,19 @@
-//! A scene as a complete scene file.
+//! The scene of a finger.
 
-use std::fmt::Write;
-
-use super::kinds::Words;
-use super::words::{EngineLaw, SceneKind, StepSizes};
-use super::{Actuation, Bounds, Engine, Response, Scene, SpringKind, Stepping};
+use super::super::kinds::Words;
+use super::super::words::SceneKind;
+use super::super::{Actuation, Bounds, Scene, SpringKind};
+use super::out::Out;
+use super::parts::{contact, engine, heading, integrator, log};
 use crate::gripper::Body;
-use crate::law::{ContactLaw, FrictionLaw};
-use crate::units::{Dimension, format, number};
+use crate::units::Dimension;
 
 /// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
 /// excepted).
 pub fn show(scene: &Scene) -> String {
     let mut out = Out::default();
-    out.comment("Scene with every default filled in; masses and lengths as simulated.");
-    out.text("name", &scene.name);
-    if !scene.description.is_empty() {
-        out.text("description", &scene.description);
-    }
-    out.text("kind", SceneKind::Finger.word());
-    out.quantity("duration", scene.duration_s, Dimension::Time);
-    out.quantities("gravity", &scene.gravity_m_s2, Dimension::Acceleration);
+    let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
+    heading(&mut out, SceneKind::Finger, heading_of);
     out.quantity("half_width", scene.finger.lengths.half_width_m, Dimension::Length);
     out.text("assembly", scene.finger.assembly.word());
     out.raw("palm", scene.palm);
@@ -132,24 +125,6 @@ fn laws(out: &mut Out, scene: &Scene) {
     contact(out, "contact.distal", &scene.contact.distal);
 }
 
-fn contact(out: &mut Out, path: &str, law: &ContactLaw) {
-    out.section(path);
-    out.float("stiffness_si", law.normal.stiffness_n_per_m_e);
-    out.float("exponent", law.normal.exponent);
-    out.quantity("damping", law.normal.damping_max_n_s_per_m, Dimension::LinearDamping);
-    out.quantity("transition", law.normal.transition_m, Dimension::Length);
-    out.section(&format!("{path}.friction"));
-    match &law.friction {
-        None => out.float("mu_static", 0.0),
-        Some(FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s }) => {
-            out.float("mu_static", *mu_static);
-            out.float("mu_dynamic", *mu_dynamic);
-            out.quantity("v_static", *v_static_m_s, Dimension::Speed);
-            out.quantity("v_dynamic", *v_dynamic_m_s, Dimension::Speed);
-        }
-    }
-}
-
 fn run(out: &mut Out, scene: &Scene) {
     let start = &scene.initial;
     out.section("initial");
@@ -157,44 +132,10 @@ fn run(out: &mut Out, scene: &Scene) {
     out.quantity("q21", start.q21_rad, Dimension::Angle);
     out.quantity("qd11", start.qd11_rad_s, Dimension::AngularRate);
     out.quantity("qd21", start.qd21_rad_s, Dimension::AngularRate);
-    let integrator = &scene.integrator;
-    out.section("integrator");
-    out.text("preset", integrator.preset.word());
-    out.text("method", integrator.method.word());
-    out.float("rtol", integrator.rtol);
-    out.quantity("atol_angle", integrator.atol_angle_rad, Dimension::Angle);
-    out.quantity("atol_rate", integrator.atol_rate_rad_s, Dimension::AngularRate);
-    out.raw("max_steps", integrator.max_steps);
+    integrator(out, &scene.integrator);
     engine(out, &scene.engine);
     validate(out, &scene.bounds);
-    out.section("log");
-    out.quantity("numeric_rate", scene.log.numeric_hz, Dimension::Frequency);
-}
-
-fn engine(out: &mut Out, engine: &Engine) {
-    out.section("engine");
-    out.text("construction", engine.construction.word());
-    match engine.response {
-        Response::Laws => out.text("law", EngineLaw::Scene.word()),
-        Response::Rapier { friction, restitution } => {
-            out.text("law", EngineLaw::Rapier.word());
-            out.float("friction", friction);
-            out.float("restitution", restitution);
-        }
-    }
-    match engine.stepping {
-        Stepping::Fixed { step_s } => {
-            out.text("stepping", StepSizes::Fixed.word());
-            out.quantity("step", step_s, Dimension::Time);
-        }
-        Stepping::Adaptive { tolerance_m, max_step_s } => {
-            out.text("stepping", StepSizes::Adaptive.word());
-            out.quantity("tolerance", tolerance_m, Dimension::Length);
-            out.quantity("max_step", max_step_s, Dimension::Time);
-        }
-    }
-    out.raw("iterations", engine.iterations);
-    out.raw("max_steps", engine.max_steps);
+    log(out, scene.log);
 }
 
 fn validate(out: &mut Out, bounds: &Bounds) {
@@ -205,44 +146,4 @@ fn validate(out: &mut Out, bounds: &Bounds) {
     out.float("impulse", bounds.impulse);
     out.quantity("loop_gap", bounds.loop_gap_m, Dimension::Length);
     out.quantity("until", bounds.until_s, Dimension::Time);
-}
-
-/// TOML text that grows line by line.
-#[derive(Default)]
-struct Out {
-    text: String,
-}
-
-impl Out {
-    fn comment(&mut self, text: &str) {
-        let _ = writeln!(self.text, "# {text}");
-    }
-
-    fn section(&mut self, path: &str) {
-        let _ = write!(self.text, "\n[{path}]\n");
-    }
-
-    fn raw(&mut self, key: &str, value: impl std::fmt::Display) {
-        let _ = writeln!(self.text, "{key} = {value}");
-    }
-
-    fn text(&mut self, key: &str, value: &str) {
-        self.raw(key, toml::Value::String(value.to_string()));
-    }
-
-    /// A TOML float: an integer would overflow where it is large.
-    fn float(&mut self, key: &str, value: f64) {
-        let text = number(value);
-        let suffix = if text.contains(['.', 'e']) { "" } else { ".0" };
-        self.raw(key, format_args!("{text}{suffix}"));
-    }
-
-    fn quantity(&mut self, key: &str, value: f64, dimension: Dimension) {
-        self.raw(key, format_args!("\"{}\"", format(value, dimension)));
-    }
-
-    fn quantities(&mut self, key: &str, values: &[f64], dimension: Dimension) {
-        let texts: Vec<String> = values.iter().map(|v| format!("\"{}\"", format(*v, dimension))).collect();
-        self.raw(key, format_args!("[{}]", texts.join(", ")));
-    }
 }

@@ -1,0 +1,146 @@
+//! The file beneath a log: chunks, channels, one clock. What a kind of scene says goes through here.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::{self, BufWriter, Write};
+
+use foxglove::Encode;
+use foxglove::messages::{Log, Timestamp, log::Level};
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use mcap::{Attachment, Compression, McapError, WriteOptions};
+
+use super::messages::stamp_ns;
+use super::metadata::{ATTACHMENT_MEDIA_TYPE, Logged, METADATA_NAME, RunInfo, metadata};
+
+/// Uncompressed size at which a chunk is closed, written and flushed: what a killed run loses at most.
+pub const CHUNK_BYTES: usize = 256 * 1024;
+
+/// Opcode, length, channel, sequence and two times of a message record.
+const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
+
+/// How much a line on `/events` matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    Info,
+    Error,
+}
+
+/// A channel of this log, by its place among them.
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelId(usize);
+
+struct Channel {
+    id: u16,
+    sequence: u32,
+}
+
+/// The MCAP file itself, buffered and never sought in, with its channels.
+pub struct Core<W: Write> {
+    mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
+    channels: Vec<Channel>,
+    /// Encoded message, reused.
+    buffer: Vec<u8>,
+    /// Uncompressed bytes in the open chunk.
+    pending: usize,
+    /// Latest log time.
+    clock_ns: u64,
+}
+
+impl<W: Write> Core<W> {
+    /// Starts a file: header, metadata, scene text.
+    pub fn start<S: Logged>(out: W, run: &RunInfo<'_, S>) -> Result<Self, McapError> {
+        let mut mcap = WriteOptions::new()
+            .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
+            .compression(Some(Compression::Zstd))
+            // One thread: the bytes must not depend on how many processors there are.
+            .compression_threads(0)
+            // Chunks end where `close_full_chunk` says, between samples, and reach the file whole.
+            .chunk_size(None)
+            .disable_seeking(true)
+            .create(NoSeek::new(BufWriter::new(out)))?;
+        mcap.write_metadata(&mcap::write::Metadata { name: METADATA_NAME.to_string(), metadata: metadata(run) })?;
+        mcap.attach(&Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: run.scene_file.to_string(),
+            media_type: ATTACHMENT_MEDIA_TYPE.to_string(),
+            data: Cow::Borrowed(run.scene.about().source.as_bytes()),
+        })?;
+        mcap.flush()?;
+        Ok(Core { mcap, channels: Vec::new(), buffer: Vec::with_capacity(256), pending: 0, clock_ns: 0 })
+    }
+
+    /// Registers the schema of `M` (once, however many channels share it) and a channel of it.
+    pub fn channel<M: Encode>(&mut self, topic: &str) -> Result<ChannelId, McapError> {
+        let schema = match M::get_schema() {
+            Some(schema) => self.mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
+            None => 0,
+        };
+        let id = self.mcap.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())?;
+        self.channels.push(Channel { id, sequence: 0 });
+        Ok(ChannelId(self.channels.len() - 1))
+    }
+
+    /// Log time of an instant: monotonic whatever rounding does.
+    pub fn tick(&mut self, time_s: f64) -> u64 {
+        self.clock_ns = self.clock_ns.max(stamp_ns(time_s));
+        self.clock_ns
+    }
+
+    /// Writes one message.
+    pub fn put<M: Encode>(&mut self, channel: ChannelId, log_time: u64, message: &M) -> Result<(), McapError> {
+        let Channel { id, sequence } = &mut self.channels[channel.0];
+        self.buffer.clear();
+        message.encode(&mut self.buffer).map_err(|error| McapError::Io(io::Error::other(error.to_string())))?;
+        let header = MessageHeader { channel_id: *id, sequence: *sequence, log_time, publish_time: log_time };
+        *sequence = sequence.wrapping_add(1);
+        self.mcap.write_to_known_channel(&header, &self.buffer)?;
+        self.pending += RECORD_OVERHEAD + self.buffer.len();
+        Ok(())
+    }
+
+    /// Writes a line of text on a channel of `foxglove.Log`.
+    pub fn line(
+        &mut self,
+        channel: ChannelId,
+        time_s: f64,
+        severity: Severity,
+        source: &str,
+        text: &str,
+    ) -> Result<(), McapError> {
+        let log_time = self.tick(time_s);
+        let level = match severity {
+            Severity::Info => Level::Info,
+            Severity::Error => Level::Error,
+        };
+        let message = Log {
+            // The stamp of a run longer than 136 years would not fit: it stays at the largest one.
+            timestamp: Some(Timestamp::new(
+                u32::try_from(log_time / 1_000_000_000).unwrap_or(u32::MAX),
+                (log_time % 1_000_000_000) as u32,
+            )),
+            level: level as i32,
+            message: text.to_string(),
+            name: source.to_string(),
+            ..Log::default()
+        };
+        self.put(channel, log_time, &message)
+    }
+
+    /// Closes and flushes the chunk once it is full.
+    pub fn close_full_chunk(&mut self) -> Result<(), McapError> {
+        if self.pending < CHUNK_BYTES {
+            return Ok(());
+        }
+        self.pending = 0;
+        self.mcap.flush()
+    }
+
+    /// Finishes the file (last chunk, index, footer), flushes it, and hands back what it was written to.
+    pub fn finish(mut self) -> Result<W, McapError> {
+        self.mcap.finish()?;
+        let buffered = self.mcap.into_inner().into_inner();
+        buffered.into_inner().map_err(|error| McapError::Io(error.into_error()))
+    }
+}

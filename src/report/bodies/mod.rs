@@ -1,0 +1,12 @@
+//! What a run of discs is reported as.
+
+mod document;
+mod text;
+
+pub use document::{BodiesReport, DiscReport, PairReport};
+pub use text::bodies_text;
+
+/// The report as one JSON document with a line end, see [`json`](super::json).
+pub fn bodies_json(report: &BodiesReport) -> String {
+    super::document_text(report)
+}

@@ -1,0 +1,141 @@
+//! The file of a scene of discs as it is written; see [`raw`](super::raw) for what both kinds of scene share.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::entry::{Entry, Section};
+use super::kinds::{
+    Acceleration, AngularRate, Choice, Flag, Inertia, Length, LinearDamping, Mass, Number, Pair, Speed, Text, Time,
+};
+use super::raw::{RawEngine, RawFriction, RawIntegrator, RawLog};
+use super::words::{Motion, SceneKind};
+
+/// A scene of kind "bodies": discs that are fixed, driven or free, and a half plane, to see the contact laws by
+/// themselves. A scene says only what differs from the defaults. Quantities are texts with a unit: "15 mm", "0.3 m/s".
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(title = "scene of discs")]
+pub struct RawBodiesScene {
+    /// Name in reports and logs. Default: the file's name without its extension.
+    pub name: Entry<Text>,
+    /// What the scene is for; not used by the simulation.
+    pub description: Entry<Text>,
+    /// Kind of scene: "bodies" are discs and a half plane. Required.
+    pub kind: Entry<Choice<SceneKind>>,
+    /// Simulated time.
+    #[schemars(extend("default" = "20 ms"))]
+    pub duration: Entry<Time>,
+    /// Gravity as x and y; acts on free discs. There is none by default.
+    #[schemars(extend("default" = ["0 m/s^2", "0 m/s^2"]))]
+    pub gravity: Entry<Pair<Acceleration>>,
+    pub discs: Section<RawDiscs>,
+    pub half_plane: Section<RawHalfPlane>,
+    pub contact: Section<RawBodiesContact>,
+    pub integrator: Section<RawIntegrator>,
+    pub engine: Section<RawEngine>,
+    pub validate: Section<RawBodiesValidate>,
+    pub log: Section<RawLog>,
+}
+
+/// Discs by their names.
+#[derive(Debug, Default, Deserialize)]
+#[serde(transparent)]
+pub struct RawDiscs(pub BTreeMap<Spanned<String>, Section<RawDisc>>);
+
+impl JsonSchema for RawDiscs {
+    fn schema_name() -> Cow<'static, str> {
+        "RawDiscs".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "Discs, each under a name of its own: [discs.hammer]. At least one must move.",
+            "type": "object",
+            "minProperties": 1,
+            "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "plane" } },
+            "additionalProperties": RawDisc::json_schema(generator),
+        })
+    }
+}
+
+/// A disc.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RawDisc {
+    /// Required.
+    pub radius: Entry<Length>,
+    /// Where its centre starts. Required.
+    pub centre: Entry<Pair<Length>>,
+    /// What moves it: "free": gravity and contact; "driven": `velocity`, `acceleration` and `spin`, whatever it meets;
+    /// "fixed": nothing.
+    #[schemars(extend("default" = "free"))]
+    pub motion: Entry<Choice<Motion>>,
+    /// Velocity of the centre at the start (motion = "free" or "driven").
+    #[schemars(extend("default" = ["0 m/s", "0 m/s"]))]
+    pub velocity: Entry<Pair<Speed>>,
+    /// Constant acceleration of the centre (motion = "driven").
+    #[schemars(extend("default" = ["0 m/s^2", "0 m/s^2"]))]
+    pub acceleration: Entry<Pair<Acceleration>>,
+    /// Angular rate at the start, counter-clockwise (motion = "free" or "driven").
+    #[schemars(extend("default" = "0 rad/s"))]
+    pub spin: Entry<AngularRate>,
+    /// Required with, and only with, motion = "free".
+    pub mass: Entry<Mass>,
+    /// Moment of inertia about the centre (motion = "free"). Default: of a homogeneous disc, mass × radius² / 2.
+    pub inertia: Entry<Inertia>,
+    /// Whether contact can turn it (motion = "free").
+    #[schemars(extend("default" = true))]
+    pub rotates: Entry<Flag>,
+}
+
+/// The half plane: everything below a level is solid and fixed. The section alone puts one there.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RawHalfPlane {
+    /// Height y of its surface.
+    #[schemars(extend("default" = "0 mm"))]
+    pub level: Entry<Length>,
+}
+
+/// Law of every contact.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RawBodiesContact {
+    /// Stiffness k in N/m^e, a plain number because its unit depends on the exponent e; 0 leaves the damper alone.
+    #[schemars(extend("default" = 1e8))]
+    pub stiffness_si: Entry<Number>,
+    /// Exponent e, at least 1; give it together with stiffness_si.
+    #[schemars(extend("default" = 2.2))]
+    pub exponent: Entry<Number>,
+    /// Damping c_max, fully engaged beyond the transition; 0 leaves the spring alone.
+    #[schemars(extend("default" = "1e6 N*s/m"))]
+    pub damping: Entry<LinearDamping>,
+    /// Penetration over which the damper engages.
+    #[schemars(extend("default" = "10 um"))]
+    pub transition: Entry<Length>,
+    pub friction: Section<RawFriction>,
+}
+
+/// How far the engine model may be from the analytic one before `phalanx validate` says no.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RawBodiesValidate {
+    /// Distance between the centres of a disc in both models, over the run up to `until`.
+    #[schemars(extend("default" = "1 um"))]
+    pub position: Entry<Length>,
+    /// Difference of the times two surfaces first touch.
+    #[schemars(extend("default" = "0.5 us"))]
+    pub contact_time: Entry<Time>,
+    /// Relative difference of the normal impulse of a pair, over the run up to `until`.
+    #[schemars(extend("default" = 5e-3))]
+    pub impulse: Entry<Number>,
+    /// Relative difference of the largest normal force of a pair.
+    #[schemars(extend("default" = 1e-2))]
+    pub peak_force: Entry<Number>,
+    /// End of the comparison, at most the duration: rebounds beyond may be chaotic. Default: the duration.
+    pub until: Entry<Time>,
+}

@@ -1,0 +1,88 @@
+//! A scene of discs.
+
+use super::super::check::{ANY, Checker};
+use super::super::error::Problem;
+use super::super::raw::RawEngine;
+use super::super::raw_bodies::RawBodiesScene;
+use super::super::{BodiesScene, Construction, DiscMotion, Engine, HalfPlane};
+use super::disc::{Placed, disc, judge_starts};
+use super::{Heading, contact, engine, heading, log, run};
+
+const NO_GRAVITY_M_S2: [f64; 2] = [0.0, 0.0];
+
+/// Resolves a scene of discs; `file_name` gives its default name.
+pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Result<BodiesScene, Vec<Problem>> {
+    let Heading { name, description, duration } =
+        heading(&mut c, &raw.kind, &raw.name, &raw.description, &raw.duration, file_name);
+    let gravity_m_s2 = c.or("gravity", &raw.gravity, NO_GRAVITY_M_S2);
+    let discs = discs(&mut c, raw, gravity_m_s2);
+    let half_plane = raw
+        .half_plane
+        .is_given()
+        .then(|| HalfPlane { level_m: c.number_or("half_plane.level", &raw.half_plane.level, ANY, 0.0) });
+    let contact = contact::contact(&mut c, &raw.contact);
+    let integrator = run::integrator(&mut c, &raw.integrator);
+    let mu_static = contact.map(|law| law.friction.map_or(0.0, |law| law.mu_static));
+    let engine = engine::engine(&mut c, &raw.engine, mu_static);
+    refuse_joints(&mut c, &raw.engine, engine);
+    let bounds = engine::bodies_bounds(&mut c, &raw.validate, duration);
+    let log = log(&mut c, &raw.log);
+    // Starts are judged only if everything they stand on is sound.
+    if let (Some(discs), true) = (&discs, c.is_clean()) {
+        judge_starts(&mut c, discs, half_plane);
+    }
+    match (discs, contact, duration.zip(engine)) {
+        (Some(discs), Some(contact), Some((duration_s, engine))) if c.is_clean() => Ok(BodiesScene {
+            name,
+            description,
+            source: c.text.to_string(),
+            discs: discs.into_iter().map(|placed| placed.disc).collect(),
+            half_plane,
+            contact,
+            gravity_m_s2,
+            duration_s,
+            integrator,
+            engine,
+            bounds,
+            log,
+        }),
+        _ => Err(c.into_problems()),
+    }
+}
+
+/// All discs in the order of their names; `None` where something is wrong with one, or with all.
+fn discs(c: &mut Checker<'_>, raw: &RawBodiesScene, gravity_m_s2: [f64; 2]) -> Option<Vec<Placed>> {
+    let named = &raw.discs.0;
+    if named.is_empty() {
+        let help = "a scene of discs needs one that moves: [discs.hammer] with radius, centre and mass";
+        c.missing("[discs.NAME]", &raw.discs, help);
+        return None;
+    }
+    let all: Vec<Option<Placed>> = named.iter().map(|(name, raw)| disc(c, name, raw)).collect();
+    let all: Vec<Placed> = all.into_iter().collect::<Option<_>>()?;
+    if !all.iter().any(|placed| placed.disc.motion.moves()) {
+        c.push(
+            raw.discs.span.clone(),
+            "every disc is fixed: nothing would happen",
+            "",
+            "let one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity",
+        );
+    }
+    let free = |placed: &Placed| matches!(placed.disc.motion, DiscMotion::Free { .. });
+    if gravity_m_s2 != NO_GRAVITY_M_S2 && !all.iter().any(free) {
+        c.unused("gravity", &raw.gravity, "without a disc of motion = \"free\"");
+    }
+    Some(all)
+}
+
+/// The other construction is one of joints.
+fn refuse_joints(c: &mut Checker<'_>, raw: &RawEngine, engine: Option<Engine>) {
+    if engine.is_some_and(|engine| engine.construction == Construction::Reduced) {
+        c.push(
+            raw.construction.span(),
+            "`engine.construction` is \"reduced\", but a scene of discs has no joints to make coordinates of",
+            "no joints",
+            "leave it out: every disc moves freely in the engine",
+        );
+    }
+}

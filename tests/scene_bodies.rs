@@ -1,0 +1,260 @@
+//! Scenes of discs: what they mean, what they are shown as, and what refuses them.
+
+use phalanx::cli::scene::{SceneCommand, answer};
+use phalanx::law::{FrictionLaw, NormalLaw};
+use phalanx::scene::{
+    self, AnyScene, BodiesBounds, BodiesScene, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response,
+};
+use proptest::prelude::*;
+use serde_json::Value;
+
+const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";
+
+fn parse(text: &str) -> BodiesScene {
+    match scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}")) {
+        AnyScene::Bodies(scene) => *scene,
+        AnyScene::Finger(_) => panic!("a finger:\n{text}"),
+    }
+}
+
+fn with(rest: &str) -> BodiesScene {
+    parse(&format!("kind = \"bodies\"\n{BALL}{rest}"))
+}
+
+/// `show` then `parse`: the same scene, bit for bit, but for its source.
+fn assert_round_trip(scene: &BodiesScene) {
+    let text = scene::show_bodies(scene);
+    let mut back = parse(&text);
+    assert_eq!(back.source, text);
+    assert_eq!(scene::show_bodies(&back), text);
+    back.source = scene.source.clone();
+    assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
+}
+
+#[test]
+fn a_short_scene_has_the_defaults() {
+    let scene = with("");
+    assert_eq!((scene.name.as_str(), scene.description.as_str()), ("test", ""));
+    assert_eq!((scene.gravity_m_s2, scene.duration_s, scene.half_plane), ([0.0; 2], 0.02, None));
+    let [ball] = scene.discs.as_slice() else { panic!("{:?}", scene.discs) };
+    assert_eq!((ball.name.as_str(), ball.radius_m, ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
+    // A homogeneous disc: m r²/2 = 0.05 × 0.02²/2.
+    let DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = ball.motion else { panic!("{ball:?}") };
+    assert_eq!((mass_kg, velocity_m_s, spin_rad_s), (0.05, [0.0; 2], 0.0));
+    assert!((inertia_kg_m2.expect("it turns") - 1e-5).abs() < 1e-19);
+    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    assert_eq!((scene.contact.normal, scene.contact.friction), (normal, None));
+    assert_eq!((scene.integrator, scene.engine), (Integrator::preset(Preset::Engineering), Engine::DEFAULT));
+    assert_eq!((scene.bounds, scene.log.numeric_hz), (BodiesBounds::over(0.02), 1e4));
+}
+
+#[test]
+fn every_key_is_heard() {
+    let scene = parse(
+        "name = \"all\"\ndescription = \"of them\"\nkind = \"bodies\"\nduration = \"7 ms\"\n\
+         gravity = [\"1 m/s^2\", \"-9.81 m/s^2\"]\n\
+         [discs.b]\nradius = \"1 cm\"\ncentre = [\"0 mm\", \"1 mm\"]\nmotion = \"driven\"\nvelocity = [\"1 m/s\", \"2 m/s\"]\n\
+         acceleration = [\"3 m/s^2\", \"4 m/s^2\"]\nspin = \"5 rad/s\"\n\
+         [discs.a]\nradius = \"2 cm\"\ncentre = [\"0 mm\", \"30 mm\"]\nvelocity = [\"-1 m/s\", \"0 m/s\"]\nspin = \"60 rpm\"\n\
+         mass = \"2 kg\"\ninertia = \"3 kg*m^2\"\n\
+         [discs.d]\nradius = \"1 mm\"\ncentre = [\"0 mm\", \"90 mm\"]\nmass = \"1 g\"\nrotates = false\n\
+         [discs.c]\nradius = \"1 mm\"\ncentre = [\"0 mm\", \"80 mm\"]\nmotion = \"fixed\"\n\
+         [half_plane]\nlevel = \"-3 mm\"\n\
+         [contact]\nstiffness_si = 5\nexponent = 1\ndamping = \"0 N*s/m\"\ntransition = \"1 mm\"\n[contact.friction]\n\
+         mu_static = 0.5\n[engine]\nlaw = \"rapier\"\nrestitution = 0.4\n[validate]\nposition = \"2 um\"\n\
+         contact_time = \"3 us\"\nimpulse = 0.04\npeak_force = 0.05\nuntil = \"6 ms\"\n[log]\nnumeric_rate = \"1 kHz\"\n",
+    );
+    assert_eq!((scene.name.as_str(), scene.description.as_str(), scene.duration_s), ("all", "of them", 7e-3));
+    assert_eq!((scene.gravity_m_s2, scene.half_plane), ([1.0, -9.81], Some(HalfPlane { level_m: -3e-3 })));
+    let names: Vec<&str> = scene.discs.iter().map(|disc| disc.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "c", "d"], "in the order of their names");
+    let motions: Vec<DiscMotion> = scene.discs.iter().map(|disc| disc.motion).collect();
+    let spin_rad_s = std::f64::consts::TAU;
+    let free = |mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s| DiscMotion::Free {
+        mass_kg,
+        inertia_kg_m2,
+        velocity_m_s,
+        spin_rad_s,
+    };
+    assert_eq!(motions[0], free(2.0, Some(3.0), [-1.0, 0.0], spin_rad_s));
+    let driven = DiscMotion::Driven { velocity_m_s: [1.0, 2.0], acceleration_m_s2: [3.0, 4.0], spin_rad_s: 5.0 };
+    assert_eq!(motions[1], driven);
+    assert_eq!(motions[2], DiscMotion::Fixed);
+    assert_eq!(motions[3], free(1e-3, None, [0.0; 2], 0.0));
+    let normal = NormalLaw { stiffness_n_per_m_e: 5.0, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1e-3 };
+    let friction = FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
+    assert_eq!((scene.contact.normal, scene.contact.friction), (normal, Some(friction)));
+    assert_eq!(scene.engine.response, Response::Rapier { friction: 0.5, restitution: 0.4 });
+    let bounds =
+        BodiesBounds { position_m: 2e-6, contact_time_s: 3e-6, impulse: 0.04, peak_force: 0.05, until_s: 6e-3 };
+    assert_eq!((scene.bounds, scene.log.numeric_hz), (bounds, 1e3));
+    assert_round_trip(&scene);
+}
+
+#[test]
+fn pairs_are_those_of_which_one_moves_and_have_names() {
+    let scene = with(
+        "[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\nmotion = \"fixed\"\n\
+         [discs.post]\nradius = \"10 mm\"\ncentre = [\"90 mm\", \"20 mm\"]\nmotion = \"fixed\"\n",
+    );
+    let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
+    assert_eq!(names, ["ball-anvil", "ball-post", "ball-plane"]);
+    assert_eq!(scene.pairs()[2].partner, Partner::HalfPlane);
+}
+
+#[test]
+fn surfaces_may_overlap_at_the_start_and_either_half_of_the_law_may_be_missing() {
+    let post = "[discs.post]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"55 mm\"]\nmotion = \"fixed\"\n";
+    with(&format!("{post}[half_plane]\nlevel = \"10 mm\"\n"));
+    assert_eq!(with("[contact]\nstiffness_si = 0\n").contact.normal.stiffness_n_per_m_e, 0.0);
+    assert_eq!(with("[contact]\ndamping = \"0 N*s/m\"\n").contact.normal.damping_max_n_s_per_m, 0.0);
+}
+
+#[test]
+fn a_finger_is_not_read_from_a_scene_of_discs() {
+    let text = format!("kind = \"bodies\"\n{BALL}");
+    let error = scene::parse(&text, "ball.toml").expect_err("discs");
+    assert_eq!(
+        error.to_string(),
+        "error: this is a scene of kind \"bodies\", but only one of kind \"finger\" will do here\n --> ball.toml:1:8\n  |\n\
+         1 | kind = \"bodies\"\n  |        ^^^^^^^^ another kind\n  = help: give the scene of a finger; scenes of discs are for \
+         `phalanx run`, `validate` and `scene`"
+    );
+}
+
+/// Every `default` in the JSON Schema, written into a scene, changes nothing.
+#[test]
+fn documented_defaults_are_the_real_ones() {
+    fn collect(schema: &Value, path: &str, found: &mut Vec<(String, String)>) {
+        let named =
+            schema["additionalProperties"].as_object().map(|_| ("ball".to_string(), &schema["additionalProperties"]));
+        let listed =
+            schema["properties"].as_object().into_iter().flatten().map(|(key, property)| (key.clone(), property));
+        for (key, property) in listed.chain(named) {
+            let here = if path.is_empty() { key } else { format!("{path}.{key}") };
+            if let Some(default) = property.get("default") {
+                found.push((here.clone(), default.to_string()));
+            }
+            collect(property, &here, found);
+        }
+    }
+    let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
+    let mut found = Vec::new();
+    collect(&schema["then"], "", &mut found);
+    assert!(found.len() >= 20, "{found:?}");
+    let ball = "discs.ball.radius = \"20 mm\"\ndiscs.ball.centre = [\"1 mm\", \"25 mm\"]\n";
+    for (key, value) in found {
+        let driven = "discs.ball.motion = \"driven\"\n";
+        // What the default only means together with another key.
+        let more = match key.as_str() {
+            "discs.ball.acceleration" => driven,
+            "contact.exponent" => "discs.ball.mass = \"1 g\"\ncontact.stiffness_si = 1e8\n",
+            "engine.restitution" => "discs.ball.mass = \"1 g\"\nengine.law = \"rapier\"\n",
+            "half_plane.level" => "discs.ball.mass = \"1 g\"\nhalf_plane = {}\n",
+            k if k.starts_with("contact.friction.v_") => {
+                "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\n"
+            }
+            _ => "discs.ball.mass = \"1 g\"\n",
+        };
+        let plain = format!("kind = \"bodies\"\n{ball}{more}");
+        let explicit = match key.as_str() {
+            "half_plane.level" => plain.replace("{}", &format!("{{ level = {value} }}")),
+            _ => format!("{plain}{key} = {value}\n"),
+        };
+        let (mut a, mut b) = (parse(&plain), parse(&explicit));
+        (a.source, b.source) = (String::new(), String::new());
+        assert_eq!(a, b, "{key} = {value}");
+    }
+}
+
+/// Both kinds in one schema: no key of one is let through in the other.
+#[test]
+fn the_schema_tells_the_kinds_apart() {
+    let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
+    assert_eq!(
+        schema["if"],
+        serde_json::json!({ "properties": { "kind": { "const": "bodies" } }, "required": ["kind"] })
+    );
+    for (branch, own, other) in [("then", "discs", "design"), ("else", "design", "discs")] {
+        let branch = &schema[branch];
+        assert_eq!(branch["additionalProperties"], Value::Bool(false));
+        assert!(branch["properties"].get(own).is_some() && branch["properties"].get(other).is_none());
+        assert_eq!(branch["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies"]));
+    }
+    assert_eq!(
+        schema["then"]["properties"]["discs"]["additionalProperties"]["additionalProperties"],
+        Value::Bool(false)
+    );
+}
+
+#[test]
+fn scene_commands_take_discs() {
+    let file = std::env::temp_dir().join(format!("phalanx-{}-discs.toml", std::process::id()));
+    let text = format!(
+        "kind = \"bodies\"\n{BALL}[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\n\
+         motion = \"fixed\"\n"
+    );
+    std::fs::write(&file, text).expect("write");
+    let shown = answer(&SceneCommand::Show { scene: file.clone() });
+    let checked = answer(&SceneCommand::Check { scenes: vec![file.clone()] });
+    let _ = std::fs::remove_file(&file);
+    assert!(shown.good, "{shown:?}");
+    assert_round_trip(&parse(&shown.stdout));
+    assert!(
+        checked.stdout.ends_with("good: discs: free ball; fixed anvil; half plane at 0.00 mm; 2 pairs; 20.0 ms\n"),
+        "{checked:?}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_numbers_come_back_bit_for_bit(
+        radius in 1e-6..1.0f64, x in -1.0..1.0f64, mass in 1e-9..1e3f64, velocity in -1e3..1e3f64, spin in -1e4..1e4f64,
+        gravity in -1e2..1e2f64, level in -10.0..-2.0f64, k in 0.0..1e25f64, exponent in 1.0..3.0f64, c in 1e-9..1e9f64,
+        bound in 1e-12..1e3f64, duration in 1e-9..1e3f64, rotates in proptest::bool::ANY, driven in proptest::bool::ANY,
+        name in "[A-Za-z][A-Za-z0-9_]{0,12}",
+    ) {
+        prop_assume!(name != "plane" && name != "other");
+        let motion = match (driven, rotates) {
+            (true, _) => format!("motion = \"driven\"\nspin = \"{spin} deg/s\"\nacceleration = [\"{gravity} m/s^2\", \"{x} cm/s^2\"]"),
+            (false, true) => format!("mass = \"{mass} g\"\nspin = \"{spin} rpm\""),
+            (false, false) => format!("mass = \"{mass} g\"\nrotates = false"),
+        };
+        let text = format!(
+            "kind = \"bodies\"\nduration = \"{duration} s\"\ngravity = [\"{gravity} m/s^2\", \"{x} m/s^2\"]\n\
+             [discs.{name}]\nradius = \"{radius} m\"\ncentre = [\"{x} m\", \"0.1 m\"]\nvelocity = [\"{velocity} cm/s\", \"1 m/s\"]\n\
+             {motion}\n[discs.other]\nradius = \"1 mm\"\ncentre = [\"9 m\", \"0 m\"]\nmass = \"{mass} kg\"\n\
+             [half_plane]\nlevel = \"{level} mm\"\n\
+             [contact]\nstiffness_si = {k:?}\nexponent = {exponent:?}\ndamping = \"{c} N*s/m\"\n[validate]\n\
+             position = \"{bound} um\"\npeak_force = {bound:?}\nuntil = \"{duration} s\"\n"
+        );
+        assert_round_trip(&parse(&text));
+    }
+
+    /// Any value in the place of any other gives a scene or a message, never a panic.
+    #[test]
+    fn swapped_values_never_panic(line in 0usize..60, value in 0usize..100) {
+        let values = [
+            "0", "-1", "1e300", "nan", "inf", "\"\"", "\"1e-300 mm\"", "\"1e300 mm\"", "\"5e-324 kg\"", "\"1e300 kg\"", "true",
+            "[]", "{}", "[[]]", "[\"1 m\", 2]", "[\"1e300 m\", \"1e300 m\"]", "\"driven\"", "\"fixed\"", "\"finger\"",
+            "\"reduced\"", "5e-324", "1.7e308", "[\"nan m/s\", \"0 m/s\"]",
+        ];
+        let text = scene::show_bodies(&with(
+            "[half_plane]\n[discs.hand]\nradius = \"1 mm\"\ncentre = [\"90 mm\", \"50 mm\"]\nmotion = \"driven\"\n[contact.friction]\n\
+             mu_static = 0.3\n",
+        ));
+        let mut lines: Vec<String> = text.lines().map(String::from).collect();
+        let count = lines.len();
+        let target = &mut lines[line % count];
+        if let Some((key, _)) = target.split_once(" = ") {
+            *target = format!("{key} = {}", values[value % values.len()]);
+        }
+        match scene::parse_any(&lines.join("\n"), "swapped.toml") {
+            Ok(AnyScene::Bodies(scene)) => assert_round_trip(&scene),
+            Ok(AnyScene::Finger(_)) => prop_assert!(false, "a finger"),
+            Err(error) => prop_assert!(error.to_string().starts_with("error: ")),
+        }
+    }
+}
