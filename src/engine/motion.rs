@@ -222,7 +222,7 @@ impl<'a> Motion<'a> {
             let (mu, slope) = friction_coefficient(friction, contact.rate[tangent]);
             settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], mu, (dt * force * slope).max(0.0));
         }
-        settled.solve(&mut self.linkage, &mut self.velocities);
+        self.contact_work_j += settled.solve(&mut self.linkage, &mut self.velocities);
         for (index, size) in settled.found() {
             contact.late[index] += size;
         }

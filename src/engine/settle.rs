@@ -22,6 +22,8 @@ pub struct Settled {
     drag: Vec<f64>,
     response: Vec<Twist>,
     w: Vec<f64>,
+    /// Rates before anything is settled.
+    rates: Vec<f64>,
     size: Vec<f64>,
 }
 
@@ -61,15 +63,17 @@ impl Settled {
         self.indices.iter().copied().zip(self.size.iter().copied())
     }
 
-    /// Changes velocities so that every row has its rate.
-    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) {
+    /// Changes velocities so that every row has its rate; returns the work of the impulses on the bodies.
+    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) -> f64 {
         let (count, bodies) = (self.rows.len(), velocities.len());
         if count == 0 {
-            return;
+            return 0.0;
         }
         respond(&self.rows, linkage, bodies, &mut self.response, &mut self.w);
         // (1 + D W) p = D (wanted − u), D the stiffness of each row; along a tangent −μ times its normal's impulse besides.
-        self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
+        self.rates.clear();
+        self.rates.extend(self.rows.iter().map(|row| row.rate(velocities)));
+        self.size.extend(self.rates.iter().zip(&self.wanted).map(|(rate, wanted)| wanted - rate));
         for (i, (line, stiffness)) in self.w.chunks_exact_mut(count).zip(&self.stiffness).enumerate() {
             self.size[i] *= stiffness;
             line.iter_mut().for_each(|w| *w *= stiffness);
@@ -80,7 +84,7 @@ impl Settled {
         }
         if !dense::solve(&mut self.w, &mut self.size, count) {
             self.size.fill(0.0);
-            return;
+            return 0.0;
         }
         for j in 0..count {
             let most = self.size[j].max(-self.available[j]);
@@ -97,5 +101,9 @@ impl Settled {
                 }
             }
         }
+        // An impulse does the work of the mean of the rates before and after it.
+        let mean = |(row, before): (&Row, &f64)| 0.5 * (before + row.rate(velocities));
+        let means = self.rows.iter().zip(&self.rates).map(mean);
+        means.zip(&self.size).map(|(rate, size)| rate * size).sum()
     }
 }
