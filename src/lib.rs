@@ -27,6 +27,7 @@ pub mod docs;
 pub mod engine;
 pub mod gripper;
 pub mod integrator;
+pub mod invariants;
 pub mod law;
 pub mod log;
 pub mod numeric;

@@ -19,7 +19,7 @@ use super::touch::{self, Touch};
 use super::world::World;
 use super::{drive, forces};
 use crate::integrator::Clock;
-use crate::law::normal_force;
+use crate::law::{friction_coefficient, normal_force};
 use crate::scene::Construction;
 
 /// Why a step could not be taken.
@@ -196,7 +196,8 @@ impl<'a> Motion<'a> {
 
     /// Late impulses were found with the directions and loads of the step's start. Where a contact presses on, what they
     /// miss at its end shows as a rate the contact cannot have: as joints are, such rows are brought back to the rate that
-    /// the contact's own equations end with. Nothing may pull: a contact whose late impulse would turn negative is let go.
+    /// the contact's own equations end with; and where friction creeps, so is the slip. Nothing may pull: a contact whose
+    /// late impulse would turn negative is let go.
     fn settle(&mut self) {
         let dt = self.last_dt_s;
         let Self { space, contact, touches, settled, .. } = self;
@@ -211,6 +212,11 @@ impl<'a> Motion<'a> {
             let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[normal]);
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
             settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
+            let Some((tangent, friction)) = site.tangent.zip(touch.friction.as_ref()) else { continue };
+            let creep = dt * force * friction_coefficient(friction, contact.rate[tangent]).1;
+            if creep > 0.0 {
+                settled.take(tangent, touch.slip_row, contact.rate[tangent], f64::INFINITY, creep);
+            }
         }
         settled.solve(&mut self.linkage, &mut self.velocities);
         for (index, size) in settled.found() {

@@ -88,9 +88,9 @@ fn turning(motion: &Motion) -> f64 {
     let rows = motion.space.len();
     let of = |at: &super::space::Site| {
         let row = &motion.space.rows[at.normal];
-        let turn = |(body, _): &(usize, _)| motion.velocities[*body][2].abs();
+        let turn = std::iter::once(&row.on).chain(&row.against).map(|(body, _)| motion.velocities[*body][2].abs());
         let pushed = motion.space.w[at.normal * (rows + 1)] * motion.contact.force[at.normal];
-        if row.against.is_none() { pushed * turn(&row.on) } else { 0.0 }
+        if at.touch.is_between_surfaces() { pushed * turn.fold(0.0, f64::max) } else { 0.0 }
     };
     motion.space.sites.iter().map(of).fold(0.0, f64::max)
 }

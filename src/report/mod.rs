@@ -14,8 +14,8 @@ pub use document::{
 pub use text::{duration, text};
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,
-    DifferencesReport, DiscDifference, DiscDifferences, DiscErrors, ImpactReport, JointErrors, ModelReport,
-    PairDifference, SettingReport, Status, ValidationReport, bodies_series, bodies_validation_json,
+    DifferencesReport, DiscDifference, DiscDifferences, DiscErrors, FindingReport, ImpactReport, JointErrors,
+    ModelReport, PairDifference, SettingReport, Status, ValidationReport, bodies_series, bodies_validation_json,
     bodies_validation_text, series, validation_json, validation_text,
 };
 

@@ -1,6 +1,7 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
 use super::{Cost, MEMBERS, Rung, Subject, Verdict, cost, ladder, own, reference, sampled};
+use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::trace::{Model, RunError};
 
@@ -38,6 +39,9 @@ pub struct Validation<S: Subject = Scene> {
     pub engine: S::Recording,
     /// Of the engine as the scene says: worst of the ensemble.
     pub differences: S::Differences,
+    /// How near the two runs above came to breaking an invariant.
+    pub reference_invariants: Vec<Finding>,
+    pub engine_invariants: Vec<Finding>,
     pub rows: Vec<Row<S::Differences>>,
     pub verdict: Verdict,
 }
@@ -102,9 +106,16 @@ pub fn validate<S: Subject>(
         };
         rows.push(Row { rung, tried });
     }
+    let reference_invariants = reference(scene).invariants(Model::Analytic, &references[0]);
+    let engine_invariants = scene.invariants(Model::Engine, &engine);
     Ok(Validation {
         bounds: scene.bounds(),
-        verdict: scene.judge(&differences),
+        verdict: scene
+            .judge(&differences)
+            .and_invariants("analytic_invariants", &reference_invariants)
+            .and_invariants("engine_invariants", &engine_invariants),
+        reference_invariants,
+        engine_invariants,
         reference: references.into_iter().next().unwrap_or_default(),
         engine,
         differences,

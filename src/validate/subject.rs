@@ -4,8 +4,9 @@ use std::error::Error;
 use std::fmt::Debug;
 
 use super::{Comparison, Differences, Recording, Verdict, compare, ensemble, verdicts};
+use crate::invariants::{Finding, Invariants};
 use crate::scene::{Bounds, Engine, Integrator, LogRates, Preset, Scene};
-use crate::trace::{Model, RunError, run};
+use crate::trace::{Model, RunError, Sink, run};
 
 /// Samples that the grid of a reference has at most: five references of 350 bytes a sample stay below 200 MB.
 const MOST_SAMPLES: f64 = 1e5;
@@ -52,6 +53,8 @@ pub trait Subject: Clone + Debug + PartialEq {
     /// The worse of each figure.
     fn worse(a: &Self::Differences, b: &Self::Differences) -> Self::Differences;
     fn judge(&self, found: &Self::Differences) -> Verdict;
+    /// How near a kept run came to breaking each invariant.
+    fn invariants(&self, model: Model, run: &Self::Recording) -> Vec<Finding>;
 }
 
 impl Subject for Scene {
@@ -130,6 +133,14 @@ impl Subject for Scene {
 
     fn judge(&self, found: &Differences) -> Verdict {
         verdicts(found, &self.bounds)
+    }
+
+    fn invariants(&self, model: Model, run: &Recording) -> Vec<Finding> {
+        let mut invariants = Invariants::new(model, self);
+        for sample in &run.samples {
+            invariants.sample(sample).expect("measuring writes nothing");
+        }
+        invariants.findings(run.outcome.loop_gap_m)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::Differences;
 use super::difference::larger;
+use crate::invariants::Finding;
 use crate::scene::Bounds;
 
 /// One bound of the scene and what was measured.
@@ -33,6 +34,16 @@ impl Verdict {
     /// Whether every bound holds.
     pub fn passed(&self) -> bool {
         self.checks.iter().all(Check::passed)
+    }
+}
+
+impl Verdict {
+    /// With the invariants of a run judged too: the worst of them, as a part of what is allowed.
+    pub fn and_invariants(mut self, bound: &'static str, found: &[Finding]) -> Self {
+        let worst = found.iter().map(Finding::share).fold(0.0, f64::max);
+        let meaning = "worst invariant, as a part of what is allowed";
+        self.checks.push(Check { bound, meaning, measured: Some(worst), limit: 1.0 });
+        self
     }
 }
 

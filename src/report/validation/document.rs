@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::super::document::{Contacts, Energies, Final};
+use super::invariants::FindingReport;
+use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::trace::Site;
 use crate::validate::{
@@ -69,6 +71,8 @@ pub struct ModelReport {
     pub contacts: Contacts,
     pub energy: Energies,
     pub loop_gap_m: f64,
+    /// How near this run came to breaking each invariant.
+    pub invariants: Vec<FindingReport>,
 }
 
 /// One touch-down of a phalanx in both models.
@@ -186,8 +190,12 @@ impl ValidationReport {
             ensemble_runs: MEMBERS,
             ensemble_torque_step: TORQUE_STEP,
             verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
-            analytic: ModelReport::new(row(|row| row.rung.is_reference()), &found.reference),
-            engine: ModelReport::new(row(|row| row.rung.own), &found.engine),
+            analytic: ModelReport::new(
+                row(|row| row.rung.is_reference()),
+                &found.reference,
+                &found.reference_invariants,
+            ),
+            engine: ModelReport::new(row(|row| row.rung.own), &found.engine, &found.engine_invariants),
             impacts: impacts(&found.reference, &found.engine),
             differences: DifferencesReport::from(&found.differences),
             quick,
@@ -199,7 +207,7 @@ impl ValidationReport {
 }
 
 impl ModelReport {
-    fn new(row: Option<&Row>, recording: &Recording) -> Self {
+    fn new(row: Option<&Row>, recording: &Recording, invariants: &[Finding]) -> Self {
         let outcome = &recording.outcome;
         let cost = row.and_then(|row| match row.tried {
             Tried::Done { cost, .. } => Some(cost),
@@ -213,6 +221,7 @@ impl ModelReport {
             contacts: Contacts::from(outcome),
             energy: Energies::from(&outcome.last.energy),
             loop_gap_m: outcome.loop_gap_m,
+            invariants: invariants.iter().map(FindingReport::from).collect(),
         }
     }
 }

@@ -4,6 +4,7 @@
 mod bodies_document;
 mod bodies_text;
 mod document;
+mod invariants;
 mod series;
 mod text;
 
@@ -15,6 +16,7 @@ pub use document::{
     AngleDifference, CheckReport, ContactDifference, DifferencesReport, ImpactReport, JointErrors, ModelReport,
     SettingReport, Status, ValidationReport,
 };
+pub use invariants::FindingReport;
 pub use series::{COLUMNS, bodies_series, series};
 pub use text::validation_text;
 

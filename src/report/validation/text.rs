@@ -25,7 +25,12 @@ pub fn validation_text(report: &ValidationReport) -> String {
         directory: report.directory.as_deref(),
         files: report.files.as_deref(),
     });
-    let mut sections = vec![heading, checks(&report.verdict), side_by_side(report)];
+    let mut sections = vec![heading, checks(&report.verdict)];
+    let broken = broken(report);
+    if !broken.is_empty() {
+        sections.push(broken);
+    }
+    sections.push(side_by_side(report));
     if !report.impacts.is_empty() {
         sections.push(impacts(&report.impacts));
     }
@@ -96,6 +101,17 @@ pub(super) fn checks(checks: &[CheckReport]) -> String {
         rows.push(row([&format!("{} ({})", check.bound, check.meaning), &measured, &figure(check.limit, 3), passed]));
     }
     table(&rows)
+}
+
+/// The invariants that were broken, a line each.
+fn broken(report: &ValidationReport) -> String {
+    let mut text = String::new();
+    for (name, model) in [("analytic", &report.analytic), ("engine", &report.engine)] {
+        for found in model.invariants.iter().filter(|found| !found.held) {
+            let _ = writeln!(text, "broken by the {name} model ({}): {}", found.meaning, found.line);
+        }
+    }
+    text
 }
 
 fn side_by_side(report: &ValidationReport) -> String {

@@ -3,9 +3,10 @@
 use super::super::{Check, Subject, TORQUE_STEP, Verdict};
 use super::difference::compare;
 use super::{BodiesComparison, BodiesDifferences, BodiesRecording};
+use crate::invariants::{Finding, Invariants};
 use crate::scene::{BodiesBounds, BodiesScene, DiscMotion, Engine, Integrator, LogRates};
 use crate::trace::Model;
-use crate::trace::bodies::{BodiesRunError, run_bodies};
+use crate::trace::bodies::{BodiesRunError, BodiesSink, run_bodies};
 
 impl Subject for BodiesScene {
     type Bounds = BodiesBounds;
@@ -113,5 +114,13 @@ impl Subject for BodiesScene {
                 check("peak_force", "relative difference of a largest normal force", found.peak_force(), peak_force),
             ],
         }
+    }
+
+    fn invariants(&self, model: Model, run: &BodiesRecording) -> Vec<Finding> {
+        let mut invariants = Invariants::of_discs(model, self);
+        for sample in &run.samples {
+            invariants.sample(sample).expect("measuring writes nothing");
+        }
+        invariants.findings(0.0)
     }
 }

@@ -1,0 +1,177 @@
+//! Measures every invariant as a run goes by, whatever it is a run of.
+
+use super::{Finding, Invariant, Tolerances};
+use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
+use crate::trace::Energy;
+
+/// Slack of bounds that hold in exact arithmetic.
+const ROUNDING: f64 = 1e-9;
+
+/// Two surfaces, or a joint and its stop, that can meet.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    pub name: String,
+    pub law: NormalLaw,
+    pub friction: Option<FrictionLaw>,
+    /// What a depth beyond its energy breaks.
+    pub depth: Invariant,
+}
+
+/// What a place says at one instant. For a stop, read rad for m and N·m for N.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reading {
+    pub gap_m: f64,
+    pub normal_n: f64,
+    pub tangential_n: f64,
+    pub slip_m_s: f64,
+    pub impulse_n_s: f64,
+}
+
+/// A sink that measures how near a run comes to breaking each [`Invariant`].
+#[derive(Clone, Debug)]
+pub struct Invariants {
+    tolerances: Tolerances,
+    places: Vec<Place>,
+    found: [Worst; 8],
+    start: Option<Energy>,
+    /// Most energy that was ever about: kinetic, stored, dissipated, and the motor's work.
+    throughput_j: f64,
+    /// Largest |balance| and fall of what is dissipated, and when; judged once the throughput is known.
+    imbalance: (f64, f64),
+    fall: (f64, f64),
+    dissipated_j: f64,
+    impulses: Vec<f64>,
+    last_s: f64,
+    samples: u64,
+}
+
+/// The worst of one invariant so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Worst {
+    place: Option<usize>,
+    time_s: f64,
+    measured: f64,
+    allowed: f64,
+}
+
+impl Invariants {
+    pub(super) fn watching(tolerances: Tolerances, places: Vec<Place>) -> Self {
+        Self {
+            tolerances,
+            impulses: vec![0.0; places.len()],
+            places,
+            found: [Worst::default(); 8],
+            start: None,
+            throughput_j: 0.0,
+            imbalance: (0.0, 0.0),
+            fall: (0.0, 0.0),
+            dissipated_j: f64::NEG_INFINITY,
+            last_s: 0.0,
+            samples: 0,
+        }
+    }
+
+    /// Samples looked at.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// The worst of every invariant, once the run is over; `loop_gap_m` is the largest opening of a joint in it.
+    pub fn findings(mut self, loop_gap_m: f64) -> Vec<Finding> {
+        let allowed = self.tolerances.energy * self.throughput_j;
+        let (imbalance, fall, last_s) = (self.imbalance, self.fall, self.last_s);
+        self.note(Invariant::Energy, None, imbalance.1, imbalance.0, allowed);
+        self.note(Invariant::Passivity, None, fall.1, fall.0, allowed);
+        self.note(Invariant::LoopGap, None, last_s, loop_gap_m, self.tolerances.loop_gap_m);
+        let finding = |(invariant, worst): (Invariant, &Worst)| Finding {
+            invariant,
+            place: worst.place.map(|index| self.places[index].name.clone()),
+            time_s: worst.time_s,
+            measured: worst.measured,
+            allowed: worst.allowed,
+        };
+        Invariant::ALL.into_iter().zip(&self.found).map(finding).collect()
+    }
+
+    /// One instant: how many of its numbers are none, its energies, and what every place says.
+    pub(super) fn look(
+        &mut self,
+        time_s: f64,
+        strange: usize,
+        energy: &Energy,
+        readings: impl IntoIterator<Item = Reading>,
+    ) {
+        self.samples += 1;
+        self.last_s = time_s;
+        self.note(Invariant::Finite, None, time_s, strange as f64, 0.0);
+        if strange > 0 {
+            return;
+        }
+        let start = *self.start.get_or_insert(*energy);
+        self.energy(time_s, energy);
+        let given = start.kinetic_j + start.elastic_j + energy.motor_work_j;
+        let released = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
+        let available_j = given + released + self.tolerances.energy * self.throughput_j;
+        for (index, reading) in readings.into_iter().enumerate() {
+            self.place(index, &reading, time_s, available_j);
+            self.friction(index, &reading, time_s);
+        }
+    }
+
+    fn note(&mut self, invariant: Invariant, place: Option<usize>, time_s: f64, measured: f64, allowed: f64) {
+        let worst = &mut self.found[invariant as usize];
+        if Finding::part(measured, allowed) > Finding::part(worst.measured, worst.allowed) {
+            *worst = Worst { place, time_s, measured, allowed };
+        }
+    }
+
+    fn energy(&mut self, time_s: f64, energy: &Energy) {
+        let stored = energy.kinetic_j + energy.elastic_j + energy.dissipated_j.abs();
+        let moved = energy.motor_work_j.abs() + energy.spring_j.abs() + energy.gravity_j.abs();
+        self.throughput_j = self.throughput_j.max(stored).max(moved);
+        worst(&mut self.imbalance, energy.balance_j.abs(), time_s);
+        self.dissipated_j = self.dissipated_j.max(energy.dissipated_j);
+        worst(&mut self.fall, self.dissipated_j - energy.dissipated_j, time_s);
+    }
+
+    /// Depth, force and impulse.
+    fn place(&mut self, index: usize, reading: &Reading, time_s: f64, available_j: f64) {
+        let at = Some(index);
+        self.note(Invariant::NoAdhesion, at, time_s, -reading.normal_n, 0.0);
+        if reading.normal_n > 0.0 {
+            self.note(Invariant::NoAdhesion, at, time_s, reading.gap_m, self.tolerances.gap_m);
+        }
+        let impulse = reading.impulse_n_s;
+        let before = std::mem::replace(&mut self.impulses[index], impulse);
+        self.note(Invariant::NoAdhesion, at, time_s, before - impulse, ROUNDING * impulse.abs());
+        let Place { law, depth, .. } = &self.places[index];
+        self.note(*depth, at, time_s, -reading.gap_m, deepest(law, available_j));
+    }
+
+    fn friction(&mut self, index: usize, reading: &Reading, time_s: f64) {
+        let at = Some(index);
+        let Some(law) = self.places[index].friction.filter(|_| reading.normal_n > 0.0) else {
+            self.note(Invariant::Friction, at, time_s, reading.tangential_n.abs(), 0.0);
+            return;
+        };
+        let mu = reading.tangential_n / reading.normal_n;
+        let wanted = -friction_coefficient(&law, reading.slip_m_s).0;
+        let allowed = self.tolerances.friction;
+        self.note(Invariant::Friction, at, time_s, (mu - wanted).abs(), allowed);
+        if allowed.is_finite() {
+            self.note(Invariant::Friction, at, time_s, mu.abs() - law.mu_static, ROUNDING);
+        }
+    }
+}
+
+fn worst((most, at_s): &mut (f64, f64), measured: f64, time_s: f64) {
+    if measured > *most {
+        (*most, *at_s) = (measured, time_s);
+    }
+}
+
+/// Depth in which the law's spring alone stores this energy; infinite where there is none to hold anything back.
+fn deepest(law: &NormalLaw, energy_j: f64) -> f64 {
+    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, .. } = *law;
+    if k > 0.0 { ((e + 1.0) * energy_j.max(0.0) / k).powf((e + 1.0).recip()) * (1.0 + ROUNDING) } else { f64::INFINITY }
+}

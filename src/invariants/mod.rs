@@ -1,0 +1,24 @@
+//! What no run may break, whatever its accuracy: checked at every sample of a run as it goes by.
+//!
+//! | invariant | what is measured | what is allowed |
+//! |---|---|---|
+//! | finite | numbers that are none | 0 |
+//! | energy | largest \|balance\| | [`Tolerances::energy`] of the energy that went through the run |
+//! | passivity | largest fall of what is dissipated | the same |
+//! | no adhesion | gap at which a force still acts; a force or an impulse below zero | [`Tolerances::gap_m`]; 0 |
+//! | friction | \|F_t + μ(v) F_n\| / F_n: the law itself, so the cone and the direction too | [`Tolerances::friction`] |
+//! | penetration, limit | δ | depth in which the spring alone stores all energy there is: (e + 1) E = k δᵉ⁺¹ |
+//! | loop gap | opening of a joint | [`Tolerances::loop_gap_m`] |
+//!
+//! [`Invariants`] is a sink of runs, of fingers ([`Invariants::new`]) and of discs ([`Invariants::of_discs`]);
+//! [`Invariants::findings`] says how near each invariant came to being broken.
+
+mod discs;
+mod finding;
+mod finger;
+mod measure;
+mod tolerance;
+
+pub use finding::{Finding, Invariant};
+pub use measure::Invariants;
+pub use tolerance::Tolerances;
