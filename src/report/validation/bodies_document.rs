@@ -7,6 +7,8 @@ use serde::Serialize;
 use super::super::bodies::{DiscReport, PairReport, contacts, discs};
 use super::super::document::Energies;
 use super::document::{CheckReport, SettingReport};
+use super::invariants::FindingReport;
+use crate::invariants::Finding;
 use crate::scene::BodiesScene;
 use crate::validate::{BodiesDifferences, BodiesRecording, MEMBERS, Row, TORQUE_STEP, Tried, Validation, name};
 
@@ -45,6 +47,8 @@ pub struct BodiesModelReport {
     /// Restitution is not measured here: `phalanx run` does.
     pub contacts: BTreeMap<String, PairReport>,
     pub energy: Energies,
+    /// How near this run came to breaking each invariant.
+    pub invariants: Vec<FindingReport>,
 }
 
 /// Differences of one disc.
@@ -109,8 +113,8 @@ impl BodiesValidationReport {
             ensemble_runs: MEMBERS,
             ensemble_speed_step: TORQUE_STEP,
             verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
-            analytic: model(scene, row(|row| row.rung.is_reference()), &found.reference),
-            engine: model(scene, row(|row| row.rung.own), &found.engine),
+            analytic: model(scene, row(|row| row.rung.is_reference()), &found.reference, &found.reference_invariants),
+            engine: model(scene, row(|row| row.rung.own), &found.engine, &found.engine_invariants),
             differences: differences(scene, &found.differences),
             quick,
             settings: found.rows.iter().map(SettingReport::from).collect(),
@@ -120,7 +124,12 @@ impl BodiesValidationReport {
     }
 }
 
-fn model(scene: &BodiesScene, row: Option<&Row<BodiesDifferences>>, run: &BodiesRecording) -> BodiesModelReport {
+fn model(
+    scene: &BodiesScene,
+    row: Option<&Row<BodiesDifferences>>,
+    run: &BodiesRecording,
+    invariants: &[Finding],
+) -> BodiesModelReport {
     let cost = row.and_then(|row| match row.tried {
         Tried::Done { cost, .. } => Some(cost),
         _ => None,
@@ -132,6 +141,7 @@ fn model(scene: &BodiesScene, row: Option<&Row<BodiesDifferences>>, run: &Bodies
         discs: discs(scene, &run.outcome),
         contacts: contacts(scene, &run.outcome, &[]),
         energy: Energies::from(&run.outcome.last.energy),
+        invariants: invariants.iter().map(FindingReport::from).collect(),
     }
 }
 

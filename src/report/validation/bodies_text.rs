@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::super::table::{figure, row, table};
 use super::super::text::duration;
 use super::bodies_document::{BodiesModelReport, BodiesValidationReport, DiscDifferences, DiscErrors};
-use super::text::{Columns, Heading, checks, cost_of, heading, number, percent, settings};
+use super::text::{Columns, Heading, broken, checks, cost_of, heading, number, percent, settings};
 
 /// The whole report, with a line end.
 pub fn bodies_validation_text(report: &BodiesValidationReport) -> String {
@@ -24,13 +24,14 @@ pub fn bodies_validation_text(report: &BodiesValidationReport) -> String {
         files: report.files.as_deref(),
     });
     let left_out = report.quick.then_some("fixed steps below 1e-5 s");
-    let sections = [
-        heading,
-        checks(&report.verdict),
-        side_by_side(report),
-        differences(&report.differences),
-        settings(&report.settings, &columns(), left_out),
-    ];
+    let mut sections = vec![heading, checks(&report.verdict)];
+    let broken = broken([("analytic", &report.analytic.invariants), ("engine", &report.engine.invariants)]);
+    if !broken.is_empty() {
+        sections.push(broken);
+    }
+    sections.push(side_by_side(report));
+    sections.push(differences(&report.differences));
+    sections.push(settings(&report.settings, &columns(), left_out));
     sections.join("\n")
 }
 

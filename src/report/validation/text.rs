@@ -7,6 +7,7 @@ use super::super::text::duration;
 use super::document::{
     CheckReport, DifferencesReport, ImpactReport, JointErrors, ModelReport, SettingReport, Status, ValidationReport,
 };
+use super::invariants::FindingReport;
 use crate::validate::turned;
 
 /// The whole report, with a line end.
@@ -26,7 +27,7 @@ pub fn validation_text(report: &ValidationReport) -> String {
         files: report.files.as_deref(),
     });
     let mut sections = vec![heading, checks(&report.verdict)];
-    let broken = broken(report);
+    let broken = broken([("analytic", &report.analytic.invariants), ("engine", &report.engine.invariants)]);
     if !broken.is_empty() {
         sections.push(broken);
     }
@@ -103,11 +104,11 @@ pub(super) fn checks(checks: &[CheckReport]) -> String {
     table(&rows)
 }
 
-/// The invariants that were broken, a line each.
-fn broken(report: &ValidationReport) -> String {
+/// The invariants that each model broke, a line each.
+pub(super) fn broken(models: [(&str, &[FindingReport]); 2]) -> String {
     let mut text = String::new();
-    for (name, model) in [("analytic", &report.analytic), ("engine", &report.engine)] {
-        for found in model.invariants.iter().filter(|found| !found.held) {
+    for (name, invariants) in models {
+        for found in invariants.iter().filter(|found| !found.held) {
             let _ = writeln!(text, "broken by the {name} model ({}): {}", found.meaning, found.line);
         }
     }
