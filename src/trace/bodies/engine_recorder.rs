@@ -133,7 +133,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         let tracked = &mut self.pairs[pair];
         if let Some(touch) = motion.touches.iter().find(|touch| touch.index == pair) {
             deepest = deepest.max(-touch.gap);
-            tracked.touching &= touch.gap <= 0.0 || force > 0.0;
+            tracked.touching &= !touch.is_apart() || force > 0.0;
         }
         tracked.add_step(peak, deepest, motion.normal_impulse(pair));
         match tracked.unnoticed(force) {
