@@ -65,6 +65,8 @@ pub struct Motion<'a> {
     /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`].
     pub opening: f64,
     settled: Settled,
+    /// Normals of the touches before the step.
+    normals: Vec<[f64; 2]>,
     /// Places before the step, from which a multibody's mean velocity is read.
     before: Vec<[f64; 3]>,
 }
@@ -98,6 +100,7 @@ impl<'a> Motion<'a> {
             overshoot: Vec::new(),
             opening: 0.0,
             settled: Settled::default(),
+            normals: Vec::new(),
             before: vec![[0.0; 3]; bodies],
         };
         motion.linkage.factorise()?;
@@ -137,7 +140,10 @@ impl<'a> Motion<'a> {
             native::read(&self.world, self.plan, &self.touches, &self.velocities, &self.means, &mut self.native);
         self.contact_work_j += work;
         self.motor_work_j -= on_driven;
+        self.normals.clear();
+        self.normals.extend(self.touches.iter().map(|touch| touch.normal));
         touch::measure(&self.world, self.plan, &self.linkage, &mut self.touches);
+        touch::note_turning(&mut self.touches, &self.normals, dt);
         // A jump of the torque at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
         forces::smooth(self.plan, &self.linkage, before_node, &mut self.forces);
@@ -213,10 +219,8 @@ impl<'a> Motion<'a> {
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
             settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
             let Some((tangent, friction)) = site.tangent.zip(touch.friction.as_ref()) else { continue };
-            let creep = dt * force * friction_coefficient(friction, contact.rate[tangent]).1;
-            if creep > 0.0 {
-                settled.take(tangent, touch.slip_row, contact.rate[tangent], f64::INFINITY, creep);
-            }
+            let (mu, slope) = friction_coefficient(friction, contact.rate[tangent]);
+            settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], mu, (dt * force * slope).max(0.0));
         }
         settled.solve(&mut self.linkage, &mut self.velocities);
         for (index, size) in settled.found() {

@@ -1,4 +1,4 @@
-//! Brings the rates of pressing contacts to what their equations say, by impulses along their normals.
+//! Brings the rates of pressing contacts to what their equations say, by impulses along their normals and tangents.
 //!
 //! A stiff damper does not leave a contact a rate of its own: within the next step it would take away the share
 //! h λ/(1 + h λ), λ = W (∂F/∂δ̇ + h ∂F/∂δ), of whatever is there. That share is taken away here, of all rows at once; a soft contact
@@ -18,6 +18,8 @@ pub struct Settled {
     wanted: Vec<f64>,
     available: Vec<f64>,
     stiffness: Vec<f64>,
+    /// Part of the impulse along the row before that this one takes away: friction of what the normal gains.
+    drag: Vec<f64>,
     response: Vec<Twist>,
     w: Vec<f64>,
     size: Vec<f64>,
@@ -30,16 +32,28 @@ impl Settled {
         self.wanted.clear();
         self.available.clear();
         self.stiffness.clear();
+        self.drag.clear();
         self.size.clear();
     }
 
-    /// A row, the rate it shall have, the impulse along it that may be taken back, and h (∂F/∂δ̇ + h ∂F/∂δ).
+    /// The normal row of a contact, the rate it shall have, the impulse along it that may be taken back, and
+    /// h (∂F/∂δ̇ + h ∂F/∂δ).
     pub fn take(&mut self, index: usize, row: Row, wanted: f64, available: f64, stiffness: f64) {
+        self.push(index, row, wanted, available, stiffness, 0.0);
+    }
+
+    /// The tangent row of the contact taken last: its coefficient of friction μ, and h F ∂μ/∂v where it creeps.
+    pub fn take_slip(&mut self, index: usize, row: Row, wanted: f64, mu: f64, creep: f64) {
+        self.push(index, row, wanted, f64::INFINITY, creep, mu);
+    }
+
+    fn push(&mut self, index: usize, row: Row, wanted: f64, available: f64, stiffness: f64, drag: f64) {
         self.indices.push(index);
-        self.stiffness.push(stiffness);
         self.rows.push(row);
         self.wanted.push(wanted);
         self.available.push(available);
+        self.stiffness.push(stiffness);
+        self.drag.push(drag);
     }
 
     /// The impulses found, each with the row of the contact space it is along.
@@ -54,23 +68,32 @@ impl Settled {
             return;
         }
         respond(&self.rows, linkage, bodies, &mut self.response, &mut self.w);
-        // (1 + D W) p = D (wanted − u), D the stiffness of each row.
+        // (1 + D W) p = D (wanted − u), D the stiffness of each row; along a tangent −μ times its normal's impulse besides.
         self.size.extend(self.rows.iter().zip(&self.wanted).map(|(row, wanted)| wanted - row.rate(velocities)));
         for (i, (line, stiffness)) in self.w.chunks_exact_mut(count).zip(&self.stiffness).enumerate() {
             self.size[i] *= stiffness;
             line.iter_mut().for_each(|w| *w *= stiffness);
             line[i] += 1.0;
+            if self.drag[i] != 0.0 {
+                line[i - 1] += self.drag[i];
+            }
         }
         if !dense::solve(&mut self.w, &mut self.size, count) {
             self.size.fill(0.0);
             return;
         }
-        for (j, size) in self.size.iter_mut().enumerate() {
-            *size = size.max(-self.available[j]);
+        for j in 0..count {
+            let most = self.size[j].max(-self.available[j]);
+            let kept = most - self.size[j];
+            self.size[j] = most;
+            // What a normal cannot take back, its friction does not either.
+            if let Some(drag) = self.drag.get(j + 1).filter(|drag| **drag != 0.0) {
+                self.size[j + 1] -= drag * kept;
+            }
             let response = &self.response[j * bodies..(j + 1) * bodies];
             for (v, change) in velocities.iter_mut().zip(response) {
                 for axis in 0..3 {
-                    v[axis] += *size * change[axis];
+                    v[axis] += most * change[axis];
                 }
             }
         }

@@ -66,7 +66,8 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass);
             (CROSSING * stop.max(-touch.gap), motion.contact.force[at.normal])
         });
-        let crossing = scale / rate.abs();
+        // An impact takes the whole rate away, along a normal that turns meanwhile.
+        let crossing = (scale / rate.abs()).min(12.0 * DRIFT_PER_S * tolerance_m / (rate.abs() * touch.turning));
         if touch.gap <= 0.0 {
             // On its way out a surface matters only while it still pushes.
             if rate < 0.0 || force > 0.0 {
@@ -83,14 +84,13 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     dt.max(SHORTEST_S)
 }
 
-/// Rate at which the accelerations that contacts make turn with their bodies, in m/s³ (a stop's acts on angles: none).
+/// Rate at which the accelerations that contacts make turn with their normals, in m/s³.
 fn turning(motion: &Motion) -> f64 {
     let rows = motion.space.len();
     let of = |at: &super::space::Site| {
-        let row = &motion.space.rows[at.normal];
-        let turn = std::iter::once(&row.on).chain(&row.against).map(|(body, _)| motion.velocities[*body][2].abs());
+        let touch = motion.touches.iter().find(|touch| touch.index == at.touch.index);
         let pushed = motion.space.w[at.normal * (rows + 1)] * motion.contact.force[at.normal];
-        if at.touch.is_between_surfaces() { pushed * turn.fold(0.0, f64::max) } else { 0.0 }
+        pushed * touch.map_or(0.0, |touch| touch.turning)
     };
     motion.space.sites.iter().map(of).fold(0.0, f64::max)
 }

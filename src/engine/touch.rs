@@ -53,6 +53,8 @@ pub struct Touch {
     /// Distance, negative in penetration.
     pub gap: f64,
     pub normal: [f64; 2],
+    /// How fast the normal turns, in rad/s: by what it turned in the last step.
+    pub turning: f64,
     pub point: [f64; 2],
     pub normal_row: Row,
     /// Slip of the body's surface over the other one; nothing for a stop.
@@ -94,6 +96,7 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             friction: None,
             gap: stop_gap(plan, index, &linkage.places),
             normal: [0.0; 2],
+            turning: 0.0,
             point: [0.0; 2],
             normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
             slip_row: Row { on: (stop.on, [0.0; 3]), against: None },
@@ -113,12 +116,21 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             friction: contact.law.friction,
             gap,
             normal,
+            turning: 0.0,
             point,
             normal_row: row(normal),
             slip_row: row(perp(normal)),
             governed: world.response == Response::Laws && in_reach(),
             source: Source::Contact(index),
         });
+    }
+}
+
+/// Notes how fast normals turn, from those that `before` had so long ago.
+pub fn note_turning(touches: &mut [Touch], before: &[[f64; 2]], dt: f64) {
+    for (touch, before) in touches.iter_mut().zip(before) {
+        let [x, y] = sub(touch.normal, *before);
+        touch.turning = x.hypot(y) / dt;
     }
 }
 
