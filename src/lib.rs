@@ -18,6 +18,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A scene of discs, to see the contact laws by themselves:
+//!
+//! ```
+//! use phalanx::scene::{self, AnyScene};
+//! use phalanx::trace::{Model, bodies};
+//!
+//! let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/spring.toml")? else { unreachable!() };
+//! let outcome = bodies::run_bodies(Model::Analytic, &scene, &mut ())?;
+//! // k δ^e at 2 cm.
+//! assert!((outcome.pairs[0].peak_normal_n / (1e8 * 0.02f64.powf(2.2)) - 1.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Instead of `()`, a [`trace::Sink`] takes every sample and event: [`log::Writer`] and [`criteria::Tracker`] are two.
 
 pub mod analytic;

@@ -33,7 +33,16 @@ fn the_anchor_case_is_within_its_bounds() {
             check["bound"].as_str().expect("a name")
         })
         .collect();
-    assert_eq!(bounds, ["angle_rad", "contact_time_s", "final_force", "impulse", "loop_gap_m"]);
+    let expected = [
+        "angle_rad",
+        "contact_time_s",
+        "final_force",
+        "impulse",
+        "loop_gap_m",
+        "analytic_invariants",
+        "engine_invariants",
+    ];
+    assert_eq!(bounds, expected);
     for joint in ["q11", "q21", "q22"] {
         for key in ["max_rad", "max_at_s", "rms_rad", "end_rad", "rate_rms_rad_s"] {
             assert!(report["differences"]["joints"][joint][key].is_number(), "{joint} {key}");

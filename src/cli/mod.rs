@@ -14,6 +14,7 @@ mod run;
 mod run_bodies;
 pub mod scene;
 mod validate;
+mod validate_bodies;
 mod validate_files;
 
 use std::fmt::Display;

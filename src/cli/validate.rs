@@ -7,10 +7,11 @@ use clap::Args;
 use super::output::print;
 use super::progress::Count;
 use super::validate_files::{directory, write};
-use super::{Failure, Status};
+use super::{Failure, Status, validate_bodies};
+use crate::integrator;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
-use crate::scene;
-use crate::trace::RunError;
+use crate::scene::{self, AnyScene, Scene};
+use crate::trace::{Model, RunError};
 use crate::validate::{Progress, StudyError, validate};
 
 /// Compare the engine with the analytic model, judge it by the scene's bounds, and weigh speed against error.
@@ -23,34 +24,40 @@ use crate::validate::{Progress, StudyError, validate};
 )]
 pub struct ValidateArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
 
     /// Write everything there: reports, series of both models, pictures, both logs; the directory is made if need be
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
 
     /// Print one JSON document with SI units in its keys instead of tables
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 
     /// Leave out the settings that take long: fixed steps below 1e-5 s and reduced coordinates
     #[arg(long)]
-    quick: bool,
+    pub(super) quick: bool,
 }
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
-    let scene = scene::load(&args.scene)?;
+    match scene::load_any(&args.scene)? {
+        AnyScene::Finger(scene) => finger(args, &scene),
+        AnyScene::Bodies(scene) => validate_bodies::run(args, &scene),
+    }
+}
+
+fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
     if let Some(out) = &args.out {
         directory(out)?;
     }
     let mut count = Count::new();
-    let result = validate(&scene, args.quick, &mut |Progress { done, total, next }| count.show(done, total, next));
+    let result = validate(scene, args.quick, &mut |Progress { done, total, next }| count.show(done, total, next));
     count.clear();
     let found = result.map_err(incomplete)?;
-    let mut report = ValidationReport::new(&scene, &found, args.quick);
+    let mut report = ValidationReport::new(scene, &found, args.quick);
     if let Some(out) = &args.out {
-        write(out, &args.scene, &scene, &found, &mut report)?;
+        write(out, &args.scene, scene, &found, &mut report)?;
     }
     print(&match args.json {
         true => validation_json(&report),
@@ -61,14 +68,19 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
 
 /// One of the two runs that must complete did not.
 fn incomplete(error: StudyError) -> Failure {
-    let model = error.model.name();
-    Failure::incomplete(match error.error {
-        RunError::Simulation { failure, .. } => format!(
-            "the {model} model stopped at {}: {}; there is nothing to compare (phalanx run --model {model} --log FILE.mcap \
-             keeps the run up to there)",
-            report::duration(failure.time_s),
-            failure.reason
-        ),
-        RunError::Sink(error) => format!("the {model} model stopped: {error}"),
-    })
+    match error.error {
+        RunError::Simulation { failure, .. } => stopped(error.model, &failure),
+        RunError::Sink(sink) => Failure::incomplete(format!("the {} model stopped: {sink}", error.model.name())),
+    }
+}
+
+/// A model that cannot go through the scene.
+pub(super) fn stopped(model: Model, failure: &integrator::Failure) -> Failure {
+    let model = model.name();
+    Failure::incomplete(format!(
+        "the {model} model stopped at {}: {}; there is nothing to compare (phalanx run --model {model} --log FILE.mcap \
+         keeps the run up to there)",
+        report::duration(failure.time_s),
+        failure.reason
+    ))
 }

@@ -66,7 +66,7 @@ pub fn write(
         let path = out.join(file);
         save(&path, &picture.map_err(|error| broken(&path, error))?)?;
     }
-    table(&out.join("series.csv"), scene, found)?;
+    table(&out.join("series.csv"), |file| series(file, &found.reference, &found.engine, scene.log.numeric_hz))?;
     let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
     record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"))?;
     record(Model::Engine, scene, scene_file, &out.join("engine.mcap"))?;
@@ -77,15 +77,18 @@ pub fn write(
     save(&out.join("report.json"), &validation_json(report))
 }
 
-fn save(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
     fs::write(path, text).map_err(|error| broken(path, error))
 }
 
-/// Both models side by side.
-fn table(path: &Path, scene: &Scene, found: &Validation) -> Result<(), Failure> {
+/// Both models side by side, as `rows` writes them.
+pub(super) fn table(
+    path: &Path,
+    rows: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> Result<(), Failure> {
     let written = File::create(path).and_then(|file| {
         let mut file = BufWriter::new(file);
-        series(&mut file, &found.reference, &found.engine, scene.log.numeric_hz)?;
+        rows(&mut file)?;
         file.flush()
     });
     written.map_err(|error| broken(path, error))
@@ -100,6 +103,6 @@ fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path) -> Result
     Ok(())
 }
 
-fn broken(path: &Path, error: impl Display) -> Failure {
+pub(super) fn broken(path: &Path, error: impl Display) -> Failure {
     Failure::incomplete(format!("cannot write {}: {error}", path.display()))
 }

@@ -58,7 +58,10 @@ impl BodiesSink for Rebounds {
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
         let pair = &mut self.pairs[event.pair];
         match event.kind {
-            EventKind::TouchDown if pair.approach_m_s.is_some() => pair.over = true,
+            EventKind::TouchDown if pair.approach_m_s.is_some() => {
+                // Another impact only if the first has let go.
+                pair.over |= pair.separation_m_s.is_some() || pair.waits;
+            }
             EventKind::TouchDown if event.approach_m_s > 0.0 => pair.approach_m_s = Some(event.approach_m_s),
             EventKind::LiftOff if pair.approach_m_s.is_some() && !pair.over => {
                 // A model that lands on its events has a sample right there; after one within a step the pair is free,

@@ -7,6 +7,7 @@
 
 use super::implicit::{NotConverged, Stage, Workspace};
 use super::space::{Site, Space};
+use super::touch::ROUNDING;
 use crate::law::normal_force;
 
 /// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. Finer is idle
@@ -297,7 +298,7 @@ impl Contact {
         let mut met = false;
         for (index, site) in space.sites.iter().enumerate() {
             let (touching, pressing) = (self.gap[index] <= 0.0, self.force[site.normal] > 0.0);
-            let rounding = 1e-9 * site.touch.law.transition_m;
+            let rounding = ROUNDING * site.touch.law.transition_m;
             if !self.buffers.touching[index] && self.gap[index] <= rounding && self.rate[site.normal] < 0.0 {
                 self.note(space, index, now, ChangeKind::Meets);
                 (self.buffers.touching[index], met) = (true, true);

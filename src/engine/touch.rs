@@ -71,7 +71,15 @@ enum Source {
     Contact(usize),
 }
 
+/// A gap below this part of the transition is rounding: surfaces that a step has brought to touch.
+pub const ROUNDING: f64 = 1e-9;
+
 impl Touch {
+    /// Whether there is a gap beyond rounding.
+    pub fn is_apart(&self) -> bool {
+        self.gap > ROUNDING * self.law.transition_m
+    }
+
     /// Whether the gap is one of surfaces, whose normals turn as bodies move; that of a stop is an angle.
     pub fn is_between_surfaces(&self) -> bool {
         matches!(self.source, Source::Contact(_))

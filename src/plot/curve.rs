@@ -1,15 +1,14 @@
 //! Lines of as many points as a picture can show.
 
 use super::axis::Axis;
-use crate::trace::Sample;
 
 /// Columns of a picture in which a line keeps its ends and extremes.
 const COLUMNS: usize = 1200;
 
-/// The points of a quantity over time in ms, in the coordinates of the axis.
-pub fn over_time(samples: &[Sample], y: &Axis, value: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
-    let points = samples.iter().map(|sample| (sample.time_s * 1e3, value(sample)));
-    thin(points.filter(|(_, value)| value.is_finite()).map(|(t, value)| (t, y.place(value))).collect())
+/// The points (time in s, value) of a quantity as (time in ms, place on the axis).
+pub fn over_time(points: impl Iterator<Item = (f64, f64)>, y: &Axis) -> Vec<(f64, f64)> {
+    let finite = points.filter(|(_, value)| value.is_finite());
+    thin(finite.map(|(time_s, value)| (time_s * 1e3, y.place(value))).collect())
 }
 
 /// The first, lowest, highest and last point of every column; points come in order of x.

@@ -7,16 +7,19 @@
 //! | `curve` | lines of as many points as a picture can show |
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `overlay` | both models over time |
+//! | `bodies` | the same of a scene of discs |
 //! | `difference` | difference of the joint angles over time |
 
 mod axis;
+mod bodies;
 mod canvas;
 mod curve;
 mod difference;
 mod overlay;
 mod speed_error;
 
+pub use bodies::bodies_overlay;
 pub use canvas::DrawError;
 pub use difference::difference;
 pub use overlay::overlay;
-pub use speed_error::speed_error;
+pub use speed_error::{bodies_speed_error, speed_error};

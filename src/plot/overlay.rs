@@ -16,23 +16,41 @@ const ANALYTIC: Mark = Mark::Pale { width: 6 };
 const ENGINE: Mark = Mark::Line { width: 1 };
 
 /// One quantity of a panel.
-struct Quantity {
-    name: &'static str,
-    colour: RGBColor,
-    value: fn(&Sample) -> f64,
+pub(super) struct Quantity<'a, S> {
+    pub name: String,
+    pub colour: RGBColor,
+    pub value: Box<dyn Fn(&S) -> f64 + 'a>,
 }
 
 /// One panel.
-struct Panel {
-    label: &'static str,
-    log: bool,
-    quantities: Vec<Quantity>,
+pub(super) struct Panel<'a, S> {
+    pub label: &'static str,
+    pub log: bool,
+    pub quantities: Vec<Quantity<'a, S>>,
+}
+
+/// The samples of both models, and where a sample has its time.
+pub(super) struct Runs<'a, S> {
+    pub analytic: &'a [S],
+    pub engine: &'a [S],
+    pub time_s: fn(&S) -> f64,
+    pub end_s: f64,
 }
 
 /// The picture, of the runs with the scene's own torque.
 pub fn overlay(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let panels = panels(found);
-    let x = Axis::linear("time, ms", [0.0, found.reference.outcome.last.time_s * 1e3]);
+    let runs = Runs {
+        analytic: &found.reference.samples,
+        engine: &found.engine.samples,
+        time_s: |sample: &Sample| sample.time_s,
+        end_s: found.reference.outcome.last.time_s,
+    };
+    draw_all(scene, &panels(found), &runs)
+}
+
+/// All panels of a picture.
+pub(super) fn draw_all<S>(scene: &str, panels: &[Panel<'_, S>], runs: &Runs<'_, S>) -> Result<String, DrawError> {
+    let x = Axis::linear("time, ms", [0.0, runs.end_s * 1e3]);
     picture(PANEL * panels.len() as u32 + FOOT + 40, |area| {
         let mut rest = titled(area, &format!("{scene}: analytic model and engine"))?;
         let last = panels.len() - 1;
@@ -43,36 +61,38 @@ pub fn overlay(scene: &str, found: &Validation) -> Result<String, DrawError> {
                 entries.push(Entry::new(ANALYTIC, BLACK, "analytic (reference)"));
                 entries.push(Entry::new(ENGINE, BLACK, "engine"));
             }
-            draw(&own, panel, found, &x, index == last, entries)?;
+            draw(&own, panel, runs, &x, index == last, entries)?;
             rest = below;
         }
         Ok(())
     })
 }
 
-fn draw(
+fn draw<S>(
     area: &Area,
-    panel: &Panel,
-    found: &Validation,
+    panel: &Panel<'_, S>,
+    runs: &Runs<'_, S>,
     x: &Axis,
     foot: bool,
     mut entries: Vec<Entry>,
 ) -> Result<(), DrawError> {
-    let (analytic, engine) = (&found.reference.samples, &found.engine.samples);
-    let both = || analytic.iter().chain(engine);
-    let values = panel.quantities.iter().flat_map(|quantity| both().map(quantity.value));
+    let both = || runs.analytic.iter().chain(runs.engine);
+    let values = panel.quantities.iter().flat_map(|quantity| both().map(&quantity.value));
     let y = match panel.log {
         true => Axis::decades(panel.label, values, 7.0),
         false => Axis::linear(panel.label, values),
     };
     let (left, right) = area.split_horizontally(WIDTH - LEGEND);
     let mut chart = frame(&left, x, &y, foot)?;
+    let points = |samples: &[S], value: &dyn Fn(&S) -> f64| {
+        over_time(samples.iter().map(|sample| ((runs.time_s)(sample), value(sample))), &y)
+    };
     for Quantity { name, colour, value } in &panel.quantities {
-        line(&mut chart, over_time(analytic, &y, value), ANALYTIC, *colour)?;
+        line(&mut chart, points(runs.analytic, value), ANALYTIC, *colour)?;
         entries.push(Entry::new(Mark::Line { width: 2 }, *colour, name));
     }
     for Quantity { colour, value, .. } in &panel.quantities {
-        line(&mut chart, over_time(engine, &y, value), ENGINE, dark(*colour))?;
+        line(&mut chart, points(runs.engine, value), ENGINE, dark(*colour))?;
     }
     legend(&right, &entries)
 }
@@ -84,8 +104,12 @@ fn dark(colour: RGBColor) -> RGBColor {
 }
 
 /// Joints and energies always; contacts where the scene has an object.
-fn panels(found: &Validation) -> Vec<Panel> {
-    let quantity = |name, colour, value| Quantity { name, colour, value };
+fn panels(found: &Validation) -> Vec<Panel<'static, Sample>> {
+    let quantity = |name: &str, colour, value: fn(&Sample) -> f64| Quantity {
+        name: name.to_string(),
+        colour,
+        value: Box::new(value),
+    };
     let mut panels = vec![
         Panel {
             label: "joint angle, deg",

@@ -13,8 +13,10 @@ pub use document::{
 };
 pub use text::{duration, text};
 pub use validation::{
-    AngleDifference, COLUMNS, CheckReport, ContactDifference, DifferencesReport, FindingReport, ImpactReport,
-    ModelReport, SettingReport, Status, ValidationReport, series, validation_json, validation_text,
+    AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,
+    DifferencesReport, DiscDifference, DiscDifferences, DiscErrors, FindingReport, ImpactReport, JointErrors,
+    ModelReport, PairDifference, SettingReport, Status, ValidationReport, bodies_series, bodies_validation_json,
+    bodies_validation_text, series, validation_json, validation_text,
 };
 
 use serde::Serialize;

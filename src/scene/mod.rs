@@ -29,6 +29,7 @@ mod torque;
 mod words;
 
 pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
+pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
 pub use file::{load, load_any, parse, parse_any};
 pub use schema::schema;

@@ -129,7 +129,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {
             deepest = deepest.max(-touch.gap);
             let tracked = &mut self.sites[site as usize];
-            tracked.touching &= touch.gap <= 0.0 || force > 0.0;
+            tracked.touching &= !touch.is_apart() || force > 0.0;
         }
         let tracked = &mut self.sites[site as usize];
         tracked.add_step(peak, deepest, impulse(motion, site));

@@ -1,6 +1,7 @@
 //! The settings that are tried: both models, from coarse to fine.
 
 use super::{MEMBERS, Subject};
+use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Stepping};
 use crate::trace::Model;
 
@@ -125,8 +126,12 @@ pub fn name(rung: &Rung) -> String {
         Settings::Analytic(Integrator { method: Method::Rodas5p, rtol, .. }) => format!("rodas5p rtol {rtol:e}"),
         Settings::Analytic(Integrator { method: Method::RadauIIa5, rtol, .. }) => format!("radau5 rtol {rtol:e}"),
         Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("dt {step_s:e} s"),
-        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }) => {
-            format!("tolerance {tolerance_m:e} m")
+        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
+            let tolerance = format!("tolerance {tolerance_m:e} m");
+            match max_step_s == ENGINE_MAX_STEP_S {
+                true => tolerance,
+                false => format!("{tolerance}, dt to {max_step_s:e} s"),
+            }
         }
     }
 }
@@ -153,15 +158,22 @@ pub fn ladder<S: Subject>(scene: &S, quick: bool) -> Vec<Rung> {
     engines.chain(analytic(scene).into_iter().map(Rung::analytic)).collect()
 }
 
-/// Tolerances around the scene's own, or around the usual one where its steps are fixed.
-fn adaptive(scene: &impl Subject) -> Vec<Engine> {
+/// Tolerances around the scene's own, or around the usual one where its steps are fixed. Bodies without joints are rarely
+/// held back by the tolerance: there the longest step goes with it, as its square root.
+fn adaptive<S: Subject>(scene: &S) -> Vec<Engine> {
     let stepping = match scene.engine().stepping {
         Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
         adaptive @ Stepping::Adaptive { .. } => adaptive,
     };
     let Stepping::Adaptive { tolerance_m, max_step_s } = stepping else { return Vec::new() };
-    let at = |factor: f64| Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s };
-    [100.0, 10.0, 1.0, 0.1].map(|factor| engine(scene, Construction::Maximal, Response::Laws, at(factor))).to_vec()
+    let at = |[factor, longer]: [f64; 2]| {
+        let (tolerance_m, max_step_s) = (scaled(tolerance_m, factor), scaled(max_step_s, longer));
+        engine(scene, Construction::Maximal, Response::Laws, Stepping::Adaptive { tolerance_m, max_step_s })
+    };
+    match S::JOINTED {
+        true => [100.0, 10.0, 1.0, 0.1].map(|factor| at([factor, 1.0])).to_vec(),
+        false => [[100.0, 10.0], [1.0, 1.0], [0.01, 0.1]].map(at).to_vec(),
+    }
 }
 
 fn fixed(

@@ -4,6 +4,7 @@ mod document;
 mod text;
 
 pub use document::{BodiesReport, DiscReport, PairReport};
+pub(super) use document::{contacts, discs};
 pub use text::bodies_text;
 
 /// The report as one JSON document with a line end, see [`json`](super::json).

@@ -12,13 +12,17 @@ use super::invariants::FindingReport;
 use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::trace::Site;
-use crate::validate::{Angle, Differences, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
+use crate::validate::{
+    Angle, Check, Differences, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name,
+};
 
 /// One validation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidationReport {
     /// Name of the scene.
     pub scene: String,
+    /// `finger`.
+    pub kind: &'static str,
     /// Whether every bound holds.
     pub passed: bool,
     pub duration_s: f64,
@@ -121,9 +125,9 @@ pub enum Status {
     TooLong,
 }
 
-/// One setting: its cost and its differences from the reference.
+/// One setting: its cost and its differences `E` from the reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SettingReport {
+pub struct SettingReport<E = JointErrors> {
     pub family: &'static str,
     pub setting: String,
     pub model: &'static str,
@@ -142,29 +146,50 @@ pub struct SettingReport {
     /// Simulated time over wall time; wall time over that of the analytic model at its engineering preset.
     pub real_time_factor: Option<f64>,
     pub analytic_factor: Option<f64>,
-    /// Null for the reference.
+    #[serde(flatten)]
+    pub errors: E,
+}
+
+/// Differences of a finger; null for the reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointErrors {
     pub angle_max_rad: Option<f64>,
     pub differences: Option<DifferencesReport>,
 }
 
-impl ValidationReport {
-    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
-        let check = |check: &crate::validate::Check| CheckReport {
+impl From<Option<&Differences>> for JointErrors {
+    fn from(found: Option<&Differences>) -> Self {
+        JointErrors {
+            angle_max_rad: found.map(Differences::angle_rad),
+            differences: found.map(DifferencesReport::from),
+        }
+    }
+}
+
+impl From<&Check> for CheckReport {
+    fn from(check: &Check) -> Self {
+        CheckReport {
             bound: check.bound,
             meaning: check.meaning,
             measured: check.measured,
             limit: check.limit,
             passed: check.passed(),
-        };
+        }
+    }
+}
+
+impl ValidationReport {
+    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
         let row = |wanted: fn(&Row) -> bool| found.rows.iter().find(|row| wanted(row));
         ValidationReport {
             scene: scene.name.clone(),
+            kind: "finger",
             passed: found.verdict.passed(),
             duration_s: scene.duration_s,
             until_s: found.bounds.until_s,
             ensemble_runs: MEMBERS,
             ensemble_torque_step: TORQUE_STEP,
-            verdict: found.verdict.checks.iter().map(check).collect(),
+            verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
             analytic: ModelReport::new(
                 row(|row| row.rung.is_reference()),
                 &found.reference,
@@ -249,8 +274,8 @@ impl From<&Differences> for DifferencesReport {
     }
 }
 
-impl From<&Row> for SettingReport {
-    fn from(row: &Row) -> Self {
+impl<D, E: for<'a> From<Option<&'a D>>> From<&Row<D>> for SettingReport<E> {
+    fn from(row: &Row<D>) -> Self {
         let rung = &row.rung;
         let (status, reason) = match &row.tried {
             Tried::Done { .. } => (Status::Done, None),
@@ -275,8 +300,7 @@ impl From<&Row> for SettingReport {
             timed_runs: cost.map(|cost| cost.runs),
             real_time_factor: cost.map(|cost| cost.real_time_factor()),
             analytic_factor: cost.map(|cost| cost.analytic_factor()),
-            angle_max_rad: found.map(Differences::angle_rad),
-            differences: found.map(DifferencesReport::from),
+            errors: E::from(found),
         }
     }
 }

@@ -2,8 +2,10 @@
 
 use std::io::{self, Write};
 
+use crate::scene::BodiesScene;
 use crate::trace::Sample;
-use crate::validate::{Recording, turned};
+use crate::trace::bodies::BodiesSample;
+use crate::validate::{BodiesRecording, Recording, turned};
 
 type Column = (&'static str, fn(&Sample) -> f64);
 
@@ -29,19 +31,66 @@ pub const COLUMNS: [Column; 15] = [
 
 /// Writes both runs at every multiple of 1/`numeric_hz` and at the end. What is infinite (a gap to no object) is empty.
 pub fn series(out: &mut impl Write, analytic: &Recording, engine: &Recording, numeric_hz: f64) -> io::Result<()> {
-    let heads = COLUMNS.iter().map(|(name, _)| format!(",{name}_analytic,{name}_engine"));
-    writeln!(out, "time_s{}", heads.collect::<String>())?;
-    let end_s = analytic.outcome.last.time_s;
+    let names: Vec<String> = COLUMNS.iter().map(|(name, _)| name.to_string()).collect();
     let (mut ours, mut theirs) = (0, 0);
+    let values = |sample: &Sample| COLUMNS.iter().map(|(_, value)| value(sample)).collect();
+    write_series(out, &names, [numeric_hz, analytic.outcome.last.time_s], |t| {
+        Some([values(&analytic.at(t, &mut ours)?), values(&engine.at(t, &mut theirs)?)])
+    })
+}
+
+/// The same of a scene of discs: places and rates of every disc, gap and forces of every pair, energies.
+pub fn bodies_series(
+    out: &mut impl Write,
+    scene: &BodiesScene,
+    [analytic, engine]: [&BodiesRecording; 2],
+) -> io::Result<()> {
+    let mut names = Vec::new();
+    for disc in &scene.discs {
+        let quantities = ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
+        names.extend(quantities.map(|quantity| format!("{}_{quantity}", disc.name)));
+    }
+    for pair in scene.pairs() {
+        let name = scene.pair_name(pair);
+        names.extend(["gap_m", "slip_m_s", "normal_n", "tangential_n"].map(|quantity| format!("{name}_{quantity}")));
+    }
+    names.extend(["kinetic_j", "dissipated_j", "balance_j"].map(String::from));
+    let values = |sample: &BodiesSample| {
+        let mut values = Vec::with_capacity(names.len());
+        for disc in &sample.discs {
+            values.extend(disc.centre_m);
+            values.push(disc.angle_rad);
+            values.extend(disc.velocity_m_s);
+            values.push(disc.spin_rad_s);
+        }
+        for contact in &sample.contacts {
+            values.extend([contact.gap_m, contact.slip_m_s, contact.normal_n, contact.tangential_n]);
+        }
+        values.extend([sample.energy.kinetic_j, sample.energy.dissipated_j, sample.energy.balance_j]);
+        values
+    };
+    let (mut ours, mut theirs) = (0, 0);
+    write_series(out, &names, [scene.log.numeric_hz, analytic.outcome.last.time_s], |t| {
+        Some([values(&analytic.at(t, &mut ours)?), values(&engine.at(t, &mut theirs)?)])
+    })
+}
+
+/// Writes what `at` gives for both models at every multiple of 1/`numeric_hz` and at `end_s`.
+fn write_series(
+    out: &mut impl Write,
+    names: &[String],
+    [numeric_hz, end_s]: [f64; 2],
+    mut at: impl FnMut(f64) -> Option<[Vec<f64>; 2]>,
+) -> io::Result<()> {
+    let heads = names.iter().map(|name| format!(",{name}_analytic,{name}_engine"));
+    writeln!(out, "time_s{}", heads.collect::<String>())?;
     let mut index = 0_u64;
     loop {
         let time_s = (index as f64 / numeric_hz).min(end_s);
-        let (Some(a), Some(e)) = (analytic.at(time_s, &mut ours), engine.at(time_s, &mut theirs)) else {
-            return Ok(());
-        };
+        let Some([analytic, engine]) = at(time_s) else { return Ok(()) };
         write!(out, "{time_s:?}")?;
-        for (_, value) in COLUMNS {
-            write!(out, ",{},{}", cell(value(&a)), cell(value(&e)))?;
+        for (a, e) in analytic.into_iter().zip(engine) {
+            write!(out, ",{},{}", cell(a), cell(e))?;
         }
         writeln!(out)?;
         if time_s >= end_s {

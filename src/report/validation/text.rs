@@ -5,14 +5,29 @@ use std::fmt::Write;
 use super::super::table::{figure, row, table};
 use super::super::text::duration;
 use super::document::{
-    CheckReport, DifferencesReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport,
+    CheckReport, DifferencesReport, ImpactReport, JointErrors, ModelReport, SettingReport, Status, ValidationReport,
 };
+use super::invariants::FindingReport;
 use crate::validate::turned;
 
 /// The whole report, with a line end.
 pub fn validation_text(report: &ValidationReport) -> String {
-    let mut sections = vec![heading(report), checks(&report.verdict)];
-    let broken = broken(report);
+    let model = |model: &ModelReport| cost_of(&model.setting, model.steps, model.wall_s);
+    let heading = heading(&Heading {
+        scene: &report.scene,
+        passed: report.passed,
+        analytic: model(&report.analytic),
+        engine: model(&report.engine),
+        until_s: report.until_s,
+        duration_s: report.duration_s,
+        ensemble_runs: report.ensemble_runs,
+        ensemble_step: report.ensemble_torque_step,
+        apart: "motor torque",
+        directory: report.directory.as_deref(),
+        files: report.files.as_deref(),
+    });
+    let mut sections = vec![heading, checks(&report.verdict)];
+    let broken = broken([("analytic", &report.analytic.invariants), ("engine", &report.engine.invariants)]);
     if !broken.is_empty() {
         sections.push(broken);
     }
@@ -21,41 +36,61 @@ pub fn validation_text(report: &ValidationReport) -> String {
         sections.push(impacts(&report.impacts));
     }
     sections.push(differences(&report.differences));
-    sections.push(settings(report));
+    let left_out = report.quick.then_some("fixed steps below 1e-5 s, reduced coordinates");
+    sections.push(settings(&report.settings, &joint_columns(), left_out));
     sections.join("\n")
 }
 
-fn heading(report: &ValidationReport) -> String {
+/// What a report begins with.
+pub(super) struct Heading<'a> {
+    pub scene: &'a str,
+    pub passed: bool,
+    pub analytic: String,
+    pub engine: String,
+    pub until_s: f64,
+    pub duration_s: f64,
+    pub ensemble_runs: usize,
+    pub ensemble_step: f64,
+    /// What differs from one run of the ensemble to the next.
+    pub apart: &'a str,
+    pub directory: Option<&'a str>,
+    pub files: Option<&'a [String]>,
+}
+
+/// A model's setting, steps and wall time.
+pub(super) fn cost_of(setting: &str, steps: Option<u64>, wall_s: Option<f64>) -> String {
+    let steps = steps.map(|steps| format!(", {steps} steps")).unwrap_or_default();
+    let wall = wall_s.map(|wall_s| format!(", {} of wall time", duration(wall_s))).unwrap_or_default();
+    format!("{setting}{steps}{wall}")
+}
+
+pub(super) fn heading(of: &Heading<'_>) -> String {
     let mut text = String::new();
-    let model = |model: &ModelReport| {
-        let steps = model.steps.map(|steps| format!(", {steps} steps")).unwrap_or_default();
-        let wall = model.wall_s.map(|wall_s| format!(", {} of wall time", duration(wall_s))).unwrap_or_default();
-        format!("{}{steps}{wall}", model.setting)
-    };
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
         "{}: engine against analytic model: {}",
-        report.scene,
-        if report.passed { "within all bounds" } else { "OUT OF BOUNDS" }
+        of.scene,
+        if of.passed { "within all bounds" } else { "OUT OF BOUNDS" }
     );
-    let _ = writeln!(text, "analytic: {} (the reference)", model(&report.analytic));
-    let _ = writeln!(text, "engine:   {} (the scene's settings)", model(&report.engine));
+    let _ = writeln!(text, "analytic: {} (the reference)", of.analytic);
+    let _ = writeln!(text, "engine:   {} (the scene's settings)", of.engine);
     let _ = writeln!(
         text,
-        "compared up to {} of {}; differences are the worst of {} runs, motor torque {:e} apart",
-        duration(report.until_s),
-        duration(report.duration_s),
-        report.ensemble_runs,
-        report.ensemble_torque_step
+        "compared up to {} of {}; differences are the worst of {} runs, {} {:e} apart",
+        duration(of.until_s),
+        duration(of.duration_s),
+        of.ensemble_runs,
+        of.apart,
+        of.ensemble_step
     );
-    if let (Some(directory), Some(files)) = (&report.directory, &report.files) {
+    if let (Some(directory), Some(files)) = (of.directory, of.files) {
         let _ = writeln!(text, "in {directory}: {}", files.join(", "));
     }
     text
 }
 
-fn checks(checks: &[CheckReport]) -> String {
+pub(super) fn checks(checks: &[CheckReport]) -> String {
     let mut rows = vec![row(["bound", "measured", "limit", ""])];
     for check in checks {
         let measured = match check.measured {
@@ -69,11 +104,11 @@ fn checks(checks: &[CheckReport]) -> String {
     table(&rows)
 }
 
-/// The invariants that were broken, a line each.
-fn broken(report: &ValidationReport) -> String {
+/// The invariants that each model broke, a line each.
+pub(super) fn broken(models: [(&str, &[FindingReport]); 2]) -> String {
     let mut text = String::new();
-    for (name, model) in [("analytic", &report.analytic), ("engine", &report.engine)] {
-        for found in model.invariants.iter().filter(|found| !found.held) {
+    for (name, invariants) in models {
+        for found in invariants.iter().filter(|found| !found.held) {
             let _ = writeln!(text, "broken by the {name} model ({}): {}", found.meaning, found.line);
         }
     }
@@ -177,32 +212,64 @@ fn differences(found: &DifferencesReport) -> String {
     text
 }
 
-fn settings(report: &ValidationReport) -> String {
+/// Columns of the differences: two lines of heads, and the cells of a setting that was completed.
+pub(super) struct Columns<E, const N: usize> {
+    pub heads: [[&'static str; N]; 2],
+    pub cells: fn(&E) -> [String; N],
+}
+
+/// A figure where there is one.
+pub(super) fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or("–".to_string(), |value| figure(value, digits))
+}
+
+/// A ratio in percent.
+pub(super) fn percent(value: Option<f64>) -> String {
+    number(value.map(|value| 100.0 * value), 2)
+}
+
+fn joint_columns() -> Columns<JointErrors, 6> {
+    Columns {
+        heads: [["angle,", "touch,", "impulse,", "force,", "gap,", "energy,"], ["rad", "µs", "%", "%", "µm", "%"]],
+        cells: |errors| {
+            let found = errors.differences.as_ref();
+            let worst = |of: fn(&DifferencesReport) -> [Option<f64>; 2]| match found.map(of)? {
+                [Some(a), Some(b)] => Some(a.max(b)),
+                [a, b] => a.or(b),
+            };
+            [
+                number(errors.angle_max_rad, 2),
+                number(worst(|found| [found.proximal.first_touch_s, found.distal.first_touch_s]).map(|s| s * 1e6), 2),
+                percent(worst(|found| [found.proximal.impulse, found.distal.impulse])),
+                percent(worst(|found| [found.proximal.final_force, found.distal.final_force])),
+                number(found.map(|found| found.loop_gap_m * 1e6), 2),
+                percent(found.map(|found| found.energy_created)),
+            ]
+        },
+    }
+}
+
+pub(super) fn settings<E, const N: usize>(
+    settings: &[SettingReport<E>],
+    columns: &Columns<E, N>,
+    left_out: Option<&str>,
+) -> String {
     let mut text = String::new();
     let mut rows = vec![
-        row([
-            "speed against error",
-            "runs",
-            "steps",
-            "wall, ms",
-            "× real",
-            "× everyday",
-            "angle,",
-            "touch,",
-            "impulse,",
-        ]),
-        row(["", "", "", "", "time", "analytic", "rad", "µs", "%"]),
+        row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
+        row(["", "", "", "", "time", "analytic"]),
     ];
-    rows[0].extend(row(["force,", "gap,", "energy,"]));
-    rows[1].extend(row(["%", "µm", "%"]));
+    for (line, heads) in rows.iter_mut().zip(columns.heads) {
+        line.extend(row(heads));
+    }
     let mut notes = Vec::new();
     let mut family = "";
-    for setting in &report.settings {
+    for setting in settings {
         if setting.family != family {
             family = setting.family;
             rows.push(row([family]));
         }
-        rows.push(cells(setting));
+        rows.push(cells(setting, columns));
         match (setting.status, &setting.reason) {
             (Status::Done, _) | (_, None) => {}
             (Status::Failed, Some(reason)) => notes.push(format!("{}, {}: {reason}", family, setting.setting)),
@@ -215,8 +282,8 @@ fn settings(report: &ValidationReport) -> String {
     text.push_str(
         "largest differences from the reference over so many runs; * the scene's settings; median wall time, no log\n",
     );
-    if report.quick {
-        text.push_str("left out by --quick: fixed steps below 1e-5 s, reduced coordinates\n");
+    if let Some(left_out) = left_out {
+        let _ = writeln!(text, "left out by --quick: {left_out}");
     }
     for note in notes {
         let _ = writeln!(text, "{note}");
@@ -224,21 +291,14 @@ fn settings(report: &ValidationReport) -> String {
     text
 }
 
-fn cells(setting: &SettingReport) -> Vec<String> {
+fn cells<E, const N: usize>(setting: &SettingReport<E>, columns: &Columns<E, N>) -> Vec<String> {
     let mark = if setting.own { " *" } else { "" };
     let name = format!("  {}{mark}", setting.setting);
     let (Some(steps), Some(wall_s)) = (setting.steps, setting.wall_s) else {
         let word = if setting.status == Status::TooLong { "left out" } else { "failed" };
         return row([&name, "–", "–", word]);
     };
-    let number = |value: Option<f64>, digits: usize| value.map_or("–".to_string(), |value| figure(value, digits));
-    let found = setting.differences.as_ref();
-    let worst = |of: fn(&DifferencesReport) -> [Option<f64>; 2]| match found.map(of)? {
-        [Some(a), Some(b)] => Some(a.max(b)),
-        [a, b] => a.or(b),
-    };
     let runs = if setting.reference { "–".to_string() } else { setting.ensemble_runs.to_string() };
-    let percent = |value: Option<f64>| number(value.map(|value| 100.0 * value), 2);
     let mut cells = row([
         &name,
         &runs,
@@ -246,13 +306,8 @@ fn cells(setting: &SettingReport) -> Vec<String> {
         &figure(wall_s * 1e3, 3),
         &number(setting.real_time_factor, 3),
         &number(setting.analytic_factor, 3),
-        &number(setting.angle_max_rad, 2),
-        &number(worst(|found| [found.proximal.first_touch_s, found.distal.first_touch_s]).map(|s| s * 1e6), 2),
-        &percent(worst(|found| [found.proximal.impulse, found.distal.impulse])),
-        &percent(worst(|found| [found.proximal.final_force, found.distal.final_force])),
-        &number(found.map(|found| found.loop_gap_m * 1e6), 2),
-        &percent(found.map(|found| found.energy_created)),
     ]);
+    cells.extend((columns.cells)(&setting.errors));
     if setting.reference {
         cells[0].push_str(" (reference)");
     }

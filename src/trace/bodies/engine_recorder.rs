@@ -96,11 +96,12 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         let moving = self.scene.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
         for ((index, _), a) in moving.zip(&motion.step_accelerations) {
             let (from, to) = (&self.last.discs[index], &mut touch.discs[index]);
-            for axis in 0..2 {
+            let free = |axis: usize| {
                 let rate = from.velocity_m_s[axis];
-                to.centre_m[axis] = from.centre_m[axis] + time * (rate + 0.5 * time * a[axis]);
-                to.velocity_m_s[axis] = rate + time * a[axis];
-            }
+                [from.centre_m[axis] + time * (rate + 0.5 * time * a[axis]), rate + time * a[axis]]
+            };
+            let [[x, vx], [y, vy]] = [free(0), free(1)];
+            (to.centre_m, to.velocity_m_s) = ([x, y], [vx, vy]);
             to.angle_rad = from.angle_rad + time * (from.spin_rad_s + 0.5 * time * a[2]);
             to.spin_rad_s = from.spin_rad_s + time * a[2];
         }
@@ -133,7 +134,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         let tracked = &mut self.pairs[pair];
         if let Some(touch) = motion.touches.iter().find(|touch| touch.index == pair) {
             deepest = deepest.max(-touch.gap);
-            tracked.touching &= touch.gap <= 0.0 || force > 0.0;
+            tracked.touching &= !touch.is_apart() || force > 0.0;
         }
         tracked.add_step(peak, deepest, motion.normal_impulse(pair));
         match tracked.unnoticed(force) {

@@ -1,0 +1,67 @@
+//! Both models of a scene of discs over time: gaps, forces and energies.
+
+use plotters::style::RGBColor;
+
+use super::canvas::{AMBER, BLUE, DrawError, GREEN, GREY, ORANGE, PURPLE};
+use super::overlay::{Panel, Quantity, Runs, draw_all};
+use crate::scene::BodiesScene;
+use crate::trace::ContactSample;
+use crate::trace::bodies::BodiesSample;
+use crate::validate::Validation;
+
+const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
+
+/// The picture; pairs that never touch are left out of it where others do.
+pub fn bodies_overlay(scene: &BodiesScene, found: &Validation<BodiesScene>) -> Result<String, DrawError> {
+    let runs = Runs {
+        analytic: &found.reference.samples,
+        engine: &found.engine.samples,
+        time_s: |sample: &BodiesSample| sample.time_s,
+        end_s: found.reference.outcome.last.time_s,
+    };
+    draw_all(&scene.name, &panels(scene, found), &runs)
+}
+
+fn panels(scene: &BodiesScene, found: &Validation<BodiesScene>) -> Vec<Panel<'static, BodiesSample>> {
+    let mut panels = Vec::new();
+    let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
+    let touching = |&pair: &usize| {
+        [&found.reference.outcome, &found.engine.outcome].iter().any(|outcome| outcome.pairs[pair].first_s.is_some())
+    };
+    let mut shown: Vec<usize> = (0..names.len()).filter(touching).collect();
+    if shown.is_empty() {
+        shown = (0..names.len()).collect();
+    }
+    let of_pairs = |label, value: fn(&ContactSample) -> f64| {
+        let quantity = |(place, &pair): (usize, &usize)| Quantity {
+            name: names[pair].clone(),
+            colour: COLOURS[place % COLOURS.len()],
+            value: Box::new(move |sample: &BodiesSample| value(&sample.contacts[pair])),
+        };
+        Panel { label, log: false, quantities: shown.iter().enumerate().map(quantity).collect() }
+    };
+    if !shown.is_empty() {
+        panels.push(of_pairs("gap, mm", |contact| contact.gap_m * 1e3));
+        panels.push(of_pairs("normal force, N", |contact| contact.normal_n));
+        if scene.contact.friction.is_some() {
+            panels.push(of_pairs("friction force, N", |contact| contact.tangential_n));
+        }
+    }
+    let quantity = |name: &str, colour, value: fn(&BodiesSample) -> f64| Quantity {
+        name: name.to_string(),
+        colour,
+        value: Box::new(value),
+    };
+    panels.push(Panel {
+        label: "energy, mJ",
+        log: false,
+        quantities: vec![
+            quantity("kinetic", BLUE, |s| s.energy.kinetic_j * 1e3),
+            quantity("drive work", ORANGE, |s| s.energy.motor_work_j * 1e3),
+            quantity("contact", AMBER, |s| s.energy.elastic_j * 1e3),
+            quantity("dissipated", GREEN, |s| s.energy.dissipated_j * 1e3),
+            quantity("balance", PURPLE, |s| s.energy.balance_j * 1e3),
+        ],
+    });
+    panels
+}
