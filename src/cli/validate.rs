@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Count;
 use super::validate_files::{directory, write};
@@ -25,7 +26,8 @@ pub struct ValidateArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     scene: PathBuf,
 
-    /// Write everything there: reports, series of both models, pictures, both logs; the directory is made if need be
+    /// Write everything there: reports, series of both models, pictures, both logs; the directory is made if need be, and
+    /// an older file is replaced only when the new one is whole
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -44,19 +46,36 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     if let Some(out) = &args.out {
         directory(out)?;
     }
+    let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
-    let result = validate(&scene, args.quick, &mut |Progress { done, total, next }| count.show(done, total, next));
+    let mut reached = (0, 0);
+    let mut tell = |Progress { done, total, next }: Progress| {
+        reached = (done, total);
+        count.show(done, total, next);
+    };
+    let result = validate(&scene, args.quick, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
-    let found = result.map_err(incomplete)?;
+    let found = result.map_err(|error| match interrupt.signal().filter(|_| error.error.is_stop()) {
+        Some(signal) => interrupted(signal, reached, args.out.is_some()),
+        None => incomplete(error),
+    })?;
     let mut report = ValidationReport::new(&scene, &found, args.quick);
     if let Some(out) = &args.out {
-        write(out, &args.scene, &scene, &found, &mut report)?;
+        write(out, &args.scene, &scene, &found, &mut report, &interrupt)?;
     }
     print(&match args.json {
         true => validation_json(&report),
         false => validation_text(&report),
     })?;
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
+}
+
+/// A signal came while settings were being compared.
+fn interrupted(signal: &str, (done, total): (usize, usize), out: bool) -> Failure {
+    let files = if out { "; no file was written, and older ones are as they were" } else { "" };
+    Failure::incomplete(format!(
+        "the validation was interrupted by {signal} after {done} of {total} parts: there is no verdict{files}"
+    ))
 }
 
 /// One of the two runs that must complete did not.
