@@ -13,7 +13,7 @@ fn log_of(scene: &Scene, path: &Path) -> Vec<u8> {
     let info = RunInfo { scene, scene_file: "experiment-95.toml", model: "engine" };
     let mut writer = log::create(path, &info).expect("a log");
     run_engine(scene, &mut writer).expect("a run");
-    writer.finish().expect("a finished log");
+    writer.keep().expect("a finished log");
     std::fs::read(path).expect("the log")
 }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use mcap::{MessageStream, Summary};
-use phalanx::log::{CHUNK_BYTES, LogError, RunInfo, Writer, create};
+use phalanx::log::{CHUNK_BYTES, LogError, RunInfo, Writer, create, partial_name};
 use phalanx::scene::Scene;
 use phalanx::trace::Sink;
 use synthetic::{sample, scene};
@@ -169,9 +169,53 @@ fn an_older_log_is_replaced() {
         for i in 0..samples {
             writer.sample(&sample(1e-4 * i as f64)).expect("written");
         }
-        writer.finish().expect("finished");
-        states(&fs::read(&path).expect("readable")).len()
+        writer
     };
-    assert_eq!(write(100), 100);
-    assert_eq!(write(10), 10);
+    let there = || states(&fs::read(&path).expect("readable")).len();
+    write(100).keep().expect("kept");
+    assert_eq!(there(), 100);
+    // Until it is kept, and if it never is, the older log stays.
+    let partial = partial_name(&path);
+    assert_eq!(partial.file_name(), Some("run.mcap.partial".as_ref()));
+    let writer = write(10);
+    assert!(partial.exists());
+    assert_eq!(there(), 100);
+    drop(writer);
+    assert_eq!(states(&fs::read(&partial).expect("left behind")).len(), 10);
+    assert_eq!(there(), 100);
+    // What was left behind gives way to the next run.
+    write(5).keep().expect("kept");
+    assert_eq!(there(), 5);
+    assert!(!partial.exists());
+}
+
+#[test]
+fn two_runs_onto_one_log_are_kept_apart() {
+    let scene = scene();
+    let path = directory("log_busy").join("run.mcap");
+    let mut first = create(&path, &info(&scene)).expect("created");
+    let error = create(&path, &info(&scene)).err().expect("refused");
+    assert!(matches!(error, LogError::Busy { .. }), "{error}");
+    assert!(error.to_string().contains("another run is writing it"), "{error}");
+    for i in 0..SAMPLES {
+        first.sample(&sample(1e-6 * i as f64)).expect("written");
+    }
+    first.keep().expect("kept");
+    assert_eq!(states(&fs::read(&path).expect("whole")).len(), SAMPLES);
+    create(&path, &info(&scene)).expect("free again").keep().expect("kept");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link() {
+    let scene = scene();
+    let dir = directory("log_link");
+    let (file, link) = (dir.join("real.mcap"), dir.join("link.mcap"));
+    create(&file, &info(&scene)).expect("created").keep().expect("kept");
+    std::os::unix::fs::symlink("real.mcap", &link).expect("linked");
+    let mut writer = create(&link, &info(&scene)).expect("created");
+    writer.sample(&sample(0.0)).expect("written");
+    writer.keep().expect("kept");
+    assert!(link.is_symlink());
+    assert_eq!(states(&fs::read(&file).expect("replaced")).len(), 1);
 }

@@ -3,13 +3,16 @@
 //! | status | meaning |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | ran, but a check failed |
+//! | 1 | ran, but a check failed: a bound does not hold, or a part of a log is lost |
 //! | 2 | bad input: arguments, scene, or a path that cannot be written |
-//! | 3 | the simulation could not be completed; the log up to there is kept and readable |
+//! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
+mod interrupt;
 mod output;
 mod overrides;
 mod progress;
+mod replace;
+mod replay;
 mod run;
 mod run_bodies;
 pub mod scene;
@@ -43,6 +46,7 @@ struct Cli {
 enum Command {
     Run(run::RunArgs),
     Validate(validate::ValidateArgs),
+    Replay(replay::ReplayArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
@@ -89,6 +93,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Validate(args) => validate::run(args),
+        Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
     };
     let status = result.unwrap_or_else(|failure| {

@@ -5,13 +5,14 @@ use std::time::Instant;
 
 use clap::Args;
 
+use super::interrupt::Interrupt;
 use super::output::{complain, print};
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::{Failure, Status, run_bodies};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
-use crate::log::{self, FileWriter, RunInfo, Severity};
+use crate::log::{self, FileWriter, LogError, RunInfo, Severity};
 use crate::report::{self, RunReport};
 use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
@@ -33,7 +34,8 @@ pub struct RunArgs {
     #[arg(long, value_enum, default_value_t = Model::Analytic)]
     pub(super) model: Model,
 
-    /// Write a log (MCAP, readable while it grows); an older log of that name is replaced
+    /// Write a log (MCAP, readable while it grows as FILE.mcap.partial); an older log of that name is replaced only
+    /// when the new one is whole
     #[arg(long, value_name = "FILE.mcap")]
     pub(super) log: Option<PathBuf>,
 
@@ -56,14 +58,16 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
     let model = args.model.name();
+    let interrupt = Interrupt::listen()?;
     let mut sinks = Sinks {
         log: match &args.log {
-            Some(path) => Some(log::create(path, &info(&scene, &args.scene, model)).map_err(Failure::bad_input)?),
+            Some(path) => Some(log::create(path, &info(&scene, &args.scene, model)).map_err(unstarted)?),
             None => None,
         },
         tracker: final_angles(&scene).map(Tracker::new),
         last_s: 0.0,
         progress: Progress::new(scene.duration_s),
+        interrupt: &interrupt,
     };
 
     let start = Instant::now();
@@ -80,7 +84,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
         Err(error) => {
             let (time_s, reason, so_far) = match error {
                 RunError::Simulation { failure, so_far } => {
-                    (failure.time_s, failure.reason.to_string(), Some(so_far.as_ref()))
+                    (failure.time_s, interrupt.reason(&failure.reason), Some(so_far.as_ref()))
                 }
                 RunError::Sink(error) => (sinks.last_s, error.to_string(), None),
             };
@@ -97,8 +101,8 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
         false => report::text(&report),
     })?;
     match (broken, finished) {
-        (Some(message), _) => Err(Failure::incomplete(message + &kept(report.log.as_deref()))),
-        (None, Err(error)) => Err(Failure::incomplete(error)),
+        (Some(message), finished) => Err(Failure::incomplete(message + &kept(args, finished.is_ok()))),
+        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", kept(args, false)))),
         (None, Ok(())) => Ok(Status::Done),
     }
 }
@@ -108,8 +112,16 @@ pub(super) fn info<'a, S>(scene: &'a S, path: &'a Path, model: &'a str) -> RunIn
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 
+/// A log that could not be started: the path is wrong, or the disk is full already.
+pub(super) fn unstarted(error: LogError) -> Failure {
+    match error {
+        LogError::Start(_) => Failure::incomplete(error),
+        _ => Failure::bad_input(error),
+    }
+}
+
 /// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
-fn final_angles(scene: &Scene) -> Option<FinalAngles> {
+pub(super) fn final_angles(scene: &Scene) -> Option<FinalAngles> {
     let object = scene.object?;
     let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
     match final_posture(&scene.finger.lengths, scene.finger.assembly, disc) {
@@ -141,28 +153,37 @@ pub(super) fn finish_log<C>(
         Some(error) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
     };
     log.note(time_s, severity, &text)?;
-    log.finish()?;
-    Ok(())
+    log.keep()
 }
 
-/// Where what there is of a run can be found.
-pub(super) fn kept(log: Option<&str>) -> String {
-    match log {
-        Some(path) => format!("; the log up to there is in {path}"),
-        None => "; with --log FILE.mcap the run up to there is kept".to_string(),
+/// Where what there is of a run can be found; `finished`: whether its log is.
+pub(super) fn kept(args: &RunArgs, finished: bool) -> String {
+    let Some(path) = &args.log else {
+        return "; with --log FILE.mcap the run up to there is kept".to_string();
+    };
+    let partial = log::partial_name(path);
+    match finished {
+        true => format!("; the log up to there is in {}", path.display()),
+        false if partial.exists() => format!(
+            "; the log up to there is in {} (phalanx replay reads it), and {} is as it was before",
+            partial.display(),
+            path.display()
+        ),
+        false => "; what could be written of the log has gone where it was sent".to_string(),
     }
 }
 
 /// Everything that listens to a run.
-struct Sinks {
+struct Sinks<'a> {
     log: Option<FileWriter>,
     tracker: Option<Tracker>,
     /// Time of the latest sample.
     last_s: f64,
     progress: Progress,
+    interrupt: &'a Interrupt,
 }
 
-impl Sink for Sinks {
+impl Sink for Sinks<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.progress.sample(sample)?;
@@ -183,5 +204,9 @@ impl Sink for Sinks {
             Some(log) => log.event(event),
             None => Ok(()),
         }
+    }
+
+    fn proceed(&self) -> bool {
+        self.interrupt.signal().is_none()
     }
 }

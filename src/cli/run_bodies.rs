@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Progress;
-use super::run::{RunArgs, finish_log, info, kept, stopped};
+use super::run::{RunArgs, finish_log, info, kept, stopped, unstarted};
 use super::{Failure, Status};
 use crate::criteria::Rebounds;
 use crate::log::{self, BodiesChannels, FileWriter};
@@ -16,17 +17,19 @@ use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink
 /// Runs the command.
 pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     args.overrides.apply_bodies(args.model, &mut scene)?;
+    let interrupt = Interrupt::listen()?;
     let mut sinks = Sinks {
         log: match &args.log {
             Some(path) => {
                 let info = info(&scene, &args.scene, args.model.name());
-                Some(log::create(path, &info).map_err(Failure::bad_input)?)
+                Some(log::create(path, &info).map_err(unstarted)?)
             }
             None => None,
         },
         rebounds: Rebounds::new(scene.pairs().len()),
         last_s: 0.0,
         progress: Progress::new(scene.duration_s),
+        interrupt: &interrupt,
     };
 
     let start = Instant::now();
@@ -37,7 +40,7 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     let (outcome, error) = match &result {
         Ok(outcome) => (Some(outcome), None),
         Err(BodiesRunError::Simulation { failure, so_far }) => {
-            let error = report::Failure { time_s: failure.time_s, reason: failure.reason.to_string() };
+            let error = report::Failure { time_s: failure.time_s, reason: interrupt.reason(&failure.reason) };
             (Some(so_far.as_ref()), Some(error))
         }
         Err(BodiesRunError::Sink(error)) => {
@@ -53,22 +56,25 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
         false => report::bodies_text(&report),
     })?;
     match (&report.error, finished) {
-        (Some(error), _) => Err(Failure::incomplete(stopped(error, scene.duration_s) + &kept(report.log.as_deref()))),
-        (None, Err(error)) => Err(Failure::incomplete(error)),
+        (Some(error), finished) => {
+            Err(Failure::incomplete(stopped(error, scene.duration_s) + &kept(args, finished.is_ok())))
+        }
+        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", kept(args, false)))),
         (None, Ok(())) => Ok(Status::Done),
     }
 }
 
 /// Everything that listens to a run.
-struct Sinks {
+struct Sinks<'a> {
     log: Option<FileWriter<BodiesChannels>>,
     rebounds: Rebounds,
     /// Time of the latest sample.
     last_s: f64,
     progress: Progress,
+    interrupt: &'a Interrupt,
 }
 
-impl BodiesSink for Sinks {
+impl BodiesSink for Sinks<'_> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.progress.sample(sample)?;
@@ -85,5 +91,9 @@ impl BodiesSink for Sinks {
             Some(log) => log.event(event),
             None => Ok(()),
         }
+    }
+
+    fn proceed(&self) -> bool {
+        self.interrupt.signal().is_none()
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Count;
 use super::validate_files::{directory, write};
@@ -12,7 +13,7 @@ use crate::integrator;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
 use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{Model, RunError};
-use crate::validate::{Progress, StudyError, validate};
+use crate::validate::{Progress, StudyError, Subject, Validation, validate};
 
 /// Compare the engine with the analytic model, judge it by the scene's bounds, and weigh speed against error.
 #[derive(Debug, Args)]
@@ -26,7 +27,8 @@ pub struct ValidateArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     pub(super) scene: PathBuf,
 
-    /// Write everything there: reports, series of both models, pictures, both logs; the directory is made if need be
+    /// Write everything there: reports, series of both models, pictures, both logs; the directory is made if need be, and
+    /// an older file is replaced only when the new one is whole
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 
@@ -51,19 +53,46 @@ fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
     if let Some(out) = &args.out {
         directory(out)?;
     }
-    let mut count = Count::new();
-    let result = validate(scene, args.quick, &mut |Progress { done, total, next }| count.show(done, total, next));
-    count.clear();
-    let found = result.map_err(incomplete)?;
+    let interrupt = Interrupt::listen()?;
+    let found = watched(scene, args, &interrupt, incomplete)?;
     let mut report = ValidationReport::new(scene, &found, args.quick);
     if let Some(out) = &args.out {
-        write(out, &args.scene, scene, &found, &mut report)?;
+        write(out, &args.scene, scene, &found, &mut report, &interrupt)?;
     }
     print(&match args.json {
         true => validation_json(&report),
         false => validation_text(&report),
     })?;
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
+}
+
+/// The validation itself, its progress shown; it ends at a signal.
+pub(super) fn watched<S: Subject>(
+    scene: &S,
+    args: &ValidateArgs,
+    interrupt: &Interrupt,
+    incomplete: impl FnOnce(StudyError<S::Error>) -> Failure,
+) -> Result<Validation<S>, Failure> {
+    let mut count = Count::new();
+    let mut reached = (0, 0);
+    let mut tell = |Progress { done, total, next }: Progress| {
+        reached = (done, total);
+        count.show(done, total, next);
+    };
+    let result = validate(scene, args.quick, &mut tell, &|| interrupt.signal().is_none());
+    count.clear();
+    result.map_err(|error| match interrupt.signal().filter(|_| S::is_stop(&error.error)) {
+        Some(signal) => interrupted(signal, reached, args.out.is_some()),
+        None => incomplete(error),
+    })
+}
+
+/// A signal came while settings were being compared.
+fn interrupted(signal: &str, (done, total): (usize, usize), out: bool) -> Failure {
+    let files = if out { "; no file was written, and older ones are as they were" } else { "" };
+    Failure::incomplete(format!(
+        "the validation was interrupted by {signal} after {done} of {total} parts: there is no verdict{files}"
+    ))
 }
 
 /// One of the two runs that must complete did not.

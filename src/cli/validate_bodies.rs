@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use super::interrupt::Interrupt;
 use super::output::print;
-use super::progress::Count;
-use super::run::info;
-use super::validate::{ValidateArgs, stopped};
-use super::validate_files::{broken, directory, save, table};
+use super::run::{info, unstarted};
+use super::validate::{ValidateArgs, stopped, watched};
+use super::validate_files::{broken, directory, save, table, unfinished};
 use super::{Failure, Status};
 use crate::log::{self, Severity};
 use crate::plot;
@@ -14,7 +14,7 @@ use crate::report::{BodiesValidationReport, bodies_series, bodies_validation_jso
 use crate::scene::{BodiesScene, Preset};
 use crate::trace::Model;
 use crate::trace::bodies::{BodiesRunError, run_bodies};
-use crate::validate::{Progress, StudyError, Subject, Validation, validate};
+use crate::validate::{StudyError, Subject, Validation, While};
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 7] =
@@ -25,13 +25,11 @@ pub fn run(args: &ValidateArgs, scene: &BodiesScene) -> Result<Status, Failure> 
     if let Some(out) = &args.out {
         directory(out)?;
     }
-    let mut count = Count::new();
-    let result = validate(scene, args.quick, &mut |Progress { done, total, next }| count.show(done, total, next));
-    count.clear();
-    let found = result.map_err(incomplete)?;
+    let interrupt = Interrupt::listen()?;
+    let found = watched(scene, args, &interrupt, incomplete)?;
     let mut report = BodiesValidationReport::new(scene, &found, args.quick);
     if let Some(out) = &args.out {
-        write(out, &args.scene, scene, &found, &mut report)?;
+        write(out, &args.scene, scene, &found, &mut report, &interrupt)?;
     }
     print(&match args.json {
         true => bodies_validation_json(&report),
@@ -53,6 +51,7 @@ fn write(
     scene: &BodiesScene,
     found: &Validation<BodiesScene>,
     report: &mut BodiesValidationReport,
+    interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     for (file, picture) in [
         ("speed-error.svg", plot::bodies_speed_error(&scene.name, found)),
@@ -61,10 +60,10 @@ fn write(
         let path = out.join(file);
         save(&path, &picture.map_err(|error| broken(&path, error))?)?;
     }
-    table(&out.join("series.csv"), |file| bodies_series(file, scene, [&found.reference, &found.engine]))?;
+    table(&out.join("series.csv"), |mut file| bodies_series(&mut file, scene, [&found.reference, &found.engine]))?;
     let reference = scene.with_integrator(scene.integrator.with_preset(Preset::Reference));
-    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"))?;
-    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"))?;
+    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?;
+    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?;
 
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
@@ -73,10 +72,17 @@ fn write(
 }
 
 /// Logs one model, sample rate and all as `phalanx run` does.
-fn record(model: Model, scene: &BodiesScene, scene_file: &Path, path: &Path) -> Result<(), Failure> {
-    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(Failure::bad_input)?;
-    let outcome = run_bodies(model, scene, &mut log).map_err(|error| broken(path, error))?;
+fn record(
+    model: Model,
+    scene: &BodiesScene,
+    scene_file: &Path,
+    path: &Path,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
+    let go_on = || interrupt.signal().is_none();
+    let outcome = run_bodies(model, scene, &mut While { sink: &mut log, go_on: &go_on })
+        .map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
     log.note(outcome.last.time_s, Severity::Info, "completed").map_err(|error| broken(path, error))?;
-    log.finish().map_err(|error| broken(path, error))?;
-    Ok(())
+    log.keep().map_err(|error| broken(path, error))
 }

@@ -1,20 +1,22 @@
 //! The files of `phalanx validate --out`: reports, series, pictures, logs.
 
 use std::fmt::Display;
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::Failure;
-use super::run::info;
+use super::interrupt::Interrupt;
+use super::replace::{probe, replace};
+use super::run::{info, unstarted};
 use crate::log::{self, Severity};
 use crate::plot;
 use crate::report::{ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Preset, Scene};
 use crate::trace::{Model, run};
-use crate::validate::Validation;
+use crate::validate::{Validation, While};
 
-/// The first file written: it shows whether the others can be.
+/// The file that says what the others are; written last.
 const REPORT: &str = "report.txt";
 
 /// Everything that is in the directory in the end.
@@ -43,7 +45,7 @@ pub fn directory(out: &Path) -> Result<(), Failure> {
             out.display()
         ))
     })?;
-    File::create(out.join(REPORT)).map(drop).map_err(|error| {
+    probe(&out.join(REPORT)).map_err(|error| {
         let path = out.join(REPORT);
         Failure::bad_input(format!("cannot write {}: {error}; give a directory where you may write", path.display()))
     })
@@ -56,6 +58,7 @@ pub fn write(
     scene: &Scene,
     found: &Validation,
     report: &mut ValidationReport,
+    interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let name = &scene.name;
     for (file, picture) in [
@@ -66,10 +69,12 @@ pub fn write(
         let path = out.join(file);
         save(&path, &picture.map_err(|error| broken(&path, error))?)?;
     }
-    table(&out.join("series.csv"), |file| series(file, &found.reference, &found.engine, scene.log.numeric_hz))?;
+    table(&out.join("series.csv"), |mut file| {
+        series(&mut file, &found.reference, &found.engine, scene.log.numeric_hz)
+    })?;
     let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
-    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"))?;
-    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"))?;
+    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?;
+    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?;
 
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
@@ -78,29 +83,39 @@ pub fn write(
 }
 
 pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text).map_err(|error| broken(path, error))
+    replace(path, |out| out.write_all(text.as_bytes())).map_err(|error| broken(path, error))
 }
 
 /// Both models side by side, as `rows` writes them.
-pub(super) fn table(
-    path: &Path,
-    rows: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
-) -> Result<(), Failure> {
-    let written = File::create(path).and_then(|file| {
-        let mut file = BufWriter::new(file);
-        rows(&mut file)?;
-        file.flush()
-    });
+pub(super) fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let written = replace(path, rows);
     written.map_err(|error| broken(path, error))
 }
 
 /// Logs one model, sample rate and all as `phalanx run` does.
-fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path) -> Result<(), Failure> {
-    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(Failure::bad_input)?;
-    let outcome = run(model, scene, &mut log).map_err(|error| broken(path, error))?;
+fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
+    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
+    let go_on = || interrupt.signal().is_none();
+    let outcome = run(model, scene, &mut While { sink: &mut log, go_on: &go_on })
+        .map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
     log.note(outcome.last.time_s, Severity::Info, "completed").map_err(|error| broken(path, error))?;
-    log.finish().map_err(|error| broken(path, error))?;
-    Ok(())
+    log.keep().map_err(|error| broken(path, error))
+}
+
+/// Why a log of a validation was not finished: a signal came, or it could not be written.
+pub(super) fn unfinished(path: &Path, interrupt: &Interrupt, stopped: bool, error: impl Display) -> Failure {
+    match interrupt.signal().filter(|_| stopped) {
+        Some(signal) => {
+            // Its place is untouched, and half a log of a validation is of no use.
+            let _ = fs::remove_file(log::partial_name(path));
+            Failure::incomplete(format!(
+                "the validation was interrupted by {signal} while it wrote its files: {} and the reports are as they were \
+                 before",
+                path.display()
+            ))
+        }
+        None => broken(path, error),
+    }
 }
 
 pub(super) fn broken(path: &Path, error: impl Display) -> Failure {

@@ -8,3 +8,6 @@ pub mod errata {}
 
 #[doc = include_str!("integration.md")]
 pub mod integration {}
+
+#[doc = include_str!("robustness.md")]
+pub mod robustness {}

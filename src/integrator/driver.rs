@@ -39,7 +39,13 @@ pub enum Reason {
     Obstacle(String),
     #[error("the budget of {0} steps is used up; raise `max_steps` or shorten the run")]
     Budget(u64),
-    #[error("the observer asked to stop")]
+    #[error(
+        "the budget of {budget} contact sub-steps (ten for each of `max_steps`) is used up after {steps} steps; raise \
+         `max_steps`, soften the contact, or shorten the run"
+    )]
+    SubstepBudget { budget: u64, steps: u64 },
+    /// Whoever watches said so.
+    #[error("it was told to stop")]
     Stopped,
 }
 

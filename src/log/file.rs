@@ -1,16 +1,23 @@
-//! Opening a log file: refusals come before a simulation starts, not after it.
+//! Log files: refusals come before a simulation starts, not after it; an older log gives way only to a whole one.
+//!
+//! A log grows as `NAME.partial` beside its target and takes the target's name when it is finished. What ends a run in
+//! between (a kill, a full disk) leaves the older log as it was, and the partial one readable up to its last chunk.
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, Read};
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+
+use fs4::FileExt;
+use fs4::TryLockError;
 
 use super::finger::FingerChannels;
 use super::metadata::{Logged, RunInfo};
 use super::writer::Writer;
 use crate::trace::SinkError;
 
-/// A log that goes to a file.
-pub type FileWriter<C = FingerChannels> = Writer<File, C>;
+/// A log that goes to a file; [`Writer::keep`] puts it in its place.
+pub type FileWriter<C = FingerChannels> = Writer<LogFile, C>;
 
 /// Why a log could not be started.
 #[derive(Debug, thiserror::Error)]
@@ -23,10 +30,14 @@ pub enum LogError {
     #[error("cannot write the log {path}: that is a directory; give the name of a file in it, such as {suggestion}")]
     IsDirectory { path: PathBuf, suggestion: PathBuf },
     #[error(
-        "cannot write the log {path}: that file exists and is not an MCAP log, so it is left alone; remove it first or give \
+        "cannot write the log {path}: {taken} exists and is not an MCAP log, so it is left alone; remove it first or give \
          another path"
     )]
-    NotALog { path: PathBuf },
+    NotALog { path: PathBuf, taken: PathBuf },
+    #[error(
+        "cannot write the log {path}: another run is writing it (to {partial}); wait for that run or give another path"
+    )]
+    Busy { path: PathBuf, partial: PathBuf },
     #[error("cannot write the log {path}: {source}; give a path where you may write, or free the one you gave")]
     Create {
         path: PathBuf,
@@ -37,28 +48,184 @@ pub enum LogError {
     Start(#[from] SinkError),
 }
 
-/// Starts a log in a file, in place: it grows as the run goes on and can be read meanwhile. An older log of that name is
-/// replaced; any other file is refused.
+/// A file that a log is being written to.
+#[derive(Debug)]
+#[must_use = "a finished log takes the name it was meant for only by `keep`"]
+pub struct LogFile {
+    file: File,
+    /// Where the bytes go until the log is finished, and where it belongs then; `None` for what cannot be replaced, such
+    /// as a pipe or a device.
+    place: Option<Place>,
+    /// What has been asked for, for messages.
+    name: String,
+    /// A write has failed: nothing may follow what is missing.
+    broken: bool,
+}
+
+#[derive(Debug)]
+struct Place {
+    partial: PathBuf,
+    target: PathBuf,
+}
+
+impl LogFile {
+    /// Opens a log's file for writing.
+    ///
+    /// A target that is not a regular file is written directly. A partial log that nobody writes any more is replaced; an
+    /// advisory lock on it keeps two runs apart.
+    ///
+    /// # Errors
+    /// [`LogError`] with the path, the reason and the way out.
+    pub fn open(path: &Path) -> Result<Self, LogError> {
+        if path.is_dir() {
+            return Err(LogError::IsDirectory { path: path.to_path_buf(), suggestion: path.join("run.mcap") });
+        }
+        if let Some(directory) = path.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
+            return Err(LogError::NoDirectory { path: path.to_path_buf(), directory: directory.to_path_buf() });
+        }
+        let failed = |source| LogError::Create { path: path.to_path_buf(), source };
+        let name = format!("the log {}", path.display());
+        match fs::metadata(path) {
+            Ok(found) if !found.is_file() => {
+                let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
+                return Ok(LogFile { file, place: None, name, broken: false });
+            }
+            Ok(_) => {
+                // Who may not write the older log may not replace it either, whatever the directory allows.
+                OpenOptions::new().write(true).open(path).map_err(failed)?;
+                refuse_other_files(path, path)?;
+            }
+            Err(_) => {}
+        }
+        let target = behind_link(path).map_err(failed)?;
+        let partial = partial_name(path);
+        refuse_other_files(path, &partial)?;
+        let file = claim(path, &partial)?;
+        file.set_len(0).map_err(failed)?;
+        Ok(LogFile { file, place: Some(Place { partial, target }), name, broken: false })
+    }
+
+    /// Where the log is while it is not finished; `None` if it is written directly.
+    pub fn partial(&self) -> Option<&Path> {
+        self.place.as_ref().map(|place| place.partial.as_path())
+    }
+
+    /// Puts a finished log in its place, on the disk for good.
+    pub fn keep(self) -> Result<(), SinkError> {
+        let Some(Place { partial, target }) = &self.place else {
+            return Ok(());
+        };
+        let kept =
+            self.file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target));
+        kept.map_err(|source| SinkError { what: self.name, source })
+    }
+}
+
+impl Write for LogFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.broken {
+            return Err(io::Error::other("an earlier part of the log could not be written"));
+        }
+        self.file.write(bytes).inspect_err(|error| self.broken = error.kind() != io::ErrorKind::Interrupted)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl<C> Writer<LogFile, C> {
+    /// Finishes the log and puts it in its place.
+    pub fn keep(self) -> Result<(), SinkError> {
+        self.finish()?.keep()
+    }
+}
+
+/// Starts a log in a file, see [`LogFile::open`].
 ///
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
-pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<Writer<File, S::Channels>, LogError> {
-    if path.is_dir() {
-        return Err(LogError::IsDirectory { path: path.to_path_buf(), suggestion: path.join("run.mcap") });
-    }
-    if let Some(directory) = path.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
-        return Err(LogError::NoDirectory { path: path.to_path_buf(), directory: directory.to_path_buf() });
-    }
-    let failed = |source| LogError::Create { path: path.to_path_buf(), source };
-    if path.is_file() && !is_log_or_empty(path).map_err(failed)? {
-        return Err(LogError::NotALog { path: path.to_path_buf() });
-    }
-    let file = OpenOptions::new().write(true).create(true).truncate(true).open(path).map_err(failed)?;
-    Ok(Writer::new(file, &format!("the log {}", path.display()), run)?)
+pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<FileWriter<S::Channels>, LogError> {
+    let file = LogFile::open(path)?;
+    let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
+    Writer::new(file, &name, run).map_err(|error| {
+        // Not even the beginning of a log: nobody has a use for it.
+        if let Some(partial) = partial {
+            let _ = fs::remove_file(partial);
+        }
+        LogError::Start(error)
+    })
 }
 
-fn is_log_or_empty(path: &Path) -> io::Result<bool> {
+/// Name of a log that is not finished: `run.mcap.partial`.
+pub fn partial_name(path: &Path) -> PathBuf {
+    let mut name = OsString::from(behind_link(path).unwrap_or_else(|_| path.to_path_buf()));
+    name.push(".partial");
+    PathBuf::from(name)
+}
+
+/// A link stays a link: what it points to is replaced.
+fn behind_link(path: &Path) -> io::Result<PathBuf> {
+    if path.is_symlink() { fs::canonicalize(path) } else { Ok(path.to_path_buf()) }
+}
+
+/// A slip of the hand must not cost another file: only logs, or what is left of one, are replaced.
+fn refuse_other_files(path: &Path, taken: &Path) -> Result<(), LogError> {
+    let failed = |source| LogError::Create { path: path.to_path_buf(), source };
+    let other = LogError::NotALog { path: path.to_path_buf(), taken: taken.to_path_buf() };
+    match fs::metadata(taken) {
+        Ok(found) if !found.is_file() => return Err(other),
+        Ok(_) => {}
+        Err(_) => return Ok(()),
+    }
     let mut head = Vec::with_capacity(mcap::MAGIC.len());
-    File::open(path)?.take(mcap::MAGIC.len() as u64).read_to_end(&mut head)?;
-    Ok(head.is_empty() || head == mcap::MAGIC)
+    let file = File::open(taken).map_err(failed)?;
+    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut head).map_err(failed)?;
+    if mcap::MAGIC.starts_with(&head) { Ok(()) } else { Err(other) }
+}
+
+/// Opens the partial file and locks it, so that it belongs to this run alone.
+fn claim(path: &Path, partial: &Path) -> Result<File, LogError> {
+    let failed = |source| LogError::Create { path: path.to_path_buf(), source };
+    loop {
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(partial).map_err(failed)?;
+        match FileExt::try_lock(&file) {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(LogError::Busy { path: path.to_path_buf(), partial: partial.to_path_buf() });
+            }
+            // A file system without locks: two runs cannot be told apart there.
+            Err(TryLockError::Error(_)) => return Ok(file),
+        }
+        // Between opening and locking, another run may have finished and moved this very file to its place.
+        if is_at(&file, partial) {
+            return Ok(file);
+        }
+    }
+}
+
+/// Whether an open file is the one at this path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (file.metadata(), fs::metadata(path)) {
+        (Ok(open), Ok(there)) => (open.dev(), open.ino()) == (there.dev(), there.ino()),
+        _ => false,
+    }
+}
+
+/// Elsewhere an open file is not moved away.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// Makes a rename last through a loss of power, where directories can be synced.
+fn sync_directory(path: &Path) -> io::Result<()> {
+    if cfg!(unix) {
+        let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // Some file systems refuse this; the rename itself is done.
+        let _ = File::open(directory).and_then(|directory| directory.sync_all());
+    }
+    Ok(())
 }

@@ -28,7 +28,9 @@
 //! **Beside the channels.** A metadata record `phalanx` (versions, model, settings) and the exact scene text as an
 //! attachment come first in the file, so a log cut short anywhere still says what it was a log of.
 //!
-//! **Crashes.** Every chunk is written whole and flushed, so a killed run leaves a log that reads up to its last chunk.
+//! **Crashes.** A log grows as `NAME.mcap.partial` and takes its name when it is finished, so an older log is replaced
+//! only by a whole one. Every chunk is written whole and flushed, so a killed run leaves a partial log that reads up to
+//! its last chunk.
 
 mod bodies;
 mod core;
@@ -36,15 +38,17 @@ mod file;
 mod finger;
 mod messages;
 mod metadata;
+mod reader;
 mod writer;
 
 pub use bodies::BodiesChannels;
 pub use core::{CHUNK_BYTES, Core, Severity};
-pub use file::{FileWriter, LogError, create};
+pub use file::{FileWriter, LogError, LogFile, create, partial_name};
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
     ATTACHMENT_MEDIA_TYPE, About, Logged, METADATA_NAME, RunInfo, construction_name, law_name, metadata, method_name,
     preset_name, stepping_name,
 };
+pub use reader::{Behind, Ended, LARGEST_RECORD, Loss, ReadError, Reading, read, read_file, read_head};
 pub use writer::{Channels, Writer};

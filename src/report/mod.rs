@@ -2,6 +2,7 @@
 
 mod bodies;
 mod document;
+mod replay;
 mod table;
 mod text;
 mod validation;
@@ -11,6 +12,7 @@ pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,
 };
+pub use replay::{Lost, ReplayReport, Summary, replay_json, replay_text};
 pub use text::{duration, text};
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,

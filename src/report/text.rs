@@ -125,7 +125,7 @@ fn cost(report: &Heading<'_>) -> String {
     format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", duration(end_s))
 }
 
-fn final_state(last: &Final, end_s: f64) -> String {
+pub(super) fn final_state(last: &Final, end_s: f64) -> String {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
@@ -134,7 +134,7 @@ fn final_state(last: &Final, end_s: f64) -> String {
     ])
 }
 
-fn contacts(contacts: &Contacts) -> String {
+pub(super) fn contacts(contacts: &Contacts) -> String {
     let phalanx = |name: &str, report: &PhalanxReport| {
         row([
             name,
@@ -178,7 +178,7 @@ fn contacts(contacts: &Contacts) -> String {
     text
 }
 
-fn energies(energy: &Energies) -> String {
+pub(super) fn energies(energy: &Energies) -> String {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     table(&[
         row(["energy", "kinetic", "gravity", "spring", "contact", "dissipated", "motor work", "balance"]),
@@ -195,7 +195,7 @@ fn energies(energy: &Energies) -> String {
     ])
 }
 
-fn dynamics(criteria: &Dynamics) -> String {
+pub(super) fn dynamics(criteria: &Dynamics) -> String {
     let rebound = match criteria.rebound_percent {
         Some(percent) => format!("{} %", figure(percent, 4)),
         None => "–".to_string(),

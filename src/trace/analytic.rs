@@ -4,7 +4,7 @@ use super::recorder::Recorder;
 use super::{Outcome, Sink, SinkError, Work};
 use crate::analytic::{Model, QUADRATURES};
 use crate::integrator::{
-    Counters, End, Failure, Method as OneStep, Options, Radau5, Rodas5p, State, Tolerances, integrate,
+    Counters, End, Failure, Method as OneStep, Options, Radau5, Reason, Rodas5p, State, Tolerances, integrate,
 };
 use crate::scene::{Method, Scene};
 
@@ -16,6 +16,13 @@ pub enum RunError {
     /// The simulation could not be completed; `so_far` is the run up to there, which the sink has in full.
     #[error("the simulation could not be completed {failure}")]
     Simulation { failure: Failure, so_far: Box<Outcome> },
+}
+
+impl RunError {
+    /// Whether the run ended because its sink said so, see [`Sink::proceed`].
+    pub fn is_stop(&self) -> bool {
+        matches!(self, RunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })
+    }
 }
 
 /// Integration options of a scene.

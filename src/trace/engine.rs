@@ -6,7 +6,13 @@ use crate::engine::{Motion, build, next, plan};
 use crate::integrator::{Failure, Reason};
 use crate::scene::{Engine, Scene};
 
+/// Contact sub-steps that the step budget allows, per step: a step of a hard contact may take 100,000 of them, so that a
+/// budget of steps alone would not bound the time a run takes. Ordinary runs need one to four.
+const SUBSTEPS_PER_STEP: u64 = 10;
+
 /// Simulates `scene` with the engine model, as `scene.engine` says.
+///
+/// `scene.engine.max_steps` is a budget of steps, and of ten times as many contact sub-steps.
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
 /// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
@@ -23,7 +29,10 @@ pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunErr
     let mut motion = Motion::new(&plan, world).map_err(|error| unstarted(error.to_string()))?;
     let mut recorder = EngineRecorder::new(scene, &motion, sink);
     recorder.begin(&motion)?;
-    let broken = step_through(&mut motion, settings, scene.duration_s, |motion| recorder.step(motion))?;
+    let broken = step_through(&mut motion, settings, scene.duration_s, |motion| {
+        recorder.step(motion)?;
+        Ok(recorder.proceed())
+    })?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {
@@ -32,24 +41,32 @@ pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunErr
     }
 }
 
-/// Steps to the end of the run, and shows every step; says why where it does not get there.
+/// Steps to the end of the run, and shows every step to `record`, which says whether to go on; says why where it does not
+/// get there.
 pub(super) fn step_through(
     motion: &mut Motion,
     settings: &Engine,
     end_s: f64,
-    mut record: impl FnMut(&Motion) -> Result<(), SinkError>,
+    mut record: impl FnMut(&Motion) -> Result<bool, SinkError>,
 ) -> Result<Option<Reason>, SinkError> {
-    let mut steps = 0;
+    let (mut steps, mut substeps) = (0, 0);
+    let budget = settings.max_steps.saturating_mul(SUBSTEPS_PER_STEP);
     while motion.clock.now() < end_s {
         if steps == settings.max_steps {
             return Ok(Some(Reason::Budget(settings.max_steps)));
+        }
+        if substeps >= budget {
+            return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
         let dt = next(motion, settings.stepping, end_s);
         if let Err(error) = motion.advance(dt) {
             return Ok(Some(Reason::Obstacle(error.to_string())));
         }
         steps += 1;
-        record(motion)?;
+        substeps += u64::from(motion.contact.substeps);
+        if !record(motion)? {
+            return Ok(Some(Reason::Stopped));
+        }
     }
     Ok(None)
 }

@@ -94,7 +94,8 @@ impl<'a, S: Sink> Recorder<'a, S> {
         let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
         loop {
             let t = self.next as f64 * self.interval_s;
-            if t >= end || t >= self.end_s {
+            // A grid can be so fine that one step holds millions of its points.
+            if t >= end || t >= self.end_s || !self.sink.proceed() {
                 break;
             }
             self.next += 1;
@@ -156,7 +157,7 @@ impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
-        self.error.is_none()
+        self.error.is_none() && self.sink.proceed()
     }
 
     fn event(&mut self, t: f64, state: &Point, site: usize, mode: &Mode) {

@@ -15,6 +15,12 @@ pub struct SinkError {
 pub trait Sink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
     fn event(&mut self, event: &Event) -> Result<(), SinkError>;
+
+    /// Whether the run may go on: asked at least once a step of either model, because samples can be far apart. After a
+    /// `false` the run ends as [`Reason::Stopped`](crate::integrator::Reason::Stopped).
+    fn proceed(&self) -> bool {
+        true
+    }
 }
 
 /// Takes everything and keeps nothing.

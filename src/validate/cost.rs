@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{Subject, steps_only};
+use super::{GoOn, Subject, steps_only};
 use crate::scene::Preset;
 use crate::trace::Model;
 
@@ -39,8 +39,9 @@ impl Cost {
 }
 
 /// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off
-/// a grid of times for a log is not part of it: that costs what the log rate says, whatever the settings.
-pub fn cost<S: Subject>(model: Model, scene: &S, quick: bool) -> Result<Cost, S::Error> {
+/// a grid of times for a log is not part of it: that costs what the log rate says, whatever the settings. Ends
+/// early when `go_on` says no.
+pub fn cost<S: Subject>(model: Model, scene: &S, quick: bool, go_on: GoOn) -> Result<Cost, S::Error> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
     let everyday = scene.with_integrator(scene.integrator().with_preset(Preset::Engineering));
@@ -48,14 +49,14 @@ pub fn cost<S: Subject>(model: Model, scene: &S, quick: bool) -> Result<Cost, S:
     let (mut steps, mut wanted) = (0, 1);
     while times.len() < wanted {
         let start = Instant::now();
-        steps = scene.steps(model)?;
+        steps = scene.steps(model, go_on)?;
         times.push(start.elapsed().as_secs_f64());
         if times.len() == 1 {
             wanted = ((patience_s / times[0]) as usize).clamp(1, MOST_RUNS);
         }
         for _ in 0..BESIDE {
             let start = Instant::now();
-            everyday.steps(Model::Analytic)?;
+            everyday.steps(Model::Analytic, go_on)?;
             beside.push(start.elapsed().as_secs_f64());
         }
     }

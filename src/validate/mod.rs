@@ -24,6 +24,7 @@
 //! | `impacts` | normal impulse of every impact, as a run goes by |
 //! | `track` | differences of angles and rates along the way |
 //! | `difference` | everything in which a run differs from its reference |
+//! | `gate` | runs that end when they are told to |
 //! | `ladder` | the settings that are tried |
 //! | `cost` | wall time of a setting, beside that of the everyday analytic run |
 //! | `study` | the whole validation of a scene |
@@ -33,6 +34,7 @@ mod bodies;
 mod cost;
 mod difference;
 mod ensemble;
+mod gate;
 mod impacts;
 mod ladder;
 mod recording;
@@ -45,9 +47,10 @@ pub use bodies::{BodiesComparison, BodiesDifferences, BodiesRecording};
 pub use cost::{Cost, cost};
 pub use difference::{Comparison, Differences, compare};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member};
+pub use gate::{GoOn, While};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
-pub use recording::{Recording, record};
+pub use recording::{Recording, record, record_while};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use subject::{Subject, reference, sampled, steps_only};
 pub use track::{Angle, Rate, Track, turned};

@@ -1,6 +1,6 @@
 //! A run kept whole.
 
-use super::Impacts;
+use super::{GoOn, Impacts, While};
 use crate::scene::Scene;
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
 
@@ -47,7 +47,12 @@ impl Recording {
 
 /// Runs the scene and keeps all of it.
 pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
+    record_while(model, scene, &|| true)
+}
+
+/// Runs the scene as long as it may and keeps all of it.
+pub fn record_while(model: Model, scene: &Scene, go_on: GoOn) -> Result<Recording, RunError> {
     let mut recording = Recording::default();
-    recording.outcome = run(model, scene, &mut recording)?;
+    recording.outcome = run(model, scene, &mut While { sink: &mut recording, go_on })?;
     Ok(recording)
 }

@@ -1,6 +1,6 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
-use super::{Cost, MEMBERS, Rung, Subject, Verdict, cost, ladder, own, reference, sampled};
+use super::{Cost, GoOn, MEMBERS, Rung, Subject, Verdict, cost, ladder, own, reference, sampled};
 use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::trace::{Model, RunError};
@@ -67,11 +67,12 @@ pub struct Progress<'a> {
 /// Validates a scene; `quick` leaves out the settings that take long.
 ///
 /// # Errors A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail:
-/// their row says so.
+/// their row says so. When `go_on` says no, the run at hand ends as stopped, and the validation with it.
 pub fn validate<S: Subject>(
     scene: &S,
     quick: bool,
     tell: &mut dyn FnMut(Progress),
+    go_on: GoOn,
 ) -> Result<Validation<S>, StudyError<S::Error>> {
     let scene = &scene.compared();
     let rungs = ladder(scene, quick);
@@ -81,12 +82,12 @@ pub fn validate<S: Subject>(
     let scenes: Vec<S> = (0..MEMBERS).map(|index| scene.member(index)).collect();
     let references: Vec<S::Recording> = scenes
         .iter()
-        .map(|scene| reference(scene).record(Model::Analytic))
+        .map(|scene| reference(scene).record(Model::Analytic, go_on))
         .collect::<Result<_, _>>()
         .map_err(broken(Model::Analytic))?;
-    let engine = sampled(Model::Engine, scene).record(Model::Engine).map_err(broken(Model::Engine))?;
+    let engine = sampled(Model::Engine, scene).record(Model::Engine, go_on).map_err(broken(Model::Engine))?;
     let own = own(scene);
-    let rest = against(&own, &scenes[1..], &references[1..]).map_err(broken(Model::Engine))?;
+    let rest = against(&own, &scenes[1..], &references[1..], go_on).map_err(broken(Model::Engine))?;
     let first = scene.compare(&engine, &references[0]);
     let differences = match rest {
         Some(rest) => S::worse(&first, &rest),
@@ -99,10 +100,10 @@ pub fn validate<S: Subject>(
         tell(Progress { done: index + 1, total, next: rung.family.name() });
         let tried = match rung.own {
             true => {
-                let cost = cost(Model::Engine, scene, quick).map_err(broken(Model::Engine))?;
+                let cost = cost(Model::Engine, scene, quick, go_on).map_err(broken(Model::Engine))?;
                 Tried::Done { differences: Some(Box::new(differences.clone())), cost }
             }
-            false => attempt(&rung, &scenes, &references, own_steps, quick),
+            false => attempt(&rung, &scenes, &references, own_steps, quick, go_on)?,
         };
         rows.push(Row { rung, tried });
     }
@@ -130,16 +131,18 @@ fn attempt<S: Subject>(
     references: &[S::Recording],
     own_steps: u64,
     quick: bool,
-) -> Tried<S::Differences> {
+    go_on: GoOn,
+) -> Result<Tried<S::Differences>, StudyError<S::Error>> {
     if let Some(steps) = rung.predicted_steps(&scenes[0], own_steps).filter(|&steps| steps > super::LONGEST_STEPS) {
-        return Tried::TooLong { steps };
+        return Ok(Tried::TooLong { steps });
     }
     let members = if rung.is_reference() { 0 } else { rung.members };
-    let compared = against(rung, &scenes[..members], &references[..members]);
-    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]), quick)?)));
+    let compared = against(rung, &scenes[..members], &references[..members], go_on);
+    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]), quick, go_on)?)));
     match timed {
-        Ok((differences, cost)) => Tried::Done { differences: differences.map(Box::new), cost },
-        Err(error) => Tried::Failed { reason: error.to_string() },
+        Ok((differences, cost)) => Ok(Tried::Done { differences: differences.map(Box::new), cost }),
+        Err(error) if S::is_stop(&error) => Err(StudyError { model: rung.model(), error }),
+        Err(error) => Ok(Tried::Failed { reason: error.to_string() }),
     }
 }
 
@@ -148,10 +151,11 @@ fn against<S: Subject>(
     rung: &Rung,
     scenes: &[S],
     references: &[S::Recording],
+    go_on: GoOn,
 ) -> Result<Option<S::Differences>, S::Error> {
     let mut worst: Option<S::Differences> = None;
     for (scene, reference) in scenes.iter().zip(references) {
-        let found = sampled(rung.model(), &rung.apply(scene)).differences(rung.model(), reference)?;
+        let found = sampled(rung.model(), &rung.apply(scene)).differences(rung.model(), reference, go_on)?;
         worst = Some(match worst {
             Some(worst) => S::worse(&worst, &found),
             None => found,

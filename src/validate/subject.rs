@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::fmt::Debug;
 
-use super::{Comparison, Differences, Recording, Verdict, compare, ensemble, verdicts};
+use super::{Comparison, Differences, GoOn, Recording, Verdict, While, compare, ensemble, record_while, verdicts};
 use crate::invariants::{Finding, Invariants};
 use crate::scene::{Bounds, Engine, Integrator, LogRates, Preset, Scene};
 use crate::trace::{Model, RunError, Sink, run};
@@ -43,11 +43,18 @@ pub trait Subject: Clone + Debug + PartialEq {
     fn touching_friction(&self) -> Option<f64>;
 
     /// Steps of a run with nothing listening.
-    fn steps(&self, model: Model) -> Result<u64, Self::Error>;
-    fn record(&self, model: Model) -> Result<Self::Recording, Self::Error>;
+    fn steps(&self, model: Model, go_on: GoOn) -> Result<u64, Self::Error>;
+    fn record(&self, model: Model, go_on: GoOn) -> Result<Self::Recording, Self::Error>;
     fn recorded_steps(recording: &Self::Recording) -> u64;
     /// Runs, and compares with the reference on the way.
-    fn differences(&self, model: Model, reference: &Self::Recording) -> Result<Self::Differences, Self::Error>;
+    fn differences(
+        &self,
+        model: Model,
+        reference: &Self::Recording,
+        go_on: GoOn,
+    ) -> Result<Self::Differences, Self::Error>;
+    /// Whether a run ended because it was told to.
+    fn is_stop(error: &Self::Error) -> bool;
     /// Compares a run that was kept.
     fn compare(&self, run: &Self::Recording, reference: &Self::Recording) -> Self::Differences;
     /// The worse of each figure.
@@ -105,22 +112,26 @@ impl Subject for Scene {
         self.object.map(|_| self.contact.proximal.friction.map_or(0.0, |law| law.mu_static))
     }
 
-    fn steps(&self, model: Model) -> Result<u64, RunError> {
-        Ok(run(model, self, &mut ())?.work.steps)
+    fn steps(&self, model: Model, go_on: GoOn) -> Result<u64, RunError> {
+        Ok(run(model, self, &mut While { sink: &mut (), go_on })?.work.steps)
     }
 
-    fn record(&self, model: Model) -> Result<Recording, RunError> {
-        super::record(model, self)
+    fn record(&self, model: Model, go_on: GoOn) -> Result<Recording, RunError> {
+        record_while(model, self, go_on)
     }
 
     fn recorded_steps(recording: &Recording) -> u64 {
         recording.outcome.work.steps
     }
 
-    fn differences(&self, model: Model, reference: &Recording) -> Result<Differences, RunError> {
+    fn differences(&self, model: Model, reference: &Recording, go_on: GoOn) -> Result<Differences, RunError> {
         let mut comparison = Comparison::new(reference, &self.bounds);
-        let outcome = run(model, self, &mut comparison)?;
+        let outcome = run(model, self, &mut While { sink: &mut comparison, go_on })?;
         Ok(comparison.finish(&outcome))
+    }
+
+    fn is_stop(error: &RunError) -> bool {
+        error.is_stop()
     }
 
     fn compare(&self, run: &Recording, reference: &Recording) -> Differences {

@@ -185,7 +185,8 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
     fn emit_grid(&mut self, end: &BodiesSample) -> Result<(), SinkError> {
         loop {
             let t = self.next as f64 * self.interval_s;
-            if t >= end.time_s {
+            // A grid can be so fine that one step holds millions of its points.
+            if t >= end.time_s || !self.sink.proceed() {
                 return Ok(());
             }
             self.next += 1;
@@ -194,6 +195,11 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
                 self.sink.sample(&between(&self.last, end, t))?;
             }
         }
+    }
+
+    /// Whether the sink lets the run go on.
+    pub fn proceed(&self) -> bool {
+        self.sink.proceed()
     }
 
     /// The last sample, if the run broke off between grid points, and the summary.

@@ -85,7 +85,8 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
         let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
         loop {
             let t = self.next as f64 * self.interval_s;
-            if t >= end || t >= end_s {
+            // A grid can be so fine that one step holds millions of its points.
+            if t >= end || t >= end_s || !self.sink.proceed() {
                 break;
             }
             self.next += 1;
@@ -148,7 +149,7 @@ impl<S: BodiesSink, const N: usize, const M: usize> Observer<N, QUADRATURES, Dis
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
-        self.error.is_none()
+        self.error.is_none() && self.sink.proceed()
     }
 
     fn event(&mut self, t: f64, state: &State<N, QUADRATURES>, pair: usize, mode: &DiscMode) {

@@ -3,7 +3,7 @@
 use super::analytic::run_analytic;
 use super::engine::run_engine;
 use super::{BodiesOutcome, BodiesSink};
-use crate::integrator::Failure;
+use crate::integrator::{Failure, Reason};
 use crate::scene::BodiesScene;
 use crate::trace::{Model, SinkError};
 
@@ -15,6 +15,13 @@ pub enum BodiesRunError {
     /// The simulation could not be completed; `so_far` is the run up to there, which the sink has in full.
     #[error("the simulation could not be completed {failure}")]
     Simulation { failure: Failure, so_far: Box<BodiesOutcome> },
+}
+
+impl BodiesRunError {
+    /// Whether the run ended because its sink said so, see [`BodiesSink::proceed`].
+    pub fn is_stop(&self) -> bool {
+        matches!(self, BodiesRunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })
+    }
 }
 
 /// Simulates `scene` with one of the models.

@@ -7,6 +7,11 @@ use crate::trace::SinkError;
 pub trait BodiesSink {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError>;
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError>;
+
+    /// Whether the run may go on, as [`Sink::proceed`](crate::trace::Sink::proceed).
+    fn proceed(&self) -> bool {
+        true
+    }
 }
 
 /// Takes everything and keeps nothing.

@@ -1,6 +1,6 @@
 //! What a validation needs of a scene of discs.
 
-use super::super::{Check, Subject, TORQUE_STEP, Verdict};
+use super::super::{Check, GoOn, Subject, TORQUE_STEP, Verdict, While};
 use super::difference::compare;
 use super::{BodiesComparison, BodiesDifferences, BodiesRecording};
 use crate::invariants::{Finding, Invariants};
@@ -75,13 +75,13 @@ impl Subject for BodiesScene {
         (!self.pairs().is_empty()).then_some(friction)
     }
 
-    fn steps(&self, model: Model) -> Result<u64, BodiesRunError> {
-        Ok(run_bodies(model, self, &mut ())?.work.steps)
+    fn steps(&self, model: Model, go_on: GoOn) -> Result<u64, BodiesRunError> {
+        Ok(run_bodies(model, self, &mut While { sink: &mut (), go_on })?.work.steps)
     }
 
-    fn record(&self, model: Model) -> Result<BodiesRecording, BodiesRunError> {
+    fn record(&self, model: Model, go_on: GoOn) -> Result<BodiesRecording, BodiesRunError> {
         let mut recording = BodiesRecording::default();
-        recording.outcome = run_bodies(model, self, &mut recording)?;
+        recording.outcome = run_bodies(model, self, &mut While { sink: &mut recording, go_on })?;
         Ok(recording)
     }
 
@@ -89,10 +89,19 @@ impl Subject for BodiesScene {
         recording.outcome.work.steps
     }
 
-    fn differences(&self, model: Model, reference: &BodiesRecording) -> Result<BodiesDifferences, BodiesRunError> {
+    fn differences(
+        &self,
+        model: Model,
+        reference: &BodiesRecording,
+        go_on: GoOn,
+    ) -> Result<BodiesDifferences, BodiesRunError> {
         let mut comparison = BodiesComparison::new(reference);
-        let outcome = run_bodies(model, self, &mut comparison)?;
+        let outcome = run_bodies(model, self, &mut While { sink: &mut comparison, go_on })?;
         Ok(comparison.finish(&outcome))
+    }
+
+    fn is_stop(error: &BodiesRunError) -> bool {
+        error.is_stop()
     }
 
     fn compare(&self, run: &BodiesRecording, reference: &BodiesRecording) -> BodiesDifferences {

@@ -1,0 +1,50 @@
+//! Signals that ask a command to end: the first one ends it in good order, the second one at once.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::Failure;
+use crate::integrator::Reason;
+
+/// Signals that are listened to, as people know them.
+const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT (Ctrl-C)"), (SIGTERM, "SIGTERM")];
+
+/// Whether the command has been asked to end.
+#[derive(Debug)]
+pub struct Interrupt {
+    /// One more than the index of the signal; 0 before any.
+    signal: Arc<AtomicUsize>,
+}
+
+impl Interrupt {
+    /// Listens from now on.
+    pub fn listen() -> Result<Self, Failure> {
+        let signal = Arc::new(AtomicUsize::new(0));
+        let again = Arc::new(AtomicBool::new(false));
+        for (index, (number, _)) in SIGNALS.into_iter().enumerate() {
+            // In this order: the first signal finds `again` unset and sets it, the second one kills.
+            flag::register_conditional_default(number, Arc::clone(&again))
+                .and_then(|_| flag::register(number, Arc::clone(&again)))
+                .and_then(|_| flag::register_usize(number, Arc::clone(&signal), index + 1))
+                .map_err(|error| Failure::incomplete(format!("cannot listen to signals: {error}")))?;
+        }
+        Ok(Interrupt { signal })
+    }
+
+    /// The signal that has come.
+    pub fn signal(&self) -> Option<&'static str> {
+        let index = self.signal.load(Ordering::Relaxed).checked_sub(1)?;
+        SIGNALS.get(index).map(|(_, name)| *name)
+    }
+
+    /// Why a run ended: in place of a stop, the signal that made it.
+    pub fn reason(&self, reason: &Reason) -> String {
+        match (reason, self.signal()) {
+            (Reason::Stopped, Some(signal)) => format!("interrupted by {signal}"),
+            _ => reason.to_string(),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Output files appear whole or not at all: written beside their place, then moved into it.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes a file with `fill`, in place of what was there.
+///
+/// Until everything is on the disk the older file stays as it is, and after an error too. What is not a regular file (a
+/// device, a pipe) cannot be replaced: it is written directly. A link stays a link; what it points to is replaced.
+pub fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    if fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+        fill(&mut out)?;
+        return out.flush();
+    }
+    let target = match path.is_symlink() {
+        true => fs::canonicalize(path)?,
+        false => path.to_path_buf(),
+    };
+    let mut out = BufWriter::new(beside(&target)?);
+    fill(&mut out)?;
+    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(&target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Whether a file could be written there, without touching one that is there.
+pub fn probe(path: &Path) -> io::Result<()> {
+    beside(path).map(drop)
+}
+
+/// A file of another name in the same directory, gone again unless it is given the name.
+fn beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let directory = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let name = target.file_name().map(PathBuf::from).unwrap_or_default();
+    let mut builder = tempfile::Builder::new();
+    let prefix = format!(".{}.", name.display());
+    builder.prefix(&prefix).suffix(".tmp");
+    // Results are for everyone whom the umask lets read them; temporary files are for their maker alone otherwise.
+    #[cfg(unix)]
+    let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(permissions);
+    builder.tempfile_in(directory)
+}

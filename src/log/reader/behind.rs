@@ -1,0 +1,97 @@
+//! Chunks that can still be read behind a damage, found by looking for their beginnings byte by byte.
+
+use std::fmt;
+use std::io::{self, Read, Seek, SeekFrom};
+
+use mcap::records::op;
+
+use super::LARGEST_RECORD;
+use super::bytes::{Chunk, Cursor};
+
+/// What lies behind a damage and is whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Behind {
+    pub chunks: u64,
+    pub messages: u64,
+    /// Time of the first and of the last message in them.
+    pub first_s: f64,
+    pub last_s: f64,
+}
+
+impl fmt::Display for Behind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (first, last) = (self.first_s * 1e3, self.last_s * 1e3);
+        match self.chunks {
+            0 => return write!(out, "nothing behind it can be read"),
+            1 => write!(out, "behind it one chunk is whole")?,
+            count => write!(out, "behind it {count} chunks are whole")?,
+        }
+        write!(out, " ({} messages from {first:.6} to {last:.6} ms), which were not used", self.messages)
+    }
+}
+
+/// How the compression of a chunk of phalanx is written: a text of four bytes. It tells chunks from other bytes.
+const MARK: &[u8] = b"\x04\0\0\0zstd";
+/// Bytes of a chunk record before its mark: opcode, length, two times, size and checksum.
+const BEFORE_MARK: usize = 1 + 8 + 8 + 8 + 8 + 4;
+const WINDOW: usize = 1 << 16;
+
+/// Looks for whole chunks from byte `from` on.
+///
+/// Bytes can be laid out so that every one of them begins a chunk that fails only after much work: no more work is done
+/// than is in proportion to the size of the file.
+pub fn search(source: &mut (impl Read + Seek), from: u64, bytes: u64) -> io::Result<Behind> {
+    let mut found = Behind::default();
+    let mut work = bytes.saturating_mul(20).saturating_add(4 * LARGEST_RECORD as u64);
+    let mut window = Vec::with_capacity(WINDOW);
+    let (mut body, mut room) = (Vec::new(), Vec::new());
+    let mut at = from;
+    while at < bytes {
+        source.seek(SeekFrom::Start(at))?;
+        window.clear();
+        source.by_ref().take(WINDOW as u64).read_to_end(&mut window)?;
+        let Some(place) = window.windows(MARK.len()).position(|bytes| bytes == MARK) else {
+            if window.len() < WINDOW {
+                break;
+            }
+            at += (WINDOW - MARK.len()) as u64;
+            continue;
+        };
+        let mark = at + place as u64;
+        // Unless a chunk is there, go on behind this mark.
+        at = mark + 1;
+        let Some(start) = mark.checked_sub(BEFORE_MARK as u64).filter(|&start| start >= from) else { continue };
+        source.seek(SeekFrom::Start(start))?;
+        let mut head = [0; 9];
+        source.read_exact(&mut head)?;
+        let length = u64::from_le_bytes(std::array::from_fn(|i| head[1 + i]));
+        if head[0] != op::CHUNK || length > LARGEST_RECORD as u64 || length > bytes - start - 9 {
+            continue;
+        }
+        body.clear();
+        source.by_ref().take(length).read_to_end(&mut body)?;
+        let Ok(chunk) = Chunk::parse(&body) else { continue };
+        let cost = length.saturating_add(chunk.uncompressed_size);
+        if cost > work {
+            break;
+        }
+        work -= cost;
+        let Ok(records) = chunk.records(LARGEST_RECORD, &mut room) else { continue };
+        let (start_s, end_s) = (chunk.start_ns as f64 * 1e-9, chunk.end_ns as f64 * 1e-9);
+        found.first_s = if found.chunks == 0 { start_s } else { found.first_s.min(start_s) };
+        found.last_s = found.last_s.max(end_s);
+        found.chunks += 1;
+        found.messages += messages(records);
+        at = start + 9 + length;
+    }
+    Ok(found)
+}
+
+fn messages(records: &[u8]) -> u64 {
+    let mut cursor = Cursor::new(records);
+    let mut count = 0;
+    while let Ok((opcode, _)) = cursor.record() {
+        count += u64::from(opcode == op::MESSAGE);
+    }
+    count
+}

@@ -1,0 +1,41 @@
+//! Runs that end when they are told to.
+
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::{Event, Sample, Sink, SinkError};
+
+/// Says whether to go on; asked once a step.
+pub type GoOn<'a> = &'a dyn Fn() -> bool;
+
+/// A sink whose run goes on only as long as it may.
+pub struct While<'a, S> {
+    pub sink: &'a mut S,
+    pub go_on: GoOn<'a>,
+}
+
+impl<S: Sink> Sink for While<'_, S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.sink.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        (self.go_on)()
+    }
+}
+
+impl<S: BodiesSink> BodiesSink for While<'_, S> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.sink.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        (self.go_on)()
+    }
+}
