@@ -89,8 +89,9 @@ fn all_say_what_they_are_and_come_back_bit_for_bit() {
 fn the_engine_is_within_the_bounds_of_every_scene() {
     for name in NAMES {
         let scene = load(name).compared();
-        let expected = reference(&scene).record(Model::Analytic).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let found = sampled(Model::Engine, &scene).record(Model::Engine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let expected = reference(&scene).record(Model::Analytic, &|| true).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let found =
+            sampled(Model::Engine, &scene).record(Model::Engine, &|| true).unwrap_or_else(|e| panic!("{name}: {e}"));
         let verdict = scene.judge(&scene.compare(&found, &expected));
         assert!(verdict.passed(), "{name}: {verdict:#?}");
         for (found, expected) in found.outcome.pairs.iter().zip(&expected.outcome.pairs) {
