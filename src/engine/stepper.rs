@@ -61,13 +61,22 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     for touch in &motion.touches {
         let rate = touch.normal_row.rate(&motion.velocities);
         let at = motion.space.sites.iter().find(|at| at.touch.index == touch.index);
-        let (scale, force) = at.map_or((FIRST_CROSSING * touch.law.transition_m, 0.0), |at| {
-            let inverse_mass = motion.space.w[at.normal * (motion.space.len() + 1)];
-            let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass);
-            (CROSSING * stop.max(-touch.gap), motion.contact.force[at.normal])
-        });
-        // An impact takes the whole rate away, along a normal that turns meanwhile.
-        let crossing = (scale / rate.abs()).min(12.0 * DRIFT_PER_S * tolerance_m / (rate.abs() * touch.turning));
+        // Drift of an acceleration whose direction turns, for as long as a step: the longest step that it allows.
+        let straight = |acceleration: f64| (12.0 * DRIFT_PER_S * tolerance_m / (acceleration * touch.turning)).sqrt();
+        let (crossing, force) = match at {
+            Some(at) => {
+                let inverse_mass = motion.space.w[at.normal * (motion.space.len() + 1)];
+                let stop = stopping_depth(&touch.law, rate.abs(), inverse_mass).max(-touch.gap);
+                let crossing = (CROSSING * stop / rate.abs()).min(straight(0.5 * rate * rate / stop));
+                (crossing, motion.contact.force[at.normal])
+            }
+            // Its inertia is not known yet: an impact may take the whole rate away in one step.
+            None => {
+                let crossing = FIRST_CROSSING * touch.law.transition_m / rate.abs();
+                let turning = 12.0 * DRIFT_PER_S * tolerance_m / (rate.abs() * touch.turning);
+                (crossing.min(turning), 0.0)
+            }
+        };
         if touch.gap <= 0.0 {
             // On its way out a surface matters only while it still pushes.
             if rate < 0.0 || force > 0.0 {
