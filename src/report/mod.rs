@@ -17,8 +17,8 @@ pub use text::{duration, text};
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,
     DifferencesReport, DiscDifference, DiscDifferences, DiscErrors, FindingReport, ImpactReport, JointErrors,
-    ModelReport, PairDifference, SettingReport, Status, ValidationReport, bodies_series, bodies_validation_json,
-    bodies_validation_text, series, validation_json, validation_text,
+    ModelReport, PairDifference, SettingReport, StatisticReport, StatisticsReport, Status, ValidationReport,
+    bodies_series, bodies_validation_json, bodies_validation_text, series, validation_json, validation_text,
 };
 
 use serde::Serialize;

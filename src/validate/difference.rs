@@ -108,7 +108,11 @@ impl<'a> Comparison<'a> {
             angle_rms_rad: self.angles.map(|track| track.rms()),
             angle_end_rad: self.angles.map(|track| track.end),
             rate_rms_rad_s: self.rates.map(|track| track.rms()),
-            final_force: final_forces(&outcome.last, &reference.last),
+            final_force: match outcome.last.time_s <= self.until_s {
+                true => final_forces(&outcome.last, &reference.last),
+                // The end lies beyond what is compared.
+                false => [None; 2],
+            },
             contact_time_s: PHALANGES
                 .map(|site| first_touch(outcome.site(site).first_s, reference.site(site).first_s, self.until_s)),
             impulse: PHALANGES.map(|site| impulses(&self.impacts, &self.reference.impacts, site, self.until_s)),

@@ -14,7 +14,8 @@ pub fn member(scene: &Scene, index: usize) -> Scene {
     Scene { actuation: scaled(&scene.actuation, 1.0 + index as f64 * TORQUE_STEP), ..scene.clone() }
 }
 
-fn scaled(actuation: &Actuation, factor: f64) -> Actuation {
+/// A torque `factor` times as large at every time.
+pub(super) fn scaled(actuation: &Actuation, factor: f64) -> Actuation {
     let mut scaled = actuation.clone();
     match &mut scaled {
         Actuation::Constant { torque_n_m }

@@ -21,6 +21,7 @@
 //! | `subject` | what a validation needs of a kind of scene; scenes of discs in `bodies` |
 //! | `recording` | the reference: a sink that keeps a run, on a grid dense enough to interpolate in |
 //! | `ensemble` | the members: the same scene with its motor torque a little changed |
+//! | `statistics` | means over many runs, where trajectories are too sensitive to be compared |
 //! | `impacts` | normal impulse of every impact, as a run goes by |
 //! | `track` | differences of angles and rates along the way |
 //! | `difference` | everything in which a run differs from its reference |
@@ -38,6 +39,7 @@ mod gate;
 mod impacts;
 mod ladder;
 mod recording;
+mod statistics;
 mod study;
 mod subject;
 mod track;
@@ -51,6 +53,7 @@ pub use gate::{GoOn, While};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
 pub use recording::{Recording, record, record_while};
+pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use subject::{Subject, reference, sampled, steps_only};
 pub use track::{Angle, Rate, Track, turned};

@@ -1,6 +1,6 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
-use super::{Cost, GoOn, MEMBERS, Rung, Subject, Verdict, cost, ladder, own, reference, sampled};
+use super::{Cost, GoOn, MEMBERS, Rung, Statistics, Subject, Verdict, cost, ladder, own, reference, sampled};
 use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::trace::{Model, RunError};
@@ -42,6 +42,8 @@ pub struct Validation<S: Subject = Scene> {
     /// How near the two runs above came to breaking an invariant.
     pub reference_invariants: Vec<Finding>,
     pub engine_invariants: Vec<Finding>,
+    /// Where the scene compares trajectories only up to some time: means over many runs beyond it.
+    pub statistics: Option<Statistics>,
     pub rows: Vec<Row<S::Differences>>,
     pub verdict: Verdict,
 }
@@ -107,6 +109,7 @@ pub fn validate<S: Subject>(
         };
         rows.push(Row { rung, tried });
     }
+    let statistics = scene.statistics(go_on).map_err(broken(Model::Engine))?;
     let reference_invariants = reference(scene).invariants(Model::Analytic, &references[0]);
     let engine_invariants = scene.invariants(Model::Engine, &engine);
     Ok(Validation {
@@ -114,7 +117,9 @@ pub fn validate<S: Subject>(
         verdict: scene
             .judge(&differences)
             .and_invariants("analytic_invariants", &reference_invariants)
-            .and_invariants("engine_invariants", &engine_invariants),
+            .and_invariants("engine_invariants", &engine_invariants)
+            .and_statistics(statistics.as_ref()),
+        statistics,
         reference_invariants,
         engine_invariants,
         reference: references.into_iter().next().unwrap_or_default(),

@@ -3,7 +3,10 @@
 use std::error::Error;
 use std::fmt::Debug;
 
-use super::{Comparison, Differences, GoOn, Recording, Verdict, While, compare, ensemble, record_while, verdicts};
+use super::{
+    Comparison, Differences, GoOn, Recording, Statistics, Verdict, While, compare, ensemble, record_while, statistics,
+    verdicts,
+};
 use crate::invariants::{Finding, Invariants};
 use crate::scene::{Bounds, Engine, Integrator, LogRates, Preset, Scene};
 use crate::trace::{Model, RunError, Sink, run};
@@ -62,6 +65,10 @@ pub trait Subject: Clone + Debug + PartialEq {
     fn judge(&self, found: &Self::Differences) -> Verdict;
     /// How near a kept run came to breaking each invariant.
     fn invariants(&self, model: Model, run: &Self::Recording) -> Vec<Finding>;
+    /// Means over many runs beyond the time up to which trajectories are compared, if there is such a time.
+    fn statistics(&self, _go_on: GoOn) -> Result<Option<Statistics>, Self::Error> {
+        Ok(None)
+    }
 }
 
 impl Subject for Scene {
@@ -152,6 +159,10 @@ impl Subject for Scene {
             invariants.sample(sample).expect("measuring writes nothing");
         }
         invariants.findings(run.outcome.loop_gap_m)
+    }
+
+    fn statistics(&self, go_on: GoOn) -> Result<Option<Statistics>, RunError> {
+        (self.bounds.until_s < self.duration_s).then(|| statistics(self, go_on)).transpose()
     }
 }
 

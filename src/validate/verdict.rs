@@ -1,7 +1,7 @@
 //! Measured against bounds.
 
-use super::Differences;
 use super::difference::larger;
+use super::{Differences, MOST_ERRORS, Statistics};
 use crate::invariants::Finding;
 use crate::scene::Bounds;
 
@@ -43,6 +43,17 @@ impl Verdict {
         let worst = found.iter().map(Finding::share).fold(0.0, f64::max);
         let meaning = "worst invariant, as a part of what is allowed";
         self.checks.push(Check { bound, meaning, measured: Some(worst), limit: 1.0 });
+        self
+    }
+}
+
+impl Verdict {
+    /// With statistics judged too, where there are any.
+    pub fn and_statistics(mut self, found: Option<&Statistics>) -> Self {
+        let Some(found) = found else { return self };
+        let (bound, measured) = ("statistics", Some(found.worst()));
+        let meaning = "worst difference of a mean over many runs, in its standard errors";
+        self.checks.push(Check { bound, meaning, measured, limit: MOST_ERRORS });
         self
     }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::super::document::{Contacts, Energies, Final};
 use super::invariants::FindingReport;
+use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::trace::Site;
@@ -34,6 +35,8 @@ pub struct ValidationReport {
     pub verdict: Vec<CheckReport>,
     pub analytic: ModelReport,
     pub engine: ModelReport,
+    /// Means over many runs beyond `until_s`, where trajectories are not compared; null if they are to the end.
+    pub statistics: Option<StatisticsReport>,
     /// Impacts of both models, the scene's own torque.
     pub impacts: Vec<ImpactReport>,
     /// Of the engine at the scene's settings: worst of the ensemble.
@@ -195,6 +198,7 @@ impl ValidationReport {
                 &found.reference,
                 &found.reference_invariants,
             ),
+            statistics: found.statistics.as_ref().map(StatisticsReport::from),
             engine: ModelReport::new(row(|row| row.rung.own), &found.engine, &found.engine_invariants),
             impacts: impacts(&found.reference, &found.engine),
             differences: DifferencesReport::from(&found.differences),

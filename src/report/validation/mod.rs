@@ -6,6 +6,7 @@ mod bodies_text;
 mod document;
 mod invariants;
 mod series;
+mod statistics;
 mod text;
 
 pub use bodies_document::{
@@ -18,6 +19,7 @@ pub use document::{
 };
 pub use invariants::FindingReport;
 pub use series::{COLUMNS, bodies_series, series};
+pub use statistics::{StatisticReport, StatisticsReport};
 pub use text::validation_text;
 
 /// The report as one JSON document with a line end.

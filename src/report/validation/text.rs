@@ -8,6 +8,7 @@ use super::document::{
     CheckReport, DifferencesReport, ImpactReport, JointErrors, ModelReport, SettingReport, Status, ValidationReport,
 };
 use super::invariants::FindingReport;
+use super::statistics::statistics_text;
 use crate::validate::turned;
 
 /// The whole report, with a line end.
@@ -34,6 +35,9 @@ pub fn validation_text(report: &ValidationReport) -> String {
     sections.push(side_by_side(report));
     if !report.impacts.is_empty() {
         sections.push(impacts(&report.impacts));
+    }
+    if let Some(statistics) = &report.statistics {
+        sections.push(statistics_text(statistics));
     }
     sections.push(differences(&report.differences));
     let left_out = report.quick.then_some("fixed steps below 1e-5 s, reduced coordinates");
