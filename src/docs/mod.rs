@@ -6,6 +6,9 @@ pub mod engine {}
 #[doc = include_str!("errata.md")]
 pub mod errata {}
 
+#[doc = include_str!("hard.md")]
+pub mod hard {}
+
 #[doc = include_str!("integration.md")]
 pub mod integration {}
 

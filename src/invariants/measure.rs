@@ -143,7 +143,7 @@ impl Invariants {
         }
         let impulse = reading.impulse_n_s;
         let before = std::mem::replace(&mut self.impulses[index], impulse);
-        self.note(Invariant::NoAdhesion, at, time_s, before - impulse, ROUNDING * impulse.abs());
+        self.note(Invariant::NoAdhesion, at, time_s, before - impulse, self.tolerances.energy * impulse.abs());
         let Place { law, depth, .. } = &self.places[index];
         self.note(*depth, at, time_s, -reading.gap_m, deepest(law, available_j));
     }

@@ -5,7 +5,7 @@
 //! | finite | numbers that are none | 0 |
 //! | energy | largest \|balance\| | [`Tolerances::energy`] of the energy that went through the run |
 //! | passivity | largest fall of what is dissipated | the same |
-//! | no adhesion | gap at which a force still acts; a force or an impulse below zero | [`Tolerances::gap_m`]; 0 |
+//! | no adhesion | gap at which a force still acts; a force below zero; a fall of an impulse | [`Tolerances::gap_m`]; 0; [`Tolerances::energy`] of it |
 //! | friction | \|F_t + μ(v) F_n\| / F_n: the law itself, so the cone and the direction too | [`Tolerances::friction`] |
 //! | penetration, limit | δ | depth in which the spring alone stores all energy there is: (e + 1) E = k δᵉ⁺¹ |
 //! | loop gap | opening of a joint | [`Tolerances::loop_gap_m`] |
