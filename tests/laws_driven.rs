@@ -2,7 +2,7 @@
 
 mod laws_support;
 
-use laws_support::{BOTH, FRICTION, THESIS, complete, disc, driven, on_plane, scene, spring};
+use laws_support::{BOTH, FRICTION, THESIS, at_steps, complete, disc, driven, on_plane, scene, spring};
 use phalanx::law::NormalLaw;
 use phalanx::scene::{BodiesScene, DiscMotion};
 use phalanx::trace::EventKind;
@@ -24,7 +24,7 @@ fn pressed(normal: NormalLaw) -> BodiesScene {
 fn a_spring_alone_is_k_delta_to_the_e() {
     for (k, e) in [(1e8, 2.2), (1e6, 1.5), (3e5, 1.0)] {
         for model in BOTH {
-            let (outcome, log) = complete(model, &pressed(spring(k, e)));
+            let (outcome, log) = complete(model, &at_steps(model, pressed(spring(k, e))));
             let mut deepest: f64 = 0.0;
             for sample in &log.samples {
                 let contact = &sample.contacts[0];
@@ -41,7 +41,7 @@ fn a_spring_alone_is_k_delta_to_the_e() {
                 );
                 assert_eq!((contact.tangential_n, contact.slip_m_s), (0.0, 0.0));
                 // On the hammer, back along its way.
-                assert_eq!(contact.normal, [-1.0, 0.0]);
+                assert!((contact.normal[0] + 1.0).abs() < 1e-15 && contact.normal[1] == 0.0);
             }
             assert!((deepest - 0.02).abs() < 1e-12);
             let summary = &outcome.pairs[0];
@@ -66,7 +66,7 @@ fn a_damper_alone_is_c_of_delta_times_the_rate() {
         let mut scene = pressed(normal);
         scene.log.numeric_hz = 1e5;
         for model in BOTH {
-            let (outcome, log) = complete(model, &scene);
+            let (outcome, log) = complete(model, &at_steps(model, scene.clone()));
             let mut within = 0;
             for sample in &log.samples {
                 let contact = &sample.contacts[0];
@@ -99,7 +99,7 @@ fn friction_is_mu_of_v_times_the_normal_force() {
     scene.log.numeric_hz = 2e4;
     let normal = 1e8 * 1e-5f64.powf(2.2);
     for model in BOTH {
-        let (_, log) = complete(model, &scene);
+        let (_, log) = complete(model, &at_steps(model, scene.clone()));
         let (mut lowest, mut highest) = (0.0f64, 0.0f64);
         for sample in &log.samples {
             let contact = &sample.contacts[0];
@@ -135,7 +135,7 @@ fn spin_slips_like_motion() {
     let discs = vec![disc("wheel", 0.1, [0.0, 0.1 - 1e-5], motion)];
     let scene = on_plane(scene(discs, THESIS, Some(FRICTION), 10e-3));
     for model in BOTH {
-        let (outcome, _) = complete(model, &scene);
+        let (outcome, _) = complete(model, &at_steps(model, scene.clone()));
         let contact = &outcome.last.contacts[0];
         assert!((contact.slip_m_s + 0.15).abs() < 1e-14, "{}: {}", model.name(), contact.slip_m_s);
         // Friction drives the surface back against its slip: along +tangent, which is −x.

@@ -71,6 +71,14 @@ pub fn on_plane(mut scene: BodiesScene) -> BodiesScene {
     scene
 }
 
+/// The scene logged where forces are computed: the engine's, between its steps, are interpolated.
+pub fn at_steps(model: Model, mut scene: BodiesScene) -> BodiesScene {
+    if model == Model::Engine {
+        scene.log.numeric_hz = 1.0 / scene.duration_s;
+    }
+    scene
+}
+
 /// The scene with fixed steps of the engine.
 pub fn stepped(scene: &BodiesScene, step_s: f64) -> BodiesScene {
     let mut scene = scene.clone();

@@ -60,8 +60,12 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
             .collect();
         let now = sample(self.scene, motion, &self.start, &impulses);
         // Surfaces that the last step left apart, in its frozen geometry, and that overlap where this one starts.
+        // What recedes has just been left, and overlaps by rounding.
         for at in motion.space.sites.iter().filter(|at| at.touch.gap <= 0.0) {
-            self.change(at.touch.index, ChangeKind::Meets, end_s - dt, -motion.space.rate[at.normal], 0.0)?;
+            let closing = -motion.space.rate[at.normal];
+            if closing > 0.0 {
+                self.change(at.touch.index, ChangeKind::Meets, end_s - dt, closing, 0.0)?;
+            }
         }
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
