@@ -197,8 +197,25 @@ fn the_engine_converges_to_the_same_impacts() {
             let scene = impact(law, speed, 20e-3);
             let scene = if step > 0.0 { stepped(&scene, step) } else { scene };
             let (outcome, log) = complete(Model::Engine, &scene);
-            let got = Figures { contact_time_s: log.time(0, EventKind::LiftOff) - log.time(0, EventKind::TouchDown), restitution: -outcome.last.discs[1].velocity_m_s[0] / speed, peak_n: outcome.pairs[0].peak_normal_n, depth_m: outcome.pairs[0].max_penetration_m, lost_j: outcome.last.energy.dissipated_j };
-            println!("{step:e}: n {} steps {} sub {} time {:.2e} rest {:.2e} peak {:.2e} depth {:.2e} lost {:.2e} balance {:.2e}", outcome.pairs[0].touchdowns, outcome.work.steps, outcome.work.contact_substeps, got.contact_time_s / want.contact_time_s - 1.0, got.restitution - 1.0, got.peak_n / want.peak_n - 1.0, got.depth_m / want.depth_m - 1.0, got.lost_j, outcome.last.energy.balance_j);
+            let got = Figures {
+                contact_time_s: log.time(0, EventKind::LiftOff) - log.time(0, EventKind::TouchDown),
+                restitution: -outcome.last.discs[1].velocity_m_s[0] / speed,
+                peak_n: outcome.pairs[0].peak_normal_n,
+                depth_m: outcome.pairs[0].max_penetration_m,
+                lost_j: outcome.last.energy.dissipated_j,
+            };
+            println!(
+                "{step:e}: n {} steps {} sub {} time {:.2e} rest {:.2e} peak {:.2e} depth {:.2e} lost {:.2e} balance {:.2e}",
+                outcome.pairs[0].touchdowns,
+                outcome.work.steps,
+                outcome.work.contact_substeps,
+                got.contact_time_s / want.contact_time_s - 1.0,
+                got.restitution - 1.0,
+                got.peak_n / want.peak_n - 1.0,
+                got.depth_m / want.depth_m - 1.0,
+                got.lost_j,
+                outcome.last.energy.balance_j
+            );
         }
     }
     let mut cases: Vec<(NormalLaw, f64, Figures)> =
