@@ -29,7 +29,7 @@ pub const MOVING: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{moving} discs move and {pairs} pairs of surfaces may meet; the analytic model takes up to {MOVING} moving discs and \
-     {PAIRS} pairs: fix or remove some, or simulate the scene with the other model, which takes any number"
+     {PAIRS} pairs: fix or remove some"
 )]
 pub struct TooMany {
     pub moving: usize,

@@ -19,7 +19,12 @@ pub fn run_analytic(scene: &BodiesScene, sink: &mut impl BodiesSink) -> Result<B
         Ok(3) => run::<9, 18>(scene, sink),
         Ok(_) => Ok(BodiesOutcome::default()),
         Err(too_many) => Err(BodiesRunError::Simulation {
-            failure: Failure { time_s: 0.0, reason: Reason::Obstacle(too_many.to_string()) },
+            failure: Failure {
+                time_s: 0.0,
+                reason: Reason::Obstacle(format!(
+                    "{too_many}, or simulate with `--model engine`, which takes any number"
+                )),
+            },
             so_far: Box::default(),
         }),
     }
