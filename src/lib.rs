@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic, engine ← trace ← log, criteria, validate ← report, plot ← cli`; `numeric` and
+//! `units ← gripper, law ← scene ← analytic, engine ← trace ← log, criteria, validate, study ← report, plot ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:
@@ -47,6 +47,7 @@ pub mod numeric;
 pub mod plot;
 pub mod report;
 pub mod scene;
+pub mod study;
 pub mod trace;
 pub mod units;
 pub mod validate;

@@ -16,6 +16,7 @@ mod replay;
 mod run;
 mod run_bodies;
 pub mod scene;
+mod study;
 mod validate;
 mod validate_bodies;
 mod validate_files;
@@ -50,6 +51,9 @@ enum Command {
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
+    /// See what a choice of settings does to a result
+    #[command(subcommand)]
+    Study(study::StudyCommand),
 }
 
 /// How a command ended, see the [module](self).
@@ -95,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
+        Command::Study(command) => study::run(command),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

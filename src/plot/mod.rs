@@ -1,4 +1,4 @@
-//! Pictures of a validation, as SVG text: the same figures give the same bytes.
+//! Pictures of a validation and of studies, as SVG text: the same figures give the same bytes.
 //!
 //! | file | job |
 //! |---|---|
@@ -8,6 +8,7 @@
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `overlay` | both models over time |
 //! | `bodies` | the same of a scene of discs |
+//! | `step_size` | error of a contact force against the step size |
 //! | `difference` | difference of the joint angles over time |
 
 mod axis;
@@ -17,9 +18,11 @@ mod curve;
 mod difference;
 mod overlay;
 mod speed_error;
+mod step_size;
 
 pub use bodies::bodies_overlay;
 pub use canvas::DrawError;
 pub use difference::difference;
 pub use overlay::overlay;
 pub use speed_error::{bodies_speed_error, speed_error};
+pub use step_size::step_size;

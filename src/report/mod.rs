@@ -3,6 +3,7 @@
 mod bodies;
 mod document;
 mod replay;
+mod step_size;
 mod table;
 mod text;
 mod validation;
@@ -13,6 +14,7 @@ pub use document::{
     WorkReport,
 };
 pub use replay::{Lost, ReplayReport, Summary, replay_json, replay_text};
+pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use text::{duration, text};
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,

@@ -1,0 +1,107 @@
+//! `phalanx study`: what a choice of settings does to a result.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+
+use super::output::print;
+use super::progress::Count;
+use super::validate_files::save;
+use super::{Failure, Status};
+use crate::plot;
+use crate::report::{step_size_csv, step_size_json, step_size_text};
+use crate::scene::{self, AnyScene, BodiesScene};
+use crate::study::step_size::{StudyError, step_size};
+
+/// The shipped scene, so that the command works from anywhere.
+const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
+
+#[derive(Debug, Subcommand)]
+pub enum StudyCommand {
+    StepSize(StepSizeArgs),
+}
+
+/// The force of an impact against the step size, by formulation: thesis Fig. B.3.
+///
+/// Runs the impact of a scene of discs with the engine and the scene's laws, with the engine and rapier's own contact (both
+/// with fixed steps from 1 % to 0.001 % of the simulated time), and with the analytic model at a ladder of tolerances, and
+/// compares the force with that of the analytic model at its reference preset. rapier's own contact is rigid and has no
+/// finite force: impulse over step stands in for it, and it is told the restitution of the reference.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx study step-size\n  phalanx study step-size my-impact.toml --out study\n  phalanx study \
+                  step-size --quick --json > study.json"
+)]
+pub struct StepSizeArgs {
+    /// Scene of discs (TOML) with an impact that rebounds; the shipped scenes/laws/step-size.toml if none is given
+    scene: Option<PathBuf>,
+
+    /// Write step-size.txt, .json, .csv and .svg there; the directory is made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long)]
+    json: bool,
+
+    /// Leave out fixed steps below 0.01 % of the simulated time
+    #[arg(long)]
+    quick: bool,
+}
+
+/// Runs the command.
+pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
+    match command {
+        StudyCommand::StepSize(args) => run_step_size(args),
+    }
+}
+
+fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
+    let scene = discs(args.scene.as_deref())?;
+    if let Some(out) = &args.out {
+        fs::create_dir_all(out).map_err(|error| {
+            Failure::bad_input(format!(
+                "cannot make the directory {}: {error}; give one where you may write",
+                out.display()
+            ))
+        })?;
+    }
+    let mut count = Count::new();
+    let result = step_size(&scene, args.quick, &mut |done, total, next| count.show(done, total, next));
+    count.clear();
+    let study = result.map_err(|error| match error {
+        StudyError::NoImpact => Failure::bad_input(error),
+        StudyError::Simulation { .. } => Failure::incomplete(error),
+    })?;
+    if let Some(out) = &args.out {
+        let picture = plot::step_size(&study)
+            .map_err(|error| Failure::incomplete(format!("cannot draw step-size.svg: {error}")))?;
+        for (file, text) in [
+            ("step-size.txt", step_size_text(&study)),
+            ("step-size.json", step_size_json(&study)),
+            ("step-size.csv", step_size_csv(&study)),
+            ("step-size.svg", picture),
+        ] {
+            save(&out.join(file), &text)?;
+        }
+    }
+    print(&if args.json { step_size_json(&study) } else { step_size_text(&study) })?;
+    Ok(Status::Done)
+}
+
+/// The scene of discs in a file, or the shipped one.
+fn discs(path: Option<&Path>) -> Result<BodiesScene, Failure> {
+    let scene = match path {
+        Some(path) => scene::load_any(path)?,
+        None => scene::parse_any(STEP_SIZE_SCENE, "step-size.toml")?,
+    };
+    match (scene, path) {
+        (AnyScene::Bodies(scene), _) => Ok(*scene),
+        (AnyScene::Finger(_), path) => Err(Failure::bad_input(format!(
+            "{} is the scene of a finger; this study takes a scene of discs (kind = \"bodies\"), like \
+             scenes/laws/step-size.toml",
+            path.unwrap_or(Path::new("")).display()
+        ))),
+    }
+}

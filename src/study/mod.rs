@@ -1,0 +1,3 @@
+//! Studies: what a choice of settings does to a result.
+
+pub mod step_size;

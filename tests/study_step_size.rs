@@ -1,0 +1,50 @@
+//! The study of step sizes on its shipped scene (thesis Fig. B.3).
+
+use phalanx::report::{step_size_csv, step_size_json, step_size_text};
+use phalanx::scene::{self, AnyScene};
+use phalanx::study::step_size::{Formulation, StepSize, step_size};
+
+fn study() -> StepSize {
+    let scene = match scene::load_any("scenes/laws/step-size.toml").unwrap_or_else(|error| panic!("{error}")) {
+        AnyScene::Bodies(scene) => scene,
+        AnyScene::Finger(_) => panic!("a scene of discs"),
+    };
+    step_size(&scene, true, &mut |_, _, _| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn laws_converge_and_a_rigid_contact_does_not() {
+    let study = study();
+    let of = |formulation| study.rows.iter().filter(move |row| row.formulation == formulation);
+    let laws: Vec<_> = of(Formulation::EngineLaws).collect();
+    assert_eq!(laws.len(), 5);
+    assert!(laws.windows(2).all(|pair| pair[1].curve_rms_error < pair[0].curve_rms_error));
+    assert!(laws[4].curve_max_error < 1e-3 && laws[4].peak_error < 1e-5 && laws[4].restitution_error < 1e-4);
+    // Impulse over step grows without bound as the step shrinks.
+    let rigid: Vec<_> = of(Formulation::EngineRapier).collect();
+    assert!(rigid.windows(2).all(|pair| pair[1].peak_error > pair[0].peak_error) && rigid[4].peak_error > 100.0);
+    assert!(rigid.iter().all(|row| row.restitution_error < 1e-9));
+    for crossing in &study.crossings {
+        let found = crossing.step_fraction;
+        match crossing.formulation {
+            Formulation::EngineRapier => assert_eq!(found, None, "{crossing:?}"),
+            Formulation::EngineLaws if crossing.error < 1e-3 => {}
+            _ => assert!(found.is_some_and(|fraction| fraction > 1e-4 && fraction < 1.0), "{crossing:?}"),
+        }
+    }
+    assert!(of(Formulation::Analytic).last().is_some_and(|row| row.curve_max_error < 1e-6 && row.steps < 200));
+
+    let json: serde_json::Value = serde_json::from_str(&step_size_json(&study)).expect("JSON");
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(study.rows.len()));
+    assert!(json["rows"][0]["step_s"].as_f64().is_some() && json["peak_n"].as_f64().is_some());
+    assert_eq!(step_size_csv(&study).lines().count(), study.rows.len() + 1);
+    assert!(step_size_text(&study).contains("never"));
+}
+
+#[test]
+fn a_scene_without_a_rebound_is_refused() {
+    let text = "kind = \"bodies\"\n[discs.ball]\nradius = \"1 mm\"\ncentre = [\"0 mm\", \"9 mm\"]\nmass = \"1 g\"\n";
+    let Ok(AnyScene::Bodies(scene)) = scene::parse_any(text, "still.toml") else { panic!("a scene of discs") };
+    let error = step_size(&scene, true, &mut |_, _, _| {}).expect_err("nothing touches");
+    assert!(error.to_string().contains("rebounds"), "{error}");
+}
