@@ -15,8 +15,18 @@ use phalanx::trace::{Model, SinkError};
 use phalanx::validate::{Subject, reference, sampled};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
-const NAMES: [&str; 9] =
-    ["damper", "friction", "impact", "impact-damper", "impact-elastic", "radii", "rolling", "spring", "two-free"];
+const NAMES: [&str; 10] = [
+    "damper",
+    "friction",
+    "impact",
+    "impact-damper",
+    "impact-elastic",
+    "radii",
+    "rolling",
+    "spring",
+    "step-size",
+    "two-free",
+];
 
 fn load(name: &str) -> BodiesScene {
     match scene::load_any(format!("scenes/laws/{name}.toml")).unwrap_or_else(|e| panic!("{e}")) {
