@@ -32,7 +32,7 @@ fn laws_converge_and_a_rigid_contact_does_not() {
             _ => assert!(found.is_some_and(|fraction| fraction > 1e-4 && fraction < 1.0), "{crossing:?}"),
         }
     }
-    assert!(of(Formulation::Analytic).last().is_some_and(|row| row.curve_max_error < 1e-6 && row.steps < 200));
+    assert!(of(Formulation::Analytic).next_back().is_some_and(|row| row.curve_max_error < 1e-6 && row.steps < 200));
 
     let json: serde_json::Value = serde_json::from_str(&step_size_json(&study)).expect("JSON");
     assert_eq!(json["rows"].as_array().map(Vec::len), Some(study.rows.len()));

@@ -37,7 +37,7 @@ pub fn step_size_text(study: &StepSize) -> String {
     let levels = LEVELS.map(|level| format!("{} %", 100.0 * level));
     let head = std::iter::once(String::new()).chain(levels).collect();
     let line = |of: Formulation| {
-        let cells = study.crossings.iter().filter(|crossing| crossing.formulation == of).map(|crossing| step(crossing));
+        let cells = study.crossings.iter().filter(|crossing| crossing.formulation == of).map(step);
         std::iter::once(of.name().to_string()).chain(cells).collect()
     };
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(Formulation::ALL.map(line)).collect();
