@@ -17,6 +17,7 @@ mod run;
 mod run_bodies;
 pub mod scene;
 mod study;
+mod study_stability;
 mod validate;
 mod validate_bodies;
 mod validate_files;

@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 
 use super::output::print;
 use super::progress::Count;
+use super::study_stability::{self, StabilityArgs};
 use super::validate_files::save;
 use super::{Failure, Status};
 use crate::plot;
@@ -19,6 +20,7 @@ const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
 
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
+    Stability(StabilityArgs),
     StepSize(StepSizeArgs),
 }
 
@@ -53,6 +55,7 @@ pub struct StepSizeArgs {
 /// Runs the command.
 pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
     match command {
+        StudyCommand::Stability(args) => study_stability::run(args),
         StudyCommand::StepSize(args) => run_step_size(args),
     }
 }

@@ -40,6 +40,9 @@ pub struct Invariants {
     imbalance: (f64, f64),
     fall: (f64, f64),
     dissipated_j: f64,
+    /// Least mechanical energy beyond the motor's work so far, and the largest rise above an earlier one.
+    lowest_j: f64,
+    created_j: f64,
     impulses: Vec<f64>,
     last_s: f64,
     samples: u64,
@@ -66,6 +69,8 @@ impl Invariants {
             imbalance: (0.0, 0.0),
             fall: (0.0, 0.0),
             dissipated_j: f64::NEG_INFINITY,
+            lowest_j: f64::INFINITY,
+            created_j: 0.0,
             last_s: 0.0,
             samples: 0,
         }
@@ -74,6 +79,23 @@ impl Invariants {
     /// Samples looked at.
     pub fn samples(&self) -> u64 {
         self.samples
+    }
+
+    /// The same, with another part of the energy allowed to be missed.
+    pub fn tolerating(mut self, energy: f64) -> Self {
+        self.tolerances.energy = energy;
+        self
+    }
+
+    /// Mechanical energy from nowhere so far, in J: the largest rise beyond the motor's work above any earlier instant.
+    /// What a model says it dissipated does not enter, so that errors in that sum cannot pass for creation.
+    pub fn created_j(&self) -> f64 {
+        self.created_j
+    }
+
+    /// Most energy that was ever about, in J.
+    pub fn throughput_j(&self) -> f64 {
+        self.throughput_j
     }
 
     /// The worst of every invariant, once the run is over; `loop_gap_m` is the largest opening of a joint in it.
@@ -130,6 +152,9 @@ impl Invariants {
         let moved = energy.motor_work_j.abs() + energy.spring_j.abs() + energy.gravity_j.abs();
         self.throughput_j = self.throughput_j.max(stored).max(moved);
         worst(&mut self.imbalance, energy.balance_j.abs(), time_s);
+        let own = energy.kinetic_j + energy.gravity_j + energy.spring_j + energy.elastic_j - energy.motor_work_j;
+        self.lowest_j = self.lowest_j.min(own);
+        self.created_j = self.created_j.max(own - self.lowest_j);
         self.dissipated_j = self.dissipated_j.max(energy.dissipated_j);
         worst(&mut self.fall, self.dissipated_j - energy.dissipated_j, time_s);
     }

@@ -7,6 +7,7 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::{Circle, Cross, PathElement, Rectangle, Text, TriangleMarker};
 use plotters::prelude::SVGBackend;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
 use super::axis::Axis;
@@ -17,7 +18,7 @@ pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Frame<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<Axis, Axis>>;
 /// A place on a frame, and one in pixels of an area.
 type Place = (f64, f64);
-type Pixel = (i32, i32);
+pub type Pixel = (i32, i32);
 
 pub const WIDTH: u32 = 960;
 /// Width of a legend beside a frame.
@@ -35,7 +36,7 @@ pub const PURPLE: RGBColor = RGBColor(170, 80, 140);
 pub const AMBER: RGBColor = RGBColor(200, 140, 0);
 pub const BLACK: RGBColor = RGBColor(0, 0, 0);
 pub const GREY: RGBColor = RGBColor(120, 120, 120);
-const WHITE: RGBColor = RGBColor(255, 255, 255);
+pub const WHITE: RGBColor = RGBColor(255, 255, 255);
 const PALE: RGBColor = RGBColor(232, 232, 232);
 const PALEST: RGBColor = RGBColor(246, 246, 246);
 
@@ -162,6 +163,18 @@ pub fn legend(area: &Area, entries: &[Entry]) -> Result<(), DrawError> {
         area.draw(&Text::new(entry.text.clone(), (44, y - TEXT_SIZE as i32 / 2), font(TEXT_SIZE)))?;
     }
     Ok(())
+}
+
+/// Words around a place of an area, in pixels.
+pub fn words(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColor) -> Result<(), DrawError> {
+    let centred = Pos::new(HPos::Center, VPos::Center);
+    area.draw(&Text::new(text.to_string(), at, (FONT, size).into_font().color(&colour).pos(centred)))
+}
+
+/// A box with its edge, from one corner to the other.
+pub fn tile(area: &Area, corners: [Pixel; 2], fill: RGBColor, edge: RGBColor) -> Result<(), DrawError> {
+    area.draw(&Rectangle::new(corners, ShapeStyle::from(&fill).filled()))?;
+    area.draw(&Rectangle::new(corners, edge.stroke_width(1)))
 }
 
 fn sign(area: &Area, at: Pixel, mark: Mark, colour: RGBColor) -> Result<(), DrawError> {

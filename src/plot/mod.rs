@@ -8,6 +8,7 @@
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `overlay` | both models over time |
 //! | `bodies` | the same of a scene of discs |
+//! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
 //! | `difference` | difference of the joint angles over time |
 
@@ -18,6 +19,7 @@ mod curve;
 mod difference;
 mod overlay;
 mod speed_error;
+mod stability;
 mod step_size;
 
 pub use bodies::bodies_overlay;
@@ -25,4 +27,5 @@ pub use canvas::DrawError;
 pub use difference::difference;
 pub use overlay::overlay;
 pub use speed_error::{bodies_speed_error, speed_error};
+pub use stability::stability;
 pub use step_size::step_size;

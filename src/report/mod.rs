@@ -3,6 +3,7 @@
 mod bodies;
 mod document;
 mod replay;
+mod stability;
 mod step_size;
 mod table;
 mod text;
@@ -14,6 +15,7 @@ pub use document::{
     WorkReport,
 };
 pub use replay::{Lost, ReplayReport, Summary, replay_json, replay_text};
+pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use text::{duration, text};
 pub use validation::{

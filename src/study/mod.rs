@@ -1,3 +1,4 @@
 //! Studies: what a choice of settings does to a result.
 
+pub mod stability;
 pub mod step_size;

@@ -1,0 +1,103 @@
+//! The map of stability as tables, JSON and CSV.
+
+use super::table::{figure, table};
+use super::{document_text, duration};
+use crate::study::stability::{Cell, Stability, Verdict};
+
+/// Tables for people: one for each damping factor, and what failed and why.
+pub fn stability_text(study: &Stability) -> String {
+    let Stability { scene, accuracy_rad, until_s, stiffness_si, damping_max_n_s_per_m, grid, .. } = study;
+    let mut text = format!(
+        "{scene}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
+         (proximal, distal), times the factors below\n",
+        duration(*until_s),
+        pair(stiffness_si),
+        pair(damping_max_n_s_per_m)
+    );
+    for (damping, factor) in grid.damping_factors.iter().enumerate() {
+        let head = ["k \\ dt".to_string()].into_iter().chain(grid.steps_s.iter().map(|&step_s| duration(step_s)));
+        let mut rows = vec![head.chain(["determined to".to_string()]).collect::<Vec<_>>()];
+        for (stiffness, k) in grid.stiffness_factors.iter().enumerate().rev() {
+            let cells = (0..grid.steps_s.len()).map(|step| shown(study.cell(step, stiffness, damping)));
+            let reference = study.reference(stiffness, damping);
+            let determined = reference.sensitivity_rad.map_or("–".to_string(), |rad| figure(rad, 2));
+            rows.push([format!("× {k}")].into_iter().chain(cells).chain([determined]).collect());
+        }
+        text.push_str(&format!("\nc_max × {factor}\n{}", table(&rows)));
+    }
+    let counts = Verdict::ALL.map(|verdict| format!("{} {}", study.count(verdict), verdict.name()));
+    let steps: u64 = study.cells.iter().map(|cell| cell.steps).sum();
+    text.push_str(&format!(
+        "\n{} cells: {}; {steps} steps in {} s\n",
+        study.cells.len(),
+        counts.join(", "),
+        figure(study.wall_s, 3)
+    ));
+    text.push_str(&reasons(study));
+    text.push_str(&format!(
+        "\nFigures are the largest difference of a joint angle, in rad; within {accuracy_rad:e} a cell is accurate, beyond it \
+         stable but\ninaccurate: (in brackets). \"failed\" is a run that broke off or broke what stability means, \"–\" one that is not \
+         judged.\n\"determined to\" is by how much the reference changes if the motor torque changes by 1e-9.\n"
+    ));
+    text
+}
+
+fn pair([proximal, distal]: &[f64; 2]) -> String {
+    if proximal == distal { format!("{proximal:e}") } else { format!("{proximal:e}, {distal:e}") }
+}
+
+fn shown(cell: &Cell) -> String {
+    let error = cell.angle_error_rad.map_or("–".to_string(), |rad| format!("{rad:.1e}"));
+    match cell.verdict {
+        Verdict::Accurate => error,
+        Verdict::Inaccurate => format!("({error})"),
+        Verdict::Failed => "failed".to_string(),
+        Verdict::NotJudged => "–".to_string(),
+    }
+}
+
+/// One line for each run that failed or could not be judged.
+fn reasons(study: &Stability) -> String {
+    let references = study.references.iter().filter_map(|of| {
+        let reason = of.reason.as_ref()?;
+        Some(format!("  k × {}, c_max × {}, reference: {reason}\n", of.stiffness_factor, of.damping_factor))
+    });
+    let cells = study.cells.iter().filter_map(|of| {
+        let reason = of.reason.as_ref()?;
+        let (verdict, step) = (of.verdict.name(), duration(of.step_s));
+        Some(format!("  k × {}, c_max × {}, dt {step}, {verdict}: {reason}\n", of.stiffness_factor, of.damping_factor))
+    });
+    let lines: String = references.chain(cells).collect();
+    if lines.is_empty() { lines } else { format!("\n{lines}") }
+}
+
+/// One JSON document, with SI units in every key.
+pub fn stability_json(study: &Stability) -> String {
+    document_text(study)
+}
+
+/// All runs of the engine, one a line; what is unknown is empty.
+pub fn stability_csv(study: &Stability) -> String {
+    let mut text = "step_s,stiffness_factor,damping_factor,verdict,angle_error_rad,energy_created_j,energy_created,\
+                    energy_balance,loop_gap_m,steps,contact_substeps,wall_s,reason\n"
+        .to_string();
+    for cell in &study.cells {
+        let error = cell.angle_error_rad.map_or(String::new(), |rad| format!("{rad:e}"));
+        let reason = cell.reason.as_ref().map_or(String::new(), |reason| reason.replace('"', "\"\""));
+        text.push_str(&format!(
+            "{:e},{:e},{:e},{},{error},{:e},{:e},{:e},{:e},{},{},{:e},\"{reason}\"\n",
+            cell.step_s,
+            cell.stiffness_factor,
+            cell.damping_factor,
+            cell.verdict.key(),
+            cell.energy_created_j,
+            cell.energy_created,
+            cell.energy_balance,
+            cell.loop_gap_m,
+            cell.steps,
+            cell.contact_substeps,
+            cell.wall_s
+        ));
+    }
+    text
+}
