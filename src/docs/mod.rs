@@ -12,5 +12,8 @@ pub mod hard {}
 #[doc = include_str!("integration.md")]
 pub mod integration {}
 
+#[doc = include_str!("laws.md")]
+pub mod laws {}
+
 #[doc = include_str!("robustness.md")]
 pub mod robustness {}

@@ -51,6 +51,13 @@ impl Axis {
         }
     }
 
+    /// The same axis with some room at both ends, for marks that lie on them.
+    pub fn with_room(mut self) -> Axis {
+        let room = 0.02 * (self.to - self.from);
+        (self.from, self.to) = (self.from - room, self.to + room);
+        self
+    }
+
     /// Where a value is on this axis; what is below a logarithmic one lies on its foot.
     pub fn place(&self, value: f64) -> f64 {
         match self.log {

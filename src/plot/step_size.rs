@@ -13,7 +13,8 @@ const HEIGHT: u32 = 600;
 /// The picture; errors of zero are not in it.
 pub fn step_size(study: &StepSize) -> Result<String, DrawError> {
     let errors = study.rows.iter().flat_map(|row| [row.curve_max_error, row.peak_error]);
-    let x = Axis::decades("step, part of the plotted time", study.rows.iter().map(|row| row.step_fraction), 12.0);
+    let x = Axis::decades("step, part of the plotted time", study.rows.iter().map(|row| row.step_fraction), 12.0)
+        .with_room();
     let y = Axis::decades("error of the contact force, relative to its peak", errors.chain(LEVELS), 12.0);
     picture(HEIGHT, |area| {
         let rest = titled(area, &format!("{}: contact force against step size", study.scene))?;
