@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic, engine ← trace ← log, criteria, validate, study ← report, plot ← cli`; `numeric` and
+//! `units ← gripper, law ← scene ← analytic, engine ← trace ← log, criteria, invariants ← validate, study ← report, plot ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:

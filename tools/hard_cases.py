@@ -50,7 +50,8 @@ def row(path):
     if status == 3:
         _, engine, _ = phalanx("run", path, "--model", "engine")
         reason = f"ends at {run['error']['time_s'] * 1e3:.3f} ms: {run['error']['reason'].split(':')[0]}"
-        return front + ["–", "–", "–", "–", str(engine["steps"]), number(engine["wall_s"] * 1e3, "{:.1f}"), f"as expected: {reason}"], True
+        engine_time = number(engine["wall_s"] * 1e3, "{:.1f}")
+        return front + ["–", "–", "–", "–", str(engine["steps"]), engine_time, f"as expected: {reason}"], True
     status, found, complaint = phalanx("validate", path, "--quick")
     if found is None:
         sys.exit(f"{name}: {complaint}")
@@ -71,8 +72,10 @@ def row(path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--dry-run", action="store_true", help="print the table, leave the page alone")
+    parser.add_argument("--no-build", action="store_true", help="measure the release build that is there")
     arguments = parser.parse_args()
-    call("cargo", "build", "--release", "--locked", "--quiet")
+    if not arguments.no_build:
+        call("cargo", "build", "--release", "--locked", "--quiet")
     header = [
         "scene", "what is hard", "analytic: first touch, proximal / tip (ms)", "steps", "engine: angle (rad)", "touch (s)", "force",
         "impulse", "steps", "time (ms)", "verdict",
@@ -85,12 +88,14 @@ def main():
         rows.append(cells)
         passed += fine
     text = table(header, rows) + f"\n\n{passed} of {len(scenes)} scenes are as expected."
+    print(text)
     if arguments.dry_run:
-        print(text)
         return
-    page = PAGE.read_text()
-    block = re.compile(r"(<!-- table:begin -->\n).*?(\n<!-- table:end -->)", re.S)
-    PAGE.write_text(block.sub(lambda found: found.group(1) + text + found.group(2), page))
+    block = re.compile(r"(<!-- table:begin -->\n).*?(<!-- table:end -->)", re.S)
+    page, found = block.subn(lambda found: f"{found.group(1)}{text}\n{found.group(2)}", PAGE.read_text())
+    if found != 1:
+        sys.exit(f"{PAGE} has no place for the table: it needs the lines <!-- table:begin --> and <!-- table:end -->")
+    PAGE.write_text(page)
 
 
 if __name__ == "__main__":
