@@ -37,6 +37,17 @@ fn verdicts_of_the_anchor() {
     assert!(reference.sensitivity_rad.is_some_and(|rad| rad > 0.0 && rad < 1e-7));
 }
 
+/// At 20 steps a run a phalanx ends a step far inside the object; a spring a hundred times as stiff then holds more energy
+/// there than the motor ever gave.
+#[test]
+fn a_long_step_into_a_stiff_contact_fails() {
+    let study = map(&grid(&[1e-3, 3e-4], &[1e2], &[1.0]));
+    let [long, short] = &study.cells[..] else { panic!("two cells") };
+    assert_eq!((long.verdict, short.verdict), (Verdict::Failed, Verdict::Inaccurate));
+    assert!(long.energy_created > 0.1 && long.reason.as_ref().is_some_and(|reason| reason.contains("energy created")));
+    assert!(short.energy_created < 0.1 && short.reason.is_none());
+}
+
 /// Each pair of factors has a reference of its own, and the scene's own factors are those of the scene.
 #[test]
 fn factors_change_the_contact() {
@@ -101,11 +112,14 @@ fn tables_json_csv_and_picture_say_the_same() {
         match line[3] {
             "accurate" => assert!(text.contains(&format!(" {short}")), "{short} in\n{text}"),
             "inaccurate" => assert!(text.contains(&format!("({short})")), "{short} in\n{text}"),
+            "failed" => assert!(text.contains(cell["reason"].as_str().expect("a reason"))),
             other => panic!("{other} of {cell}"),
         }
     }
     let count = |verdict: &str| cells.iter().filter(|cell| cell["verdict"] == verdict).count();
-    let counts = format!("8 cells: {} stable, accurate, {} stable, inaccurate", count("accurate"), count("inaccurate"));
+    let [accurate, inaccurate, failed] = ["accurate", "inaccurate", "failed"].map(count);
+    let counts =
+        format!("8 cells: {accurate} stable, accurate, {inaccurate} stable, inaccurate, {failed} failed, 0 not");
     assert!(text.contains(&counts), "{counts} in\n{text}");
 }
 
@@ -156,7 +170,7 @@ fn the_command_writes_its_files() {
 fn what_cannot_be_mapped_is_refused() {
     let directory = directory("study_stability_refused");
     let discs = "scenes/laws/step-size.toml";
-    let rigid = variant(&directory, "rigid.toml", "[engine]\nlaw = \"rapier\"\nstep = \"10 us\"");
+    let rigid = variant(&directory, "rigid.toml", "[engine]\nlaw = \"rapier\"\nstepping = \"fixed\"\nstep = \"10 us\"");
     let anchor = fs::read_to_string(ANCHOR).expect("the anchor");
     let undamped = write(
         &directory,
