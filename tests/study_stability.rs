@@ -104,7 +104,9 @@ fn tables_json_csv_and_picture_say_the_same() {
             (10, "contact_substeps"),
             (11, "wall_s"),
         ] {
-            assert_eq!(line[column].parse::<f64>().ok(), Some(number(key)), "{key}");
+            // The reader of JSON, as it is set up here, may miss the last bit of a number.
+            let (csv, json) = (line[column].parse::<f64>().expect("a number"), number(key));
+            assert!((csv - json).abs() <= 2.0 * f64::EPSILON * json.abs(), "{key}: {csv:e} {json:e}");
         }
         assert_eq!(cell["verdict"], line[3]);
         let short = format!("{:.1e}", number("angle_error_rad"));
