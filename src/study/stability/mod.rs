@@ -274,8 +274,7 @@ fn cell(
 /// In what a finished run broke what stability means, everything that did.
 fn breach(findings: &[Finding], created_j: f64, allowed_j: f64) -> Option<String> {
     let mut broken = Vec::new();
-    // Written so that what is no number is broken, too.
-    if !(created_j <= allowed_j) {
+    if created_j > allowed_j || !created_j.is_finite() {
         broken.push(format!("energy created: {created_j:.3e} of {allowed_j:.3e} J allowed"));
     }
     for found in findings.iter().filter(|found| STABILITY.contains(&found.invariant)) {
