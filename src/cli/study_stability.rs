@@ -22,7 +22,7 @@ use crate::units::{self, Dimension};
 /// model at its reference preset, up to `[validate] until`.
 ///
 /// "failed" is a run that ended in an error, or where a number was not finite, mechanical energy rose beyond the motor's
-/// work by more than 10 % of the energy throughput, the dissipated energy fell by as much, or a contact or the joint limit
+/// work by more than 10 % of the reference's energy throughput, the dissipated energy fell by as much, or a contact or the joint limit
 /// was deeper than all energy there is could push it. "accurate" is any other run whose joint angles stay within the bound
 /// all along; the rest is stable, but inaccurate. Where the reference cannot be completed nothing is judged.
 #[derive(Debug, Args)]

@@ -17,3 +17,6 @@ pub mod laws {}
 
 #[doc = include_str!("robustness.md")]
 pub mod robustness {}
+
+#[doc = include_str!("stability.md")]
+pub mod stability {}

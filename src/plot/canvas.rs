@@ -167,8 +167,17 @@ pub fn legend(area: &Area, entries: &[Entry]) -> Result<(), DrawError> {
 
 /// Words around a place of an area, in pixels.
 pub fn words(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColor) -> Result<(), DrawError> {
-    let centred = Pos::new(HPos::Center, VPos::Center);
-    area.draw(&Text::new(text.to_string(), at, (FONT, size).into_font().color(&colour).pos(centred)))
+    anchored(area, text, at, (size, colour), HPos::Center)
+}
+
+/// Words from a place to the right.
+pub fn words_from(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColor) -> Result<(), DrawError> {
+    anchored(area, text, at, (size, colour), HPos::Left)
+}
+
+fn anchored(area: &Area, text: &str, at: Pixel, (size, colour): (u32, RGBColor), side: HPos) -> Result<(), DrawError> {
+    let style = (FONT, size).into_font().color(&colour).pos(Pos::new(side, VPos::Center));
+    area.draw(&Text::new(text.to_string(), at, style))
 }
 
 /// A box with its edge, from one corner to the other.

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::canvas::{Area, BLACK, DrawError, GREY, Pixel, WHITE, WIDTH, picture, tile, titled, words};
+use super::canvas::{Area, BLACK, DrawError, GREY, Pixel, WHITE, picture, tile, titled, words, words_from};
 use crate::report::duration;
 use crate::study::stability::{Cell, Stability, Verdict};
 
@@ -88,12 +88,10 @@ fn legend(area: &Area, study: &Stability) -> Result<(), DrawError> {
     for (verdict, text) in entries.iter().filter(|(verdict, _)| study.count(*verdict) > 0) {
         let width = (text.chars().count() as f64 * DIGIT * f64::from(TEXT)) as i32;
         tile(area, [(x, 8), (x + 26, 26)], colours(*verdict).0, GREY)?;
-        words(area, text, (x + 34 + width / 2, 17), TEXT, BLACK)?;
+        words_from(area, text, (x + 34, 17), TEXT, BLACK)?;
         x += 34 + width + 18;
     }
-    let text = "figures: largest angle error, rad";
-    let width = (text.chars().count() as f64 * DIGIT * f64::from(TEXT)) as i32;
-    words(area, text, (WIDTH as i32 - 8 - width / 2, 17), TEXT, BLACK)
+    words_from(area, "figures: largest angle error, rad", (x + 16, 17), TEXT, BLACK)
 }
 
 /// Fill and text: three steps of lightness, so that they stay apart in grey and for every kind of eye.
