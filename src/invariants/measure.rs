@@ -52,6 +52,7 @@ pub struct Invariants {
     /// Of every place.
     impulses: Vec<Impulse>,
     slips_m_s: Vec<f64>,
+    gap_rates_m_s: Vec<f64>,
     last_s: f64,
     samples: u64,
 }
@@ -80,6 +81,7 @@ impl Invariants {
             tolerances,
             impulses: vec![Impulse::default(); places.len()],
             slips_m_s: vec![f64::NAN; places.len()],
+            gap_rates_m_s: vec![0.0; places.len()],
             places,
             found: [Worst::default(); 8],
             start: None,
@@ -187,8 +189,9 @@ impl Invariants {
         let at = Some(index);
         let Place { law, depth, reach_m, .. } = self.places[index];
         self.note(Invariant::NoAdhesion, at, time_s, -reading.normal_n, 0.0);
+        let rate_before = std::mem::replace(&mut self.gap_rates_m_s[index], reading.gap_rate_m_s);
         if reading.normal_n > 0.0 {
-            let parted = reading.gap_rate_m_s.max(0.0) * self.tolerances.step_s;
+            let parted = reading.gap_rate_m_s.abs().max(rate_before.abs()) * self.tolerances.step_s;
             let allowed = self.tolerances.gap_m / reach_m + parted;
             self.note(Invariant::NoAdhesion, at, time_s, reading.gap_m, allowed);
         }
