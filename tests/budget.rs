@@ -1,10 +1,11 @@
 //! Step budgets end a run with what it has come to, whichever model runs and wherever its effort goes.
 
 mod cli_support;
+mod held;
 
 use cli_support::{directory, json, phalanx, stderr, variant};
 use phalanx::integrator::{Failure, Reason};
-use phalanx::trace::{self, RunError};
+use phalanx::trace::{Model, RunError};
 use phalanx::{log, scene};
 
 #[test]
@@ -34,14 +35,15 @@ fn contact_substeps_count_too() {
     let text = text.replace("[contact.friction]", &format!("{ringing}\n[contact.friction]"));
     let path = cli_support::write(&directory, "ringing.toml", &text);
     let mut scene = scene::load(&path).expect("a scene");
-    let free = trace::run_engine(&scene, &mut ()).map(|outcome| outcome.work).unwrap_or_else(|error| match error {
-        RunError::Simulation { so_far, .. } => so_far.work,
-        error => panic!("{error}"),
-    });
+    let free =
+        held::run(Model::Engine, &scene, &mut ()).map(|outcome| outcome.work).unwrap_or_else(|error| match error {
+            RunError::Simulation { so_far, .. } => so_far.work,
+            error => panic!("{error}"),
+        });
     assert!(free.contact_substeps > 11 * free.steps, "{free:?}");
     scene.engine.max_steps = free.contact_substeps / 11;
     assert!(scene.engine.max_steps > free.steps, "{free:?}");
-    match trace::run_engine(&scene, &mut ()) {
+    match held::run(Model::Engine, &scene, &mut ()) {
         Err(RunError::Simulation {
             failure: Failure { reason: Reason::SubstepBudget { budget, steps }, .. },
             so_far,

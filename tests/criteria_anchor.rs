@@ -1,9 +1,11 @@
 //! The anchor case, design 95 of the thesis, through model and criteria at once.
 
+mod held;
+
 use phalanx::criteria::{Class, FinalAngles, Tracker};
 use phalanx::gripper::{Circle, final_posture};
 use phalanx::scene;
-use phalanx::trace::run_analytic;
+use phalanx::trace::Model;
 
 #[test]
 fn design_95_is_stable_when_its_tip_has_landed_whatever_the_log_rate() {
@@ -14,7 +16,7 @@ fn design_95_is_stable_when_its_tip_has_landed_whatever_the_log_rate() {
     for numeric_hz in [1e3, 1e4, 1e6] {
         scene.log.numeric_hz = numeric_hz;
         let mut tracker = Tracker::new(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad });
-        let outcome = run_analytic(&scene, &mut tracker).expect("completed");
+        let outcome = held::run(Model::Analytic, &scene, &mut tracker).expect("completed");
         let criteria = tracker.criteria(true);
         // 1-model §1.8: the tip lands at 6.883746 ms, and nothing rebounds.
         let tts = criteria.tts_s.expect("stable");

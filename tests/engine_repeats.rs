@@ -6,13 +6,13 @@ use std::path::Path;
 
 use phalanx::log::{self, RunInfo};
 use phalanx::scene::Scene;
-use phalanx::trace::run_engine;
-use support::{anchor, engine};
+use phalanx::trace::Model;
+use support::{anchor, engine, held};
 
 fn log_of(scene: &Scene, path: &Path) -> Vec<u8> {
     let info = RunInfo { scene, scene_file: "experiment-95.toml", model: "engine" };
     let mut writer = log::create(path, &info).expect("a log");
-    run_engine(scene, &mut writer).expect("a run");
+    held::run(Model::Engine, scene, &mut writer).expect("a run");
     writer.keep().expect("a finished log");
     std::fs::read(path).expect("the log")
 }

@@ -1,12 +1,14 @@
 //! Logs cut and flipped at random: no panic, and what is read is a prefix of what was written.
 
 mod faults_support;
+mod held;
 
 use std::sync::OnceLock;
 
 use faults_support::{Dice, Items, read_bytes};
 use phalanx::log::{Loss, ReadError, RunInfo, Severity, Writer};
-use phalanx::{scene, trace};
+use phalanx::scene;
+use phalanx::trace::Model;
 
 const FAULTS: usize = 200;
 
@@ -18,7 +20,7 @@ fn log() -> &'static (Vec<u8>, Items) {
         scene.log.numeric_hz = 1e5;
         let run = RunInfo { scene: &scene, scene_file: "experiment-95.toml", model: "analytic" };
         let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
-        let outcome = trace::run_analytic(&scene, &mut writer).expect("a run");
+        let outcome = held::run(Model::Analytic, &scene, &mut writer).expect("a run");
         writer.note(outcome.last.time_s, Severity::Info, "completed").expect("written");
         let bytes = writer.finish().expect("finished");
         let (reading, items) = read_bytes(&bytes);

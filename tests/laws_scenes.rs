@@ -2,6 +2,7 @@
 //! the commands take them.
 
 mod cli_support;
+mod held;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,8 +10,9 @@ use std::fs;
 use cli_support::{directory, json, phalanx, stderr, stdout};
 use mcap::{MessageStream, Summary};
 use phalanx::criteria::Rebounds;
+use phalanx::invariants::Finding;
 use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
-use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, run_bodies};
+use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
 use phalanx::trace::{Model, SinkError};
 use phalanx::validate::{Subject, reference, sampled};
 
@@ -67,7 +69,7 @@ fn run(model: Model, name: &str) -> (BodiesOutcome, Listener) {
     scene.integrator = scene.integrator.with_preset(Preset::Reference);
     let pairs = scene.pairs().len();
     let mut listener = Listener { rebounds: Rebounds::new(pairs), ..Listener::default() };
-    let outcome = run_bodies(model, &scene, &mut listener).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let outcome = held::run_bodies(model, &scene, &mut listener).unwrap_or_else(|e| panic!("{name}: {e}"));
     (outcome, listener)
 }
 
@@ -102,6 +104,12 @@ fn the_engine_is_within_the_bounds_of_every_scene() {
         let expected = reference(&scene).record(Model::Analytic, &|| true).unwrap_or_else(|e| panic!("{name}: {e}"));
         let found =
             sampled(Model::Engine, &scene).record(Model::Engine, &|| true).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for (model, scene, run) in
+            [(Model::Analytic, reference(&scene), &expected), (Model::Engine, scene.clone(), &found)]
+        {
+            let broken: Vec<_> = scene.invariants(model, run).into_iter().filter(Finding::is_broken).collect();
+            assert!(broken.is_empty(), "{name}: {broken:?}");
+        }
         let verdict = scene.judge(&scene.compare(&found, &expected));
         assert!(verdict.passed(), "{name}: {verdict:#?}");
         for (found, expected) in found.outcome.pairs.iter().zip(&expected.outcome.pairs) {

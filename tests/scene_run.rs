@@ -1,23 +1,13 @@
 //! The shipped scenes do what their first lines say, with the analytic model.
 
+mod held;
+
 use phalanx::scene;
-use phalanx::trace::{Event, Outcome, Sample, Sink, SinkError, Site, run_analytic};
-
-struct Silent;
-
-impl Sink for Silent {
-    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
+use phalanx::trace::{Model, Outcome, Site};
 
 fn run(name: &str) -> Outcome {
     let scene = scene::load(format!("scenes/{name}.toml")).unwrap_or_else(|e| panic!("{e}"));
-    run_analytic(&scene, &mut Silent).unwrap_or_else(|e| panic!("{name}: {e}"))
+    held::run(Model::Analytic, &scene, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 /// First contacts in ms and final normal forces in N, to the digits the scenes promise.

@@ -146,7 +146,9 @@ fn figures_that_are_no_numbers_break_their_bound() {
 fn small_rebounds_are_not_judged() {
     let mut bouncing = usual(1000);
     let later = 8e-3;
-    bouncing.event(&lift_off(later - 1e-4, Site::Proximal, 0.0)).expect("kept");
+    let lift_s = later - 1e-4;
+    let given = IMPACT_N_S + HOLD_N * (lift_s - TOUCH_S);
+    bouncing.event(&lift_off(lift_s, Site::Proximal, given)).expect("kept");
     let mut theirs = bouncing.clone();
     // Their second impulse is another, but a thousandth of the first.
     for (run, rebound) in [(&mut bouncing, 1e-6), (&mut theirs, 2e-6)] {

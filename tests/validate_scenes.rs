@@ -2,9 +2,10 @@
 
 use std::fs;
 
+use phalanx::invariants::Finding;
 use phalanx::scene;
 use phalanx::trace::Model;
-use phalanx::validate::{compare, record, reference, sampled, verdicts};
+use phalanx::validate::{Subject, compare, record, reference, sampled, verdicts};
 
 #[test]
 fn all_shipped_scenes_are_within_their_bounds() {
@@ -20,6 +21,12 @@ fn all_shipped_scenes_are_within_their_bounds() {
         let found = record(Model::Engine, &sampled(Model::Engine, &scene));
         let found = found.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let verdict = verdicts(&compare(&found, &expected, &scene.bounds), &scene.bounds);
+        for (model, scene, run) in
+            [(Model::Analytic, reference(&scene), &expected), (Model::Engine, scene.clone(), &found)]
+        {
+            let broken: Vec<_> = scene.invariants(model, run).into_iter().filter(Finding::is_broken).collect();
+            assert!(broken.is_empty(), "{}: {broken:?}", path.display());
+        }
         let broken: Vec<_> = verdict.checks.iter().filter(|check| !check.passed()).collect();
         assert!(broken.is_empty(), "{}: {broken:?}", path.display());
         count += 1;

@@ -97,10 +97,11 @@ impl Model {
             Assembly::Other => -reference,
         };
         let (sin, cos) = lengths.phi22_rad.sin_cos();
+        let start = directions(&lengths, gamma, [scene.initial.q11_rad, scene.initial.q21_rad]);
         Self {
             dynamics: Dynamics::new(&scene.finger, gamma, scene.gravity_m_s2),
             actuation: scene.actuation.clone(),
-            spring: scene.spring.map(|s| SpringModel::new(&s, &lengths)),
+            spring: scene.spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
             limit: scene.limit,
             object: scene.object,
             contacts: [scene.contact.proximal, scene.contact.distal],

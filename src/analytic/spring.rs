@@ -1,6 +1,8 @@
 //! The spring that pulls the finger straight (thesis (2.30), §3.3.2.3, errata 4).
 
-use super::kinematics::{Directions, PassiveRates, passive_rates, straight};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::kinematics::{Directions, PassiveRates, passive_rates, reference_gamma, straight};
 use crate::gripper::Lengths;
 use crate::numeric::Real;
 use crate::numeric::plane::{angle_between, opening_angle, rotate};
@@ -15,6 +17,8 @@ pub struct SpringModel {
     closing_sign: f64,
     /// (cos, sin) of −q_s in the straight configuration.
     straight: [f64; 2],
+    /// Extension half a turn from the seam of angles, where no run comes by.
+    centre_rad: f64,
 }
 
 /// The two directions q_s is the angle between.
@@ -41,27 +45,54 @@ fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
 }
 
 impl SpringModel {
-    /// The spring of a finger, stretched least in its straight configuration.
-    pub fn new(spring: &Spring, lengths: &Lengths) -> Self {
+    /// The spring of a finger in assembly mode γ, stretched least in its straight configuration, for a run that starts in
+    /// the pose `start`.
+    pub fn new(spring: &Spring, lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
         let pose = straight(lengths);
         let [from, to] = ends(spring.placement, &pose);
         let q_s: f64 = angle_between(from, to);
         let closing = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
-        Self {
+        let model = Self {
             kind: spring.kind,
             placement: spring.placement,
             closing_sign: closing.signum(),
             straight: [q_s.cos(), -q_s.sin()],
-        }
+            centre_rad: 0.0,
+        };
+        let first = model.counted(start);
+        let first = if first.is_finite() { first } else { FRAC_PI_2 };
+        let centre = match spring.placement {
+            // A12 is always behind A22 as seen along l21, and l22 always to the same side of it by less than half a turn:
+            // all that a mode can reach is less than a turn about this.
+            Placement::Phalanges if lengths.l21_m > lengths.l11_m => {
+                let q22_rad = -gamma * reference_gamma(lengths) * FRAC_PI_2;
+                model.closing_sign * (q22_rad + lengths.phi22_rad)
+            }
+            // Nor do l12 and l22 ever come into line within a mode.
+            Placement::CouplerDistal => {
+                let turned: f64 = angle_between(start.e4, start.e3);
+                first + model.closing_sign * (FRAC_PI_2.copysign(turned) - turned)
+            }
+            // A crank may go round and round: the seam is a quarter of a turn behind straight.
+            _ => FRAC_PI_2,
+        };
+        Self { centre_rad: near(centre, first), ..model }
     }
 
-    /// Δq_s ≥ 0 in closing: how far the spring coordinate is from straight, in rad.
+    /// Extension with the seam a quarter of a turn behind straight.
     #[inline(always)]
-    pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
+    fn counted<T: Real>(&self, pose: &Directions<T>) -> T {
         let [from, to] = ends(self.placement, pose);
         let to = rotate(to, self.straight);
-        // Counted in the closing sense, so that the seam lies behind straight and not half a turn ahead of it.
         if self.closing_sign > 0.0 { opening_angle(from, to) } else { opening_angle(to, from) }
+    }
+
+    /// Δq_s ≥ 0 in closing: how far the spring coordinate is from straight, in rad; without jumps wherever the run goes.
+    #[inline(always)]
+    pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
+        let counted = self.counted(pose);
+        let off = counted.value() - self.centre_rad;
+        if off.abs() <= PI { counted } else { counted + -TAU * (off / TAU).round() }
     }
 
     /// Generalised force τ_s (2.30): −(∂q_s/∂q_a)ᵀ s T with T = k_s, or c_s (q_p + Δq_s).
@@ -90,4 +121,9 @@ impl SpringModel {
             }
         }
     }
+}
+
+/// `angle` by whole turns as near to `other` as it comes.
+fn near(angle: f64, other: f64) -> f64 {
+    angle + TAU * ((other - angle) / TAU).round()
 }

@@ -15,10 +15,11 @@ impl Invariants {
             law: scene.contact.normal,
             friction: scene.contact.friction,
             depth: Invariant::Penetration,
+            reach_m: 1.0,
         };
         let places = scene.pairs().into_iter().map(place).collect();
         // Discs have no joints that could open.
-        Self::watching(Tolerances::of(model, &scene.integrator, &scene.engine, 0.0), places)
+        Self::watching(model, Tolerances::of(model, &scene.integrator, &scene.engine, 0.0), places)
     }
 }
 

@@ -12,15 +12,22 @@ impl Invariants {
         if scene.object.is_some() {
             for (name, law) in [("proximal", scene.contact.proximal), ("distal", scene.contact.distal)] {
                 let (normal, friction) = (law.normal, law.friction);
-                places.push(Place { name: name.to_string(), law: normal, friction, depth: Invariant::Penetration });
+                places.push(Place {
+                    name: name.to_string(),
+                    law: normal,
+                    friction,
+                    depth: Invariant::Penetration,
+                    reach_m: 1.0,
+                });
             }
         }
         if let Some(law) = scene.limit {
             let depth = Invariant::JointLimit;
-            places.push(Place { name: "limit".to_string(), law, friction: None, depth });
+            let reach_m = scene.finger.lengths.l22_m;
+            places.push(Place { name: "limit".to_string(), law, friction: None, depth, reach_m });
         }
         let tolerances = Tolerances::of(model, &scene.integrator, &scene.engine, scene.bounds.loop_gap_m);
-        Self::watching(tolerances, places)
+        Self::watching(model, tolerances, places)
     }
 }
 
@@ -41,13 +48,14 @@ impl Sink for Invariants {
 }
 
 pub(super) fn contact(contact: &ContactSample) -> Reading {
-    let ContactSample { gap_m, normal_n, tangential_n, slip_m_s, impulse_n_s, .. } = *contact;
-    Reading { gap_m, normal_n, tangential_n, slip_m_s, impulse_n_s }
+    let ContactSample { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s, .. } = *contact;
+    Reading { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s }
 }
 
 fn stop(limit: &LimitSample) -> Reading {
     Reading {
         gap_m: limit.gap_rad,
+        gap_rate_m_s: limit.gap_rate_rad_s,
         normal_n: limit.torque_n_m,
         tangential_n: 0.0,
         slip_m_s: 0.0,

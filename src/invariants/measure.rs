@@ -2,10 +2,12 @@
 
 use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
-use crate::trace::Energy;
+use crate::trace::{Energy, Model};
 
 /// Slack of bounds that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
+/// Rounding of places of up to a metre: no gap is known to less.
+const PLACE_ROUNDING_M: f64 = 1e-15;
 
 /// Two surfaces, or a joint and its stop, that can meet.
 #[derive(Clone, Debug)]
@@ -15,12 +17,15 @@ pub(super) struct Place {
     pub friction: Option<FrictionLaw>,
     /// What a depth beyond its energy breaks.
     pub depth: Invariant,
+    /// Metres of a surface in one unit of the gap: 1, or of a joint the length of the arm that turns.
+    pub reach_m: f64,
 }
 
 /// What a place says at one instant. For a stop, read rad for m and N·m for N.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
     pub gap_m: f64,
+    pub gap_rate_m_s: f64,
     pub normal_n: f64,
     pub tangential_n: f64,
     pub slip_m_s: f64,
@@ -30,6 +35,7 @@ pub(super) struct Reading {
 /// A sink that measures how near a run comes to breaking each [`Invariant`].
 #[derive(Clone, Debug)]
 pub struct Invariants {
+    model: Model,
     tolerances: Tolerances,
     places: Vec<Place>,
     found: [Worst; 8],
@@ -43,9 +49,20 @@ pub struct Invariants {
     /// Least mechanical energy beyond the motor's work so far, and the largest rise above an earlier one.
     lowest_j: f64,
     created_j: f64,
-    impulses: Vec<f64>,
+    /// Of every place.
+    impulses: Vec<Impulse>,
+    slips_m_s: Vec<f64>,
+    gap_rates_m_s: Vec<f64>,
     last_s: f64,
     samples: u64,
+}
+
+/// The normal impulse of a place: the last, the largest, and how far and when it fell most.
+#[derive(Clone, Copy, Debug, Default)]
+struct Impulse {
+    last: f64,
+    largest: f64,
+    fall: (f64, f64),
 }
 
 /// The worst of one invariant so far.
@@ -58,10 +75,13 @@ struct Worst {
 }
 
 impl Invariants {
-    pub(super) fn watching(tolerances: Tolerances, places: Vec<Place>) -> Self {
+    pub(super) fn watching(model: Model, tolerances: Tolerances, places: Vec<Place>) -> Self {
         Self {
+            model,
             tolerances,
-            impulses: vec![0.0; places.len()],
+            impulses: vec![Impulse::default(); places.len()],
+            slips_m_s: vec![f64::NAN; places.len()],
+            gap_rates_m_s: vec![0.0; places.len()],
             places,
             found: [Worst::default(); 8],
             start: None,
@@ -104,6 +124,11 @@ impl Invariants {
         let (imbalance, fall, last_s) = (self.imbalance, self.fall, self.last_s);
         self.note(Invariant::Energy, None, imbalance.1, imbalance.0, allowed);
         self.note(Invariant::Passivity, None, fall.1, fall.0, allowed);
+        for (index, impulse) in self.impulses.clone().into_iter().enumerate() {
+            let (fall, at_s) = impulse.fall;
+            let allowed = self.tolerances.energy.max(ROUNDING) * impulse.largest;
+            self.note(Invariant::NoAdhesion, Some(index), at_s, fall, allowed);
+        }
         self.note(Invariant::LoopGap, None, last_s, loop_gap_m, self.tolerances.loop_gap_m);
         let finding = |(invariant, worst): (Invariant, &Worst)| Finding {
             invariant,
@@ -162,31 +187,53 @@ impl Invariants {
     /// Depth, force and impulse.
     fn place(&mut self, index: usize, reading: &Reading, time_s: f64, available_j: f64) {
         let at = Some(index);
+        let Place { law, depth, reach_m, .. } = self.places[index];
         self.note(Invariant::NoAdhesion, at, time_s, -reading.normal_n, 0.0);
+        let rate_before = std::mem::replace(&mut self.gap_rates_m_s[index], reading.gap_rate_m_s);
         if reading.normal_n > 0.0 {
-            self.note(Invariant::NoAdhesion, at, time_s, reading.gap_m, self.tolerances.gap_m);
+            let parted = reading.gap_rate_m_s.abs().max(rate_before.abs()) * self.tolerances.step_s;
+            let allowed = self.tolerances.gap_m / reach_m + parted;
+            self.note(Invariant::NoAdhesion, at, time_s, reading.gap_m, allowed);
         }
-        let impulse = reading.impulse_n_s;
-        let before = std::mem::replace(&mut self.impulses[index], impulse);
-        self.note(Invariant::NoAdhesion, at, time_s, before - impulse, self.tolerances.energy * impulse.abs());
-        let Place { law, depth, .. } = &self.places[index];
-        self.note(*depth, at, time_s, -reading.gap_m, deepest(law, available_j));
+        let Impulse { last, largest, fall } = &mut self.impulses[index];
+        let before = std::mem::replace(last, reading.impulse_n_s);
+        *largest = largest.max(reading.impulse_n_s);
+        worst(fall, before - reading.impulse_n_s, time_s);
+        if self.tolerances.laws {
+            let allowed = deepest(&law, available_j) + PLACE_ROUNDING_M / reach_m;
+            self.note(depth, at, time_s, -reading.gap_m, allowed);
+        }
     }
 
     fn friction(&mut self, index: usize, reading: &Reading, time_s: f64) {
         let at = Some(index);
+        let before = std::mem::replace(&mut self.slips_m_s[index], reading.slip_m_s);
+        if !self.tolerances.laws {
+            return;
+        }
         let Some(law) = self.places[index].friction.filter(|_| reading.normal_n > 0.0) else {
             self.note(Invariant::Friction, at, time_s, reading.tangential_n.abs(), 0.0);
             return;
         };
         let mu = reading.tangential_n / reading.normal_n;
-        let wanted = -friction_coefficient(&law, reading.slip_m_s).0;
+        let slips = match self.model {
+            Model::Engine if before.is_finite() => [before, reading.slip_m_s],
+            _ => [reading.slip_m_s; 2],
+        };
+        let [least, most] = friction_range(&law, slips);
         let allowed = self.tolerances.friction;
-        self.note(Invariant::Friction, at, time_s, (mu - wanted).abs(), allowed);
-        if allowed.is_finite() {
-            self.note(Invariant::Friction, at, time_s, mu.abs() - law.mu_static, ROUNDING);
-        }
+        self.note(Invariant::Friction, at, time_s, (least - mu).max(mu - most), allowed);
+        self.note(Invariant::Friction, at, time_s, mu.abs() - law.mu_static, ROUNDING);
     }
+}
+
+/// Range of F_t / F_n by the law while the slip goes from one value to another. A force of a step belongs to all of its
+/// slips: near v = 0 the law can turn over within one.
+fn friction_range(law: &FrictionLaw, slips_m_s: [f64; 2]) -> [f64; 2] {
+    let [from, to] = [slips_m_s[0].min(slips_m_s[1]), slips_m_s[0].max(slips_m_s[1])];
+    let peaks = [-law.v_static_m_s, law.v_static_m_s].into_iter().filter(|peak| (from..=to).contains(peak));
+    let ratios = [from, to].into_iter().chain(peaks).map(|slip| -friction_coefficient(law, slip).0);
+    ratios.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], ratio| [least.min(ratio), most.max(ratio)])
 }
 
 fn worst((most, at_s): &mut (f64, f64), measured: f64, time_s: f64) {

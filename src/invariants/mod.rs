@@ -5,8 +5,9 @@
 //! | finite | numbers that are none | 0 |
 //! | energy | largest \|balance\| | [`Tolerances::energy`] of the energy that went through the run |
 //! | passivity | largest fall of what is dissipated | the same |
-//! | no adhesion | gap at which a force still acts; a force below zero; a fall of an impulse | [`Tolerances::gap_m`]; 0; [`Tolerances::energy`] of it |
-//! | friction | \|F_t + μ(v) F_n\| / F_n: the law itself, so the cone and the direction too | [`Tolerances::friction`] |
+//! | no adhesion | gap at which a force still acts | [`Tolerances::gap_m`], and the way of a step |
+//! | | a force below zero; largest fall of an impulse | 0; [`Tolerances::energy`] of the largest impulse |
+//! | friction | \|F_t + μ(v) F_n\| / F_n: the law itself, so the cone and the direction too; of the engine, whose forces are those of steps, for any slip of the step | [`Tolerances::friction`] |
 //! | penetration, limit | δ | depth in which the spring alone stores all energy there is: (e + 1) E = k δᵉ⁺¹ |
 //! | loop gap | opening of a joint | [`Tolerances::loop_gap_m`] |
 //!

@@ -1,12 +1,15 @@
 //! Scenes of discs by hand, runs of both models, and what is read off them.
 #![allow(dead_code)]
 
+#[path = "../held/mod.rs"]
+pub mod held;
+
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
     BodiesBounds, BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset,
     Response, Stepping,
 };
-use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, run_bodies};
+use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
 use phalanx::trace::{EventKind, Model, SinkError};
 
 pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
@@ -118,7 +121,7 @@ impl Collect {
 #[track_caller]
 pub fn complete(model: Model, scene: &BodiesScene) -> (BodiesOutcome, Collect) {
     let mut log = Collect::default();
-    let outcome = run_bodies(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
+    let outcome = held::run_bodies(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();
     assert!(times.is_sorted(), "{}: samples in order of time", model.name());
     assert_eq!(times.first(), Some(&0.0));

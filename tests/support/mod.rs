@@ -1,11 +1,12 @@
 //! What the tests of model and integrator share: the anchor scene, integrator settings, a collecting sink, random numbers.
 #![allow(dead_code)]
 
+#[path = "../held/mod.rs"]
+pub mod held;
+
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::trace::{
-    Event, EventKind, Outcome, RunError, Sample, Sink, SinkError, Site, between, run_analytic, run_engine,
-};
+use phalanx::trace::{Event, EventKind, Model, Outcome, RunError, Sample, Sink, SinkError, Site, between};
 
 /// Design 95 with the sizing of its experiment, from the shipped scene.
 pub fn anchor() -> Scene {
@@ -54,10 +55,11 @@ impl Collect {
     }
 }
 
-/// Runs a scene to its end, or to its failure.
+/// Runs a scene to its end, or to its failure. All runs of this module are held to the invariants at every sample.
+#[track_caller]
 pub fn run(scene: &Scene) -> (Result<Outcome, RunError>, Collect) {
     let mut log = Collect::default();
-    let result = run_analytic(scene, &mut log);
+    let result = held::run(Model::Analytic, scene, &mut log);
     (result, log)
 }
 
@@ -72,7 +74,7 @@ pub fn complete(scene: &Scene) -> (Outcome, Collect) {
 #[track_caller]
 pub fn engine(scene: &Scene) -> (Outcome, Collect) {
     let mut log = Collect::default();
-    let result = run_engine(scene, &mut log);
+    let result = held::run(Model::Engine, scene, &mut log);
     (result.unwrap_or_else(|error| panic!("{}: {error}", scene.name)), log)
 }
 
