@@ -6,6 +6,8 @@ use crate::trace::{Energy, Model};
 
 /// Slack of bounds that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
+/// Part of the energy at hand that its own sum may be off by, where a run has just begun and little of it is about.
+const BOOKS: f64 = 0.01;
 /// Rounding of places of up to a metre: no gap is known to less.
 const PLACE_ROUNDING_M: f64 = 1e-15;
 
@@ -158,7 +160,7 @@ impl Invariants {
         self.energy(time_s, energy);
         let given = start.kinetic_j + start.elastic_j + energy.motor_work_j;
         let released = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
-        let available_j = given + released + self.tolerances.energy * self.throughput_j;
+        let available_j = (1.0 + BOOKS) * (given + released) + self.tolerances.energy * self.throughput_j;
         for (index, reading) in readings.into_iter().enumerate() {
             self.place(index, &reading, time_s, available_j);
             self.friction(index, &reading, time_s);
