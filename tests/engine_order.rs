@@ -2,7 +2,7 @@
 
 mod support;
 
-use phalanx::scene::{Construction, Scene, Stepping};
+use phalanx::scene::{self, Construction, Scene, Stepping};
 use support::{anchor, dense_reference, engine, worst_angle};
 
 /// The anchor without object and limit, before the tip has swung too far: motor, spring, gravity and joints only.
@@ -46,6 +46,28 @@ fn motion_against_the_joint_limit_is_second_order() {
     for slope in slopes(&errors) {
         assert!(slope >= 1.8, "slopes {:?} of {errors:?}", slopes(&errors));
     }
+}
+
+/// Rebounds that friction brakes and nothing else: slip must turn with its contact, and the law act on it in the middle of a
+/// step. Single slopes swing, for touches fall anywhere within a step; the mean one does not.
+#[test]
+fn undamped_contact_with_friction_is_second_order() {
+    let mut scene = scene::load("scenes/hard/damper-none.toml").unwrap_or_else(|error| panic!("{error}"));
+    (scene.duration_s, scene.bounds.until_s) = (9e-3, 9e-3);
+    let errors = errors(&scene, Construction::Maximal, 1e-5);
+    let slope = (errors[0].1 / errors[3].1).log2() / 3.0;
+    assert!(slope >= 1.8, "slopes {:?} of {errors:?}", slopes(&errors));
+    assert!(errors[3].1 < 2e-6, "error {:e} at 1.25e-6 s", errors[3].1);
+}
+
+/// A tip that slides over the object and on over its own end, pressed on by a stiff damper: the normal impulses that a step
+/// misses must drag their friction along. First order without that, and forty times as far off.
+#[test]
+fn sliding_on_a_stiff_contact_stays_close() {
+    let mut scene = scene::load("scenes/hard/end-cap.toml").unwrap_or_else(|error| panic!("{error}"));
+    (scene.duration_s, scene.bounds.until_s) = (9e-3, 9e-3);
+    let errors = errors(&scene, Construction::Maximal, 1e-5);
+    assert!(errors[0].1 < 4e-4 && errors[3].1 < 4e-5, "{errors:?}");
 }
 
 /// rapier's multibody integrates its joint rates with semi-implicit Euler: one order less, which the documentation says.
