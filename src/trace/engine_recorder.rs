@@ -2,7 +2,7 @@
 
 use super::engine_reading::{Start, forces, sample};
 use super::tracked::{Told, Tracked};
-use super::{ContactSample, Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
+use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
 use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Motion};
 use crate::scene::Scene;
 
@@ -93,20 +93,12 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         }
         let mut touch = between(&self.last, now, time_s);
         fly(&mut touch, &self.last, |body| motion.step_accelerations[body][2]);
-        // What pressed before presses on as it did: the touch has changed nothing yet.
-        let as_before = |contact: &mut ContactSample, before: &ContactSample| {
-            (contact.normal_n, contact.tangential_n) = (before.normal_n, before.tangential_n);
-            (contact.slip_m_s, contact.gap_rate_m_s) = (before.slip_m_s, before.gap_rate_m_s);
-        };
-        as_before(&mut touch.proximal, &self.last.proximal);
-        as_before(&mut touch.distal, &self.last.distal);
-        // And nothing has pressed here, whatever does at the end of the step.
-        let free = |contact: &mut ContactSample, before: &ContactSample| {
-            (contact.normal_n, contact.tangential_n, contact.impulse_n_s) = (0.0, 0.0, before.impulse_n_s);
-        };
+        for (contact, before) in [(&mut touch.proximal, &self.last.proximal), (&mut touch.distal, &self.last.distal)] {
+            contact.press_on(before);
+        }
         match site {
-            Site::Proximal => free(&mut touch.proximal, &self.last.proximal),
-            Site::Distal => free(&mut touch.distal, &self.last.distal),
+            Site::Proximal => touch.proximal.not_yet_pressed(&self.last.proximal),
+            Site::Distal => touch.distal.not_yet_pressed(&self.last.distal),
             Site::Limit => {
                 (touch.limit.torque_n_m, touch.limit.impulse_n_m_s) = (0.0, self.last.limit.impulse_n_m_s);
             }

@@ -29,6 +29,17 @@ impl ContactSample {
     pub fn tangent(&self) -> [f64; 2] {
         [-self.normal[1], self.normal[0]]
     }
+
+    /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet.
+    pub(super) fn press_on(&mut self, before: &Self) {
+        (self.normal_n, self.tangential_n) = (before.normal_n, before.tangential_n);
+        (self.slip_m_s, self.gap_rate_m_s) = (before.slip_m_s, before.gap_rate_m_s);
+    }
+
+    /// At its own touch within a step: nothing has pressed so far, whatever does at the step's end.
+    pub(super) fn not_yet_pressed(&mut self, before: &Self) {
+        (self.normal_n, self.tangential_n, self.impulse_n_s) = (0.0, 0.0, before.impulse_n_s);
+    }
 }
 
 /// The joint limit: δ = −φ22 − q22 and the torque it puts on q22.

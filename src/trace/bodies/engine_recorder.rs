@@ -109,9 +109,12 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
             to.angle_rad = from.angle_rad + time * (from.spin_rad_s + 0.5 * time * a[2]);
             to.spin_rad_s = from.spin_rad_s + time * a[2];
         }
+        for (contact, before) in touch.contacts.iter_mut().zip(&self.last.contacts) {
+            contact.press_on(before);
+        }
         let contact = &mut touch.contacts[pair];
-        (contact.gap_m, contact.gap_rate_m_s, contact.normal_n, contact.tangential_n) = (0.0, -closing, 0.0, 0.0);
-        contact.impulse_n_s = self.last.contacts[pair].impulse_n_s;
+        contact.not_yet_pressed(&self.last.contacts[pair]);
+        (contact.gap_m, contact.gap_rate_m_s) = (0.0, -closing);
         self.emit_grid(&touch)?;
         self.emitted_s = time_s;
         self.sink.sample(&touch)?;
