@@ -1,6 +1,7 @@
 //! Turns the steps of the engine model into samples, events and summary figures.
 
 use super::engine_reading::{Start, forces, sample};
+use super::grid::Grid;
 use super::tracked::{Told, Tracked};
 use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
 use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Motion};
@@ -8,9 +9,8 @@ use crate::scene::Scene;
 
 pub(super) struct EngineRecorder<'a, S: Sink> {
     sink: &'a mut S,
-    interval_s: f64,
+    grid: Grid,
     end_s: f64,
-    next: u64,
     start: Start,
     sites: [Tracked; 3],
     last: Sample,
@@ -24,9 +24,8 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         let start = Start::new(motion);
         Self {
             sink,
-            interval_s: 1.0 / scene.log.numeric_hz,
+            grid: Grid::new(scene.log.numeric_hz),
             end_s: scene.duration_s,
-            next: 1,
             last: sample(motion, &start, &[0.0; 3]),
             start,
             sites: [Tracked::default(); 3],
@@ -172,11 +171,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
     fn emit(&mut self, now: &Sample, dt: f64) -> Result<(), SinkError> {
         self.emit_grid(now)?;
         self.last = *now;
-        let on_grid = self.next as f64 * self.interval_s == now.time_s;
-        if on_grid {
-            self.next += 1;
-        }
-        if on_grid || dt < self.interval_s || now.time_s >= self.end_s {
+        if self.grid.takes_end(now.time_s, dt) || now.time_s >= self.end_s {
             self.emitted_s = now.time_s;
             self.sink.sample(now)?;
         }
@@ -185,18 +180,17 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
 
     /// The grid points between the last sample and `end`, that one left out.
     fn emit_grid(&mut self, end: &Sample) -> Result<(), SinkError> {
-        loop {
-            let t = self.next as f64 * self.interval_s;
+        while let Some(t) = self.grid.before(end.time_s) {
             // A grid can be so fine that one step holds millions of its points.
-            if t >= end.time_s || !self.sink.proceed() {
-                return Ok(());
+            if !self.sink.proceed() {
+                break;
             }
-            self.next += 1;
             if t > self.last.time_s {
                 self.emitted_s = t;
                 self.sink.sample(&between(&self.last, end, t))?;
             }
         }
+        Ok(())
     }
 
     /// Whether the sink lets the run go on.

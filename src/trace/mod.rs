@@ -6,6 +6,7 @@ pub mod bodies;
 mod engine;
 mod engine_reading;
 mod engine_recorder;
+mod grid;
 mod model;
 mod outcome;
 mod reading;

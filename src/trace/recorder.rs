@@ -1,5 +1,6 @@
 //! Turns the steps of the analytic model into samples, events and summary figures.
 
+use super::grid::Grid;
 use super::reading::sample;
 use super::search::{SEARCH_FROM, bisect, parabola_peak};
 use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work};
@@ -12,9 +13,8 @@ type Point = State<2, QUADRATURES>;
 pub(super) struct Recorder<'a, S: Sink> {
     model: &'a Model,
     sink: &'a mut S,
-    interval_s: f64,
+    grid: Grid,
     end_s: f64,
-    next: u64,
     mode: Mode,
     start_energy: Energies,
     sites: [SiteSummary; 3],
@@ -34,9 +34,8 @@ impl<'a, S: Sink> Recorder<'a, S> {
         Self {
             model,
             sink,
-            interval_s: 1.0 / scene.log.numeric_hz,
+            grid: Grid::new(scene.log.numeric_hz),
             end_s: scene.duration_s,
-            next: 1,
             mode,
             start_energy: at_start.energies,
             sites: [SiteSummary::default(); 3],
@@ -92,13 +91,11 @@ impl<'a, S: Sink> Recorder<'a, S> {
         let end = step.t1;
         // A damper's force cannot be read off the dense output.
         let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
-        loop {
-            let t = self.next as f64 * self.interval_s;
+        while let Some(t) = self.grid.before(end.min(self.end_s)) {
             // A grid can be so fine that one step holds millions of its points.
-            if t >= end || t >= self.end_s || !self.sink.proceed() {
+            if !self.sink.proceed() {
                 break;
             }
-            self.next += 1;
             let theta = (t - step.t0) / step.h;
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
@@ -106,11 +103,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
                 self.emit(&sample(self.model, t, &state, &snapshot, &self.start_energy))?;
             }
         }
-        let on_grid = self.next as f64 * self.interval_s == end;
-        if on_grid {
-            self.next += 1;
-        }
-        if on_grid || step.h < self.interval_s || end >= self.end_s {
+        if self.grid.takes_end(end, step.h) || end >= self.end_s {
             let last = self.last;
             self.emit(&last)
         } else {

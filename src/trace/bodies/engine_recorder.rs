@@ -4,14 +4,14 @@ use super::engine_reading::{Start, sample};
 use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
 use crate::engine::{Change, ChangeKind, Motion};
 use crate::scene::BodiesScene;
+use crate::trace::grid::Grid;
 use crate::trace::tracked::{Told, Tracked};
 use crate::trace::{SinkError, Work};
 
 pub(super) struct EngineRecorder<'a, S: BodiesSink> {
     scene: &'a BodiesScene,
     sink: &'a mut S,
-    interval_s: f64,
-    next: u64,
+    grid: Grid,
     start: Start,
     pairs: Vec<Tracked>,
     last: BodiesSample,
@@ -26,8 +26,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         Self {
             scene,
             sink,
-            interval_s: 1.0 / scene.log.numeric_hz,
-            next: 1,
+            grid: Grid::new(scene.log.numeric_hz),
             last: sample(scene, motion, &start, &vec![0.0; count]),
             start,
             pairs: vec![Tracked::default(); count],
@@ -177,11 +176,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         self.emit_grid(&now)?;
         self.last = now;
         let time_s = self.last.time_s;
-        let on_grid = self.next as f64 * self.interval_s == time_s;
-        if on_grid {
-            self.next += 1;
-        }
-        if on_grid || dt < self.interval_s || time_s >= self.scene.duration_s {
+        if self.grid.takes_end(time_s, dt) || time_s >= self.scene.duration_s {
             self.emitted_s = time_s;
             self.sink.sample(&self.last)?;
         }
@@ -190,18 +185,17 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
 
     /// The grid points between the last sample and `end`, that one left out.
     fn emit_grid(&mut self, end: &BodiesSample) -> Result<(), SinkError> {
-        loop {
-            let t = self.next as f64 * self.interval_s;
+        while let Some(t) = self.grid.before(end.time_s) {
             // A grid can be so fine that one step holds millions of its points.
-            if t >= end.time_s || !self.sink.proceed() {
-                return Ok(());
+            if !self.sink.proceed() {
+                break;
             }
-            self.next += 1;
             if t > self.last.time_s {
                 self.emitted_s = t;
                 self.sink.sample(&between(&self.last, end, t))?;
             }
         }
+        Ok(())
     }
 
     /// Whether the sink lets the run go on.

@@ -5,6 +5,7 @@ use crate::analytic::SiteState;
 use crate::analytic::discs::{DiscEnergies, DiscMode, Discs, PAIRS, PairReading, QUADRATURES};
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::BodiesScene;
+use crate::trace::grid::Grid;
 use crate::trace::search::{SEARCH_FROM, bisect, parabola_peak};
 use crate::trace::{ContactSample, Energy, EventKind, SinkError, SiteSummary, Work};
 
@@ -12,8 +13,7 @@ pub(super) struct Recorder<'a, S: BodiesSink, const N: usize, const M: usize> {
     model: &'a Discs<N, M>,
     scene: &'a BodiesScene,
     sink: &'a mut S,
-    interval_s: f64,
-    next: u64,
+    grid: Grid,
     mode: DiscMode,
     start_energy: DiscEnergies,
     pairs: Vec<SiteSummary>,
@@ -34,8 +34,7 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
             model,
             scene,
             sink,
-            interval_s: 1.0 / scene.log.numeric_hz,
-            next: 1,
+            grid: Grid::new(scene.log.numeric_hz),
             mode,
             start_energy,
             pairs: vec![SiteSummary::default(); model.pairs()],
@@ -83,13 +82,11 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
         let (end, end_s) = (step.t1, self.scene.duration_s);
         // A damper's force cannot be read off the dense output.
         let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
-        loop {
-            let t = self.next as f64 * self.interval_s;
+        while let Some(t) = self.grid.before(end.min(end_s)) {
             // A grid can be so fine that one step holds millions of its points.
-            if t >= end || t >= end_s || !self.sink.proceed() {
+            if !self.sink.proceed() {
                 break;
             }
-            self.next += 1;
             let theta = (t - step.t0) / step.h;
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
@@ -97,11 +94,7 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
                 self.sink.sample(&sample(self.model, self.scene, t, &state, mode, &self.start_energy))?;
             }
         }
-        let on_grid = self.next as f64 * self.interval_s == end;
-        if on_grid {
-            self.next += 1;
-        }
-        if on_grid || step.h < self.interval_s || end >= end_s {
+        if self.grid.takes_end(end, step.h) || end >= end_s {
             self.emitted_s = end;
             self.sink.sample(&self.last)?;
         }
