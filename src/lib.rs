@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic, engine ← trace ← log, criteria, invariants ← validate, study ← report, plot ← cli`; `numeric` and
+//! `units ← gripper, law ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← validate, study ← report, plot ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:
@@ -37,6 +37,7 @@ pub mod analytic;
 pub mod cli;
 pub mod criteria;
 pub mod docs;
+pub mod drawing;
 pub mod engine;
 pub mod gripper;
 pub mod integrator;
