@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Every check of the project: formatting, lints, all tests, the documentation and its examples.
-# Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed.
+# Every check of the project: formatting, lints, all tests, the documentation and its examples, and real clients of the logs.
+# Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed. What else the clients need,
+# tools/clients.sh installs or names.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,15 +19,20 @@ say "formatting"
 cargo fmt --check
 
 say "lints"
-cargo clippy --locked --all-targets -- -D warnings
+# Everything with all features, so that one build serves; the default set has to compile too.
+cargo check --locked --quiet
+cargo clippy --locked --all-targets --all-features -- -D warnings
 
 say "documentation"
-RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --quiet
-cargo test --locked --doc --quiet
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --all-features --no-deps --quiet
+cargo test --locked --all-features --doc --quiet
 
 say "tests"
 if cargo nextest --version >/dev/null 2>&1; then
-    cargo nextest run --locked --no-fail-fast
+    cargo nextest run --locked --all-features --no-fail-fast
 else
-    cargo test --locked --no-fail-fast --lib --bins --tests
+    cargo test --locked --all-features --no-fail-fast --lib --bins --tests
 fi
+
+say "real clients"
+tools/clients.sh

@@ -1,0 +1,113 @@
+"""Runs phalanx and decodes every message of its logs with the public Python packages, and nothing of phalanx."""
+
+import functools
+import json
+import os
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+PROJECT = Path(__file__).resolve().parents[2]
+SCENES = PROJECT / "scenes"
+PHALANX = os.environ.get("PHALANX", str(PROJECT / "target/debug/phalanx"))
+
+_directory = tempfile.TemporaryDirectory(prefix="phalanx-clients-")
+DIRECTORY = Path(_directory.name)
+
+
+@dataclass(frozen=True)
+class Message:
+    """One decoded message, with the log's own times in ns."""
+
+    topic: str
+    log_ns: int
+    publish_ns: int
+    sequence: int
+    body: object
+
+
+@dataclass(frozen=True)
+class Log:
+    """A whole log: every message in file order, and what stands beside them."""
+
+    channels: dict  # topic: (message encoding, schema)
+    messages: tuple
+    metadata: dict
+    attachments: tuple
+    statistics: object
+
+    def on(self, topic):
+        """The bodies of one topic, in order."""
+        return [message.body for message in self.messages if message.topic == topic]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of the program: its scene, its log, what `--json` said."""
+
+    name: str
+    scene: Path
+    path: Path
+    json: dict
+
+    @functools.cached_property
+    def log(self):
+        return read(self.path)
+
+
+def phalanx(*arguments):
+    """Runs the program and hands back its standard output; a status other than 0 is an error."""
+    done = subprocess.run([PHALANX, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    if done.returncode != 0:
+        raise RuntimeError(f"phalanx {' '.join(map(str, arguments))} ended with {done.returncode}: {done.stderr}")
+    return done.stdout
+
+
+@functools.cache
+def run(scene, *options):
+    """Runs a scene once, however many tests want it."""
+    name = "-".join([Path(scene).stem, *(option.strip("-") for option in options)]).replace(" ", "")
+    path = DIRECTORY / f"{name}.mcap"
+    said = json.loads(phalanx("run", SCENES / scene, "--log", path, "--json", *options))
+    return Run(name, SCENES / scene, path, said)
+
+
+def read(path):
+    """Decodes a log; a checksum that is wrong or a message that cannot be decoded is an error."""
+    with open(path, "rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
+        summary = reader.get_summary()
+        messages = tuple(
+            Message(channel.topic, message.log_time, message.publish_time, message.sequence, body)
+            for _, channel, message, body in reader.iter_decoded_messages(log_time_order=False)
+        )
+        channels = {
+            channel.topic: (channel.message_encoding, summary.schemas[channel.schema_id])
+            for channel in summary.channels.values()
+        }
+        metadata = {record.name: dict(record.metadata) for record in reader.iter_metadata()}
+        attachments = tuple(reader.iter_attachments())
+    return Log(channels, messages, metadata, attachments, summary.statistics)
+
+
+def closings():
+    """Design 95 in both models, at both presets of the analytic one."""
+    return [
+        run("experiment-95.toml"),
+        run("experiment-95.toml", "--preset", "reference"),
+        run("experiment-95.toml", "--model", "engine"),
+    ]
+
+
+def fingers():
+    """Runs of fingers: the closings, and a swing that meets nothing."""
+    return [*closings(), run("free-swing.toml"), run("free-swing.toml", "--model", "engine")]
+
+
+def discs():
+    """Runs of discs: an impact, and two free discs with friction."""
+    return [run("laws/impact.toml"), run("laws/two-free.toml"), run("laws/impact.toml", "--model", "engine")]

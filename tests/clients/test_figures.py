@@ -1,0 +1,94 @@
+"""What `run --json` says, computed anew from the decoded messages of the log."""
+
+import math
+import unittest
+
+import logs
+
+TERMS = ["kinetic_j", "gravity_j", "spring_j", "elastic_j", "dissipated_j"]
+
+
+class Figures(unittest.TestCase):
+    def test_final_state_is_the_last_message(self):
+        for run in logs.fingers():
+            with self.subTest(run.name):
+                last = run.log.on("/state")[-1]
+                self.assertEqual(last.timestamp, run.json["end_s"])
+                for key, value in run.json["final"].items():
+                    self.assertEqual(getattr(last, key), value, key)
+
+    def test_contact_times(self):
+        for run in logs.fingers() + logs.discs():
+            for name, contact in run.json["contacts"].items():
+                with self.subTest(run.name, contact=name):
+                    touches = [impact.timestamp for impact in run.log.on(f"/impact/{name}") if impact.touch_down]
+                    self.assertEqual(len(touches), contact["touchdowns"])
+                    self.assertEqual(touches[0] if touches else None, contact["first_s"])
+
+    def test_what_never_meets_has_no_channel_or_no_touch(self):
+        swing = logs.run("free-swing.toml")
+        self.assertNotIn("/contact/proximal", swing.log.channels)
+        self.assertNotIn("/impact/distal", swing.log.channels)
+
+    def test_contact_forces_and_impulses(self):
+        for run in logs.fingers() + logs.discs():
+            for name, contact in run.json["contacts"].items():
+                if name == "limit" or f"/contact/{name}" not in run.log.channels:
+                    continue
+                with self.subTest(run.name, contact=name):
+                    samples = run.log.on(f"/contact/{name}")
+                    self.assertEqual(samples[-1].normal_n, contact["final_normal_n"])
+                    self.assertEqual(samples[-1].tangential_n, contact["final_tangential_n"])
+                    self.assertEqual(samples[-1].impulse_n_s, contact["impulse_n_s"])
+                    self.assertLessEqual(max(sample.normal_n for sample in samples), contact["peak_normal_n"])
+
+    def test_limit(self):
+        for run in logs.closings():
+            with self.subTest(run.name):
+                samples, said = run.log.on("/limit"), run.json["contacts"]["limit"]
+                self.assertEqual(samples[-1].torque_n_m, said["final_torque_n_m"])
+                self.assertEqual(samples[-1].impulse_n_m_s, said["impulse_n_m_s"])
+                self.assertLessEqual(max(sample.torque_n_m for sample in samples), said["peak_torque_n_m"])
+
+    def test_energy(self):
+        for run in logs.fingers() + logs.discs():
+            with self.subTest(run.name):
+                samples = run.log.on("/energy")
+                for key, value in run.json["energy"].items():
+                    self.assertEqual(getattr(samples[-1], key), value, key)
+                start = math.fsum(getattr(samples[0], term) for term in TERMS)
+                scale = max(abs(getattr(sample, term)) for sample in samples for term in TERMS)
+                for sample in samples:
+                    balance = math.fsum(
+                        [*(getattr(sample, term) for term in TERMS), -sample.motor_work_j, -start]
+                    )
+                    # The sums differ in order only.
+                    self.assertAlmostEqual(balance, sample.balance_j, delta=1e-15 + 8 * 2.3e-16 * scale)
+
+    def test_counts_of_replay(self):
+        for run in logs.fingers():
+            with self.subTest(run.name):
+                said = logs.json.loads(logs.phalanx("replay", run.path, "--json"))
+                self.assertTrue(said["whole"])
+                self.assertEqual(said["messages"], len(run.log.messages))
+                self.assertEqual(said["samples"], len(run.log.on("/energy")))
+                impacts = [m for m in run.log.messages if m.topic.startswith("/impact/")]
+                self.assertEqual(said["events"], len(impacts))
+
+
+class Penetration(unittest.TestCase):
+    def test_deepest(self):
+        for run in logs.closings() + logs.discs():
+            for name, contact in run.json["contacts"].items():
+                with self.subTest(run.name, contact=name):
+                    if name == "limit":
+                        gaps, said = [s.gap_rad for s in run.log.on("/limit")], contact["max_penetration_rad"]
+                    else:
+                        gaps, said = [s.gap_m for s in run.log.on(f"/contact/{name}")], contact["max_penetration_m"]
+                    deepest = max(0.0, -min(gaps))
+                    self.assertLessEqual(deepest, said)
+                    self.assertAlmostEqual(deepest, said, delta=1e-3 * said)
+
+
+if __name__ == "__main__":
+    unittest.main()

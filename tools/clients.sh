@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# Real clients read what phalanx writes: Python (mcap, Rerun), Node (@mcap/core) and headless Chromium (the page).
+# They are installed once, into target/clients and tests/clients/node_modules, and again when what is pinned in
+# tests/clients changes. Needs Python 3.11 with venv, Node 18 with npm, and Chromium or Chrome.
+# Usage: tools/clients.sh [setup]        (setup: install, test nothing)
+# $PHALANX names another binary, $CHROMIUM another browser.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+say() { printf '\n== clients: %s\n' "$*"; }
+
+# A program of the system: there, or installed where that is possible without asking, or asked for.
+# Usage: need "what it is" PACKAGES test...
+need() {
+    local what=$1 packages=$2
+    shift 2
+    if "$@" >/dev/null 2>&1; then
+        return
+    fi
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        say "installing $packages"
+        # shellcheck disable=SC2086  # several packages
+        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages) >/dev/null
+        hash -r
+        if "$@" >/dev/null 2>&1; then
+            return
+        fi
+    fi
+    echo "the tests with real clients need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install $packages)" >&2
+    exit 1
+}
+
+python_works() { python3 -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))'; }
+node_works() { npm --version && node -e 'process.exit(parseInt(process.versions.node) < 18 ? 1 : 0)'; }
+browser() {
+    if [ -n "${CHROMIUM:-}" ]; then
+        command -v "$CHROMIUM"
+    else
+        command -v chromium || command -v chromium-browser || command -v google-chrome
+    fi
+}
+
+need "Python 3.11 or later with venv" "python3 python3-venv" python_works
+need "Node 18 or later with npm" "nodejs npm" node_works
+need "Chromium or Chrome" "chromium" browser
+CHROMIUM=$(browser)
+export CHROMIUM
+
+# Whether DIRECTORY has been filled from exactly these inputs; anything else there is thrown away.
+# Usage: stale DIRECTORY SUM
+stale() {
+    [ "$(cat "$1/.installed-from" 2>/dev/null)" = "$2" ] && return 1
+    rm -rf "$1"
+}
+
+venv=$PWD/target/clients/venv
+wanted=$( (python3 --version; pwd; cat tests/clients/requirements.txt) | cksum)
+if stale "$venv" "$wanted"; then
+    say "installing tests/clients/requirements.txt"
+    python3 -m venv "$venv"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check -r tests/clients/requirements.txt
+    echo "$wanted" >"$venv/.installed-from"
+fi
+
+wanted=$( (node --version; cat tests/clients/package-lock.json) | cksum)
+if stale tests/clients/node_modules "$wanted"; then
+    say "installing tests/clients/package-lock.json"
+    (cd tests/clients && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
+    echo "$wanted" >tests/clients/node_modules/.installed-from
+fi
+
+if [ "${1:-}" = setup ]; then
+    exit
+fi
+
+if [ -z "${PHALANX:-}" ]; then
+    # The profile and the features of the tests: nothing is built twice.
+    cargo build --locked --all-features --profile test --quiet --bin phalanx
+    PHALANX=$(realpath "${CARGO_TARGET_DIR:-target}")/debug/phalanx
+fi
+export PHALANX
+
+say "Python"
+"$venv/bin/python" -m unittest discover --start-directory tests/clients --pattern 'test_*.py'
+
+say "Node"
+node --test tests/clients/*.test.mjs
