@@ -12,10 +12,10 @@ use super::progress::Progress;
 use super::{Failure, Status, run_bodies};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
-use crate::log::{self, FileWriter, LogError, RunInfo, Severity};
+use crate::log::{self, Channels, FileWriter, LogError, RunInfo, Severity};
 use crate::report::{self, RunReport};
 use crate::scene::{self, AnyScene, Scene};
-use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
+use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError, Thinned};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
@@ -59,7 +59,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
     let model = args.model.name();
     let interrupt = Interrupt::listen()?;
-    let mut sinks = Sinks {
+    let sinks = Sinks {
         log: match &args.log {
             Some(path) => Some(log::create(path, &info(&scene, &args.scene, model)).map_err(unstarted)?),
             None => None,
@@ -69,10 +69,13 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
         progress: Progress::new(scene.duration_s),
         interrupt: &interrupt,
     };
+    let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
 
     let start = Instant::now();
-    let result = trace::run(args.model, &scene, &mut sinks);
+    let result = trace::run(args.model, &scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
+    let ended = thinned.end();
+    let mut sinks = thinned.sink;
     sinks.progress.clear();
 
     let (mut report, broken) = match &result {
@@ -95,7 +98,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     };
     report.log = args.log.as_ref().map(|path| path.display().to_string());
 
-    let finished = finish_log(sinks.log, sinks.last_s, report.error.as_ref());
+    let finished = ended.and_then(|()| finish_log(sinks.log, sinks.last_s, report.error.as_ref()));
     print(&match args.json {
         true => report::json(&report),
         false => report::text(&report),
@@ -140,7 +143,7 @@ pub(super) fn stopped(failure: &report::Failure, duration_s: f64) -> String {
 }
 
 /// Says in the log how the run ended, and finishes it.
-pub(super) fn finish_log<C>(
+pub(super) fn finish_log<C: Channels>(
     log: Option<FileWriter<C>>,
     last_s: f64,
     error: Option<&report::Failure>,
@@ -152,7 +155,7 @@ pub(super) fn finish_log<C>(
         None => (last_s, Severity::Info, "completed".to_string()),
         Some(error) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
     };
-    log.note(time_s, severity, &text)?;
+    log.note(time_s, severity, "run", &text)?;
     log.keep()
 }
 

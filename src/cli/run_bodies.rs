@@ -11,14 +11,14 @@ use crate::criteria::Rebounds;
 use crate::log::{self, BodiesChannels, FileWriter};
 use crate::report::{self, BodiesReport};
 use crate::scene::BodiesScene;
-use crate::trace::SinkError;
 use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use crate::trace::{SinkError, Thinned};
 
 /// Runs the command.
 pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     args.overrides.apply_bodies(args.model, &mut scene)?;
     let interrupt = Interrupt::listen()?;
-    let mut sinks = Sinks {
+    let sinks = Sinks {
         log: match &args.log {
             Some(path) => {
                 let info = info(&scene, &args.scene, args.model.name());
@@ -31,10 +31,13 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
         progress: Progress::new(scene.duration_s),
         interrupt: &interrupt,
     };
+    let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
 
     let start = Instant::now();
-    let result = run_bodies(args.model, &scene, &mut sinks);
+    let result = run_bodies(args.model, &scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
+    let ended = thinned.end();
+    let mut sinks = thinned.sink;
     sinks.progress.clear();
 
     let (outcome, error) = match &result {
@@ -50,7 +53,7 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     let mut report = BodiesReport::new(&scene, args.model, wall_s, outcome, sinks.rebounds.pairs(), error);
     report.log = args.log.as_ref().map(|path| path.display().to_string());
 
-    let finished = finish_log(sinks.log, sinks.last_s, report.error.as_ref());
+    let finished = ended.and_then(|()| finish_log(sinks.log, sinks.last_s, report.error.as_ref()));
     print(&match args.json {
         true => report::bodies_json(&report),
         false => report::bodies_text(&report),

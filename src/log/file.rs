@@ -11,13 +11,10 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
-use super::finger::FingerChannels;
+use super::beside::FileWriter;
 use super::metadata::{Logged, RunInfo};
 use super::writer::Writer;
 use crate::trace::SinkError;
-
-/// A log that goes to a file; [`Writer::keep`] puts it in its place.
-pub type FileWriter<C = FingerChannels> = Writer<LogFile, C>;
 
 /// Why a log could not be started.
 #[derive(Debug, thiserror::Error)]
@@ -134,13 +131,6 @@ impl Write for LogFile {
     }
 }
 
-impl<C> Writer<LogFile, C> {
-    /// Finishes the log and puts it in its place.
-    pub fn keep(self) -> Result<(), SinkError> {
-        self.finish()?.keep()
-    }
-}
-
 /// Starts a log in a file, see [`LogFile::open`].
 ///
 /// # Errors
@@ -148,7 +138,7 @@ impl<C> Writer<LogFile, C> {
 pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<FileWriter<S::Channels>, LogError> {
     let file = LogFile::open(path)?;
     let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
-    Writer::new(file, &name, run).map_err(|error| {
+    Writer::new(file, &name, run).and_then(|writer| FileWriter::start(writer, &name)).map_err(|error| {
         // Not even the beginning of a log: nobody has a use for it.
         if let Some(partial) = partial {
             let _ = fs::remove_file(partial);

@@ -32,18 +32,21 @@
 //! only by a whole one. Every chunk is written whole and flushed, so a killed run leaves a partial log that reads up to
 //! its last chunk.
 
+mod beside;
 mod bodies;
 mod core;
 mod file;
 mod finger;
 mod messages;
 mod metadata;
+mod pictures;
 mod reader;
 mod writer;
 
+pub use beside::FileWriter;
 pub use bodies::BodiesChannels;
 pub use core::{CHUNK_BYTES, Core, Severity};
-pub use file::{FileWriter, LogError, LogFile, create, partial_name};
+pub use file::{LogError, LogFile, create, partial_name};
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
