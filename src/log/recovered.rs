@@ -177,7 +177,7 @@ impl<'a> Survey<'a> {
             return;
         }
         let next = self.sequences.insert(message.channel, message.sequence).map_or(0, |last| last.wrapping_add(1));
-        let skipped = message.sequence.checked_sub(next).unwrap_or(0);
+        let skipped = message.sequence.saturating_sub(next);
         let (from_s, to_s) = (seconds(self.latest_ns), seconds(message.log_time_ns));
         // Chunks end between samples, so the first message behind a gap shows it.
         let known = self.before.iter().position(|gap| gap.to_s == to_s);

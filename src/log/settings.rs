@@ -104,8 +104,8 @@ fn engine(entries: &mut Entries<'_>) -> Result<Engine, SettingsError> {
     let response = match entries.word("engine_law", [Response::Laws, rigid], law_name)? {
         Response::Laws => Response::Laws,
         Response::Rapier { .. } => Response::Rapier {
-            friction: entries.from_zero("engine_friction")?,
-            restitution: entries.from_zero("engine_restitution")?,
+            friction: entries.not_negative("engine_friction")?,
+            restitution: entries.not_negative("engine_restitution")?,
         },
     };
     let (fixed, adaptive) = (Stepping::Fixed { step_s: 0.0 }, Stepping::Adaptive { tolerance_m: 0.0, max_step_s: 0.0 });
@@ -156,7 +156,7 @@ impl<'a> Entries<'a> {
         self.number(key, "a number above 0", |value| value > 0.0)
     }
 
-    fn from_zero(&mut self, key: &'static str) -> Result<f64, SettingsError> {
+    fn not_negative(&mut self, key: &'static str) -> Result<f64, SettingsError> {
         self.number(key, "a number from 0", |value| value >= 0.0)
     }
 
