@@ -45,7 +45,7 @@ fn row(name: &str, model: Model, scene: &Scene) {
             let mut thinned = Thinned::new(scene.log.numeric_hz, writer);
             run(model, scene, &mut thinned).expect("the run completes");
             thinned.end().expect("the log is written");
-            thinned.sink.leave().map(drop).expect("the log is written");
+            thinned.sink.finish().map(drop).expect("the log is written");
         }));
         let _ = fs::remove_file(log::partial_name(&path));
     }

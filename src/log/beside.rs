@@ -1,7 +1,7 @@
 //! A log file that is written beside the simulation, on a thread of its own: encoding and compressing takes a good part of
 //! the time of a run. What is written, and in which order, does not depend on either thread's pace.
 
-use std::io;
+use std::io::{self, Write};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant as Clock};
@@ -21,14 +21,16 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// Batches that may wait; then the simulation does.
 const WAITING: usize = 16;
 
-/// A log that goes to a file; [`FileWriter::keep`] puts it in its place.
+/// A log that goes to a file.
+pub type FileWriter<C = FingerChannels> = Beside<LogFile, C>;
+
+/// A log that is written on a thread of its own.
 ///
-/// An error of the file comes out of a later call, or of [`FileWriter::keep`]. Dropping a writer finishes the log too, but
-/// swallows errors.
-pub struct FileWriter<C: Channels = FingerChannels> {
+/// An error comes out of a later call, or of [`Beside::finish`]. Dropping one finishes the log too, but swallows errors.
+pub struct Beside<W: Write + Send + 'static, C: Channels> {
     /// `None` once the thread has been told to end.
     sender: Option<SyncSender<Vec<Entry<C>>>>,
-    thread: Option<JoinHandle<Result<Writer<LogFile, C>, SinkError>>>,
+    thread: Option<JoinHandle<Result<Writer<W, C>, SinkError>>>,
     batch: Vec<Entry<C>>,
     handed_over: Clock,
 }
@@ -39,9 +41,9 @@ enum Entry<C: Channels> {
     Note { time_s: f64, severity: Severity, source: &'static str, text: String },
 }
 
-impl<C: Channels> FileWriter<C> {
+impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
     /// Hands a started log to a thread of its own; `name` is what errors call it.
-    pub(super) fn start(mut writer: Writer<LogFile, C>, name: &str) -> Result<Self, SinkError> {
+    pub fn start(mut writer: Writer<W, C>, name: &str) -> Result<Self, SinkError> {
         let (sender, receiver) = sync_channel::<Vec<Entry<C>>>(WAITING);
         let work = move || {
             for batch in receiver {
@@ -59,7 +61,7 @@ impl<C: Channels> FileWriter<C> {
         };
         let thread = Builder::new().name("log".to_string()).spawn(work);
         let thread = thread.map_err(|source| SinkError { what: name.to_string(), source })?;
-        Ok(FileWriter {
+        Ok(Beside {
             sender: Some(sender),
             thread: Some(thread),
             batch: Vec::with_capacity(BATCH),
@@ -72,13 +74,8 @@ impl<C: Channels> FileWriter<C> {
         self.take(Entry::Note { time_s, severity, source, text: text.to_string() })
     }
 
-    /// Finishes the log and puts it in its place.
-    pub fn keep(mut self) -> Result<(), SinkError> {
-        self.end()?.finish()?.keep()
-    }
-
-    /// Finishes the log and leaves it under the name it has while it grows.
-    pub fn leave(mut self) -> Result<LogFile, SinkError> {
+    /// Finishes the log (last chunk, index, footer), flushes it, and hands back what it was written to.
+    pub fn finish(mut self) -> Result<W, SinkError> {
         self.end()?.finish()
     }
 
@@ -101,7 +98,7 @@ impl<C: Channels> FileWriter<C> {
     }
 
     /// Waits until everything is written.
-    fn end(&mut self) -> Result<Writer<LogFile, C>, SinkError> {
+    fn end(&mut self) -> Result<Writer<W, C>, SinkError> {
         if let Some(sender) = self.sender.take() {
             let _ = sender.send(std::mem::take(&mut self.batch));
         }
@@ -116,7 +113,14 @@ impl<C: Channels> FileWriter<C> {
     }
 }
 
-impl<C: Channels> Drop for FileWriter<C> {
+impl<C: Channels> FileWriter<C> {
+    /// Finishes the log and puts it in its place.
+    pub fn keep(self) -> Result<(), SinkError> {
+        self.finish()?.keep()
+    }
+}
+
+impl<W: Write + Send + 'static, C: Channels> Drop for Beside<W, C> {
     fn drop(&mut self) {
         if self.thread.is_some() {
             let _ = self.end();
@@ -124,7 +128,7 @@ impl<C: Channels> Drop for FileWriter<C> {
     }
 }
 
-impl Sink for FileWriter<FingerChannels> {
+impl<W: Write + Send + 'static> Sink for Beside<W, FingerChannels> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.take(Entry::Sample(*sample))
     }
@@ -138,7 +142,7 @@ impl Sink for FileWriter<FingerChannels> {
     }
 }
 
-impl BodiesSink for FileWriter<BodiesChannels> {
+impl<W: Write + Send + 'static> BodiesSink for Beside<W, BodiesChannels> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.take(Entry::Sample(sample.clone()))
     }

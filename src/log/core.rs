@@ -25,7 +25,7 @@ const CHUNK_SHARE: usize = 8;
 const COMPRESSION_LEVEL: u32 = 1;
 
 /// Opcode, length, channel, sequence and two times of a message record.
-const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
+pub(super) const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
 
 /// How much a line on `/events` matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -86,7 +86,7 @@ impl<W: Write, C: Channels> Writer<W, C> {
     }
 }
 
-fn sink_error(name: &str, error: McapError) -> SinkError {
+pub(super) fn sink_error(name: &str, error: McapError) -> SinkError {
     SinkError {
         what: name.to_string(),
         source: match error {
