@@ -6,13 +6,14 @@ use std::time::Instant;
 use clap::Args;
 
 use super::interrupt::Interrupt;
+use super::live::{Live, LiveArgs};
 use super::output::{complain, print};
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::{Failure, Status, run_bodies};
 use crate::criteria::{FinalAngles, Tracker};
 use crate::gripper::{Circle, final_posture};
-use crate::log::{self, FileWriter, LogError, RunInfo, Severity};
+use crate::log::{self, FileWriter, LogError, Logged, RunInfo, Severity};
 use crate::report::{self, RunReport};
 use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
@@ -45,6 +46,9 @@ pub struct RunArgs {
 
     #[command(flatten)]
     pub(super) overrides: Overrides,
+
+    #[command(flatten)]
+    pub(super) live: LiveArgs,
 }
 
 /// Runs the command.
@@ -59,11 +63,9 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
     let model = args.model.name();
     let interrupt = Interrupt::listen()?;
+    let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let mut sinks = Sinks {
-        log: match &args.log {
-            Some(path) => Some(log::create(path, &info(&scene, &args.scene, model)).map_err(unstarted)?),
-            None => None,
-        },
+        log: started(args, &scene, live.as_ref(), &interrupt)?,
         tracker: final_angles(&scene).map(Tracker::new),
         last_s: 0.0,
         progress: Progress::new(scene.duration_s),
@@ -100,11 +102,33 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
         true => report::json(&report),
         false => report::text(&report),
     })?;
+    if let Some(live) = live {
+        live.end();
+    }
     match (broken, finished) {
         (Some(message), finished) => Err(Failure::incomplete(message + &kept(args, finished.is_ok()))),
         (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", kept(args, false)))),
         (None, Ok(())) => Ok(Status::Done),
     }
+}
+
+/// The log of a run, if there is to be one or the run is watched.
+pub(super) fn started<S: Logged>(
+    args: &RunArgs,
+    scene: &S,
+    live: Option<&Live>,
+    interrupt: &Interrupt,
+) -> Result<Option<FileWriter<S::Channels>>, Failure> {
+    if args.log.is_none() && live.is_none() {
+        return Ok(None);
+    }
+    let feed = live.map(|live| live.feed(interrupt));
+    let info = info(scene, &args.scene, args.model.name());
+    let log = log::create_with_feed(args.log.as_deref(), &info, feed).map_err(unstarted)?;
+    if let Some(live) = live {
+        live.begin();
+    }
+    Ok(Some(log))
 }
 
 /// What the log says about the run.

@@ -5,10 +5,10 @@ use std::time::Instant;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Progress;
-use super::run::{RunArgs, finish_log, info, kept, stopped, unstarted};
+use super::run::{RunArgs, finish_log, kept, started, stopped};
 use super::{Failure, Status};
 use crate::criteria::Rebounds;
-use crate::log::{self, BodiesChannels, FileWriter};
+use crate::log::{BodiesChannels, FileWriter};
 use crate::report::{self, BodiesReport};
 use crate::scene::BodiesScene;
 use crate::trace::SinkError;
@@ -18,14 +18,9 @@ use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink
 pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     args.overrides.apply_bodies(args.model, &mut scene)?;
     let interrupt = Interrupt::listen()?;
+    let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let mut sinks = Sinks {
-        log: match &args.log {
-            Some(path) => {
-                let info = info(&scene, &args.scene, args.model.name());
-                Some(log::create(path, &info).map_err(unstarted)?)
-            }
-            None => None,
-        },
+        log: started(args, &scene, live.as_ref(), &interrupt)?,
         rebounds: Rebounds::new(scene.pairs().len()),
         last_s: 0.0,
         progress: Progress::new(scene.duration_s),
@@ -55,6 +50,9 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
         true => report::bodies_json(&report),
         false => report::bodies_text(&report),
     })?;
+    if let Some(live) = live {
+        live.end();
+    }
     match (&report.error, finished) {
         (Some(error), finished) => {
             Err(Failure::incomplete(stopped(error, scene.duration_s) + &kept(args, finished.is_ok())))

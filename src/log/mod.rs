@@ -42,8 +42,8 @@ mod reader;
 mod writer;
 
 pub use bodies::BodiesChannels;
-pub use core::{CHUNK_BYTES, Core, Severity};
-pub use file::{FileWriter, LogError, LogFile, create, partial_name};
+pub use core::{CHUNK_BYTES, Core, Feed, Severity};
+pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name};
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{

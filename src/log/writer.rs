@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use foxglove::messages::Log;
 use mcap::McapError;
 
-use super::core::{ChannelId, Core, Severity};
+use super::core::{ChannelId, Core, Feed, Severity};
 use super::metadata::{Logged, RunInfo};
 use crate::trace::SinkError;
 
@@ -33,8 +33,22 @@ impl<W: Write, C> Writer<W, C> {
         S: Logged<Channels = C>,
         C: Channels<S>,
     {
+        Writer::with_feed(out, name, run, None)
+    }
+
+    /// The same, with every message handed to a feed as well.
+    pub fn with_feed<S>(
+        out: W,
+        name: &str,
+        run: &RunInfo<'_, S>,
+        feed: Option<Box<dyn Feed>>,
+    ) -> Result<Self, SinkError>
+    where
+        S: Logged<Channels = C>,
+        C: Channels<S>,
+    {
         let start = || {
-            let mut core = Core::start(out, run)?;
+            let mut core = Core::start(out, run, feed)?;
             let channels = C::register(&mut core, run.scene)?;
             let events = core.channel::<Log>("/events")?;
             Ok((core, channels, events))
