@@ -42,7 +42,7 @@ impl Interrupt {
 
     /// Whether a signal has come, for who cannot keep a reference.
     #[cfg_attr(not(feature = "live"), expect(dead_code))]
-    pub fn watch(&self) -> impl Fn() -> bool + use<> {
+    pub fn watch(&self) -> impl Fn() -> bool + Send + use<> {
         let signal = Arc::clone(&self.signal);
         move || signal.load(Ordering::Relaxed) != 0
     }

@@ -157,7 +157,7 @@ impl Server {
     }
 
     /// What to hand to the log writer: everything that is logged goes to the clients, when it is due. `stop` ends waiting.
-    pub fn feed(&self, pace: Pace, stop: impl Fn() -> bool + 'static) -> Box<dyn Feed> {
+    pub fn feed(&self, pace: Pace, stop: impl Fn() -> bool + Send + 'static) -> Box<dyn Feed> {
         Box::new(ServerFeed {
             handle: Arc::clone(&self.handle),
             context: Arc::clone(&self.context),
@@ -234,7 +234,7 @@ struct ServerFeed {
     context: Arc<Context>,
     watched: Arc<Watched>,
     pace: Pace,
-    stop: Box<dyn Fn() -> bool>,
+    stop: Box<dyn Fn() -> bool + Send>,
 }
 
 impl Feed for ServerFeed {

@@ -36,7 +36,7 @@ struct Channel {
 }
 
 /// Who is handed every message as it is logged, for instance a server: the same channels, in the same order, the same bytes.
-pub trait Feed {
+pub trait Feed: Send {
     /// A channel begins; they are numbered from 0 in the order of these calls.
     fn channel(&mut self, topic: &str, encoding: &str, schema: Option<Schema>);
 
