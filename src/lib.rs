@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← validate, study ← report, plot ← cli`; `numeric` and
+//! `units ← gripper, law ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← live, validate, study ← report, plot ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:
@@ -43,6 +43,8 @@ pub mod gripper;
 pub mod integrator;
 pub mod invariants;
 pub mod law;
+#[cfg(feature = "live")]
+pub mod live;
 pub mod log;
 pub mod numeric;
 pub mod plot;

@@ -40,6 +40,13 @@ impl Interrupt {
         SIGNALS.get(index).map(|(_, name)| *name)
     }
 
+    /// Whether a signal has come, for who cannot keep a reference.
+    #[cfg_attr(not(feature = "live"), expect(dead_code))]
+    pub fn watch(&self) -> impl Fn() -> bool + Send + use<> {
+        let signal = Arc::clone(&self.signal);
+        move || signal.load(Ordering::Relaxed) != 0
+    }
+
     /// Why a run ended: in place of a stop, the signal that made it.
     pub fn reason(&self, reason: &Reason) -> String {
         match (reason, self.signal()) {

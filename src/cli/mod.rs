@@ -8,6 +8,8 @@
 //! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
 mod interrupt;
+#[cfg_attr(not(feature = "live"), path = "no_live.rs")]
+mod live;
 mod output;
 mod overrides;
 mod progress;

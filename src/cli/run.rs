@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::interrupt::Interrupt;
+use super::live::{Live, LiveArgs};
 use super::output::print;
 use super::overrides::Overrides;
 use super::simulate::{self, Broken, Limits, Simulated};
@@ -42,6 +43,9 @@ pub struct RunArgs {
 
     #[command(flatten)]
     pub(super) overrides: Overrides,
+
+    #[command(flatten)]
+    pub(super) live: LiveArgs,
 }
 
 /// Runs the command.
@@ -55,7 +59,8 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
     let interrupt = Interrupt::listen()?;
-    let log = started(args, &scene)?;
+    let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
+    let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
     let Simulated { result, found, wall_s, log } = simulate::finger(args.model, &scene, log, &limits);
     let model = args.model.name();
@@ -69,13 +74,29 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
         true => report::json(&report),
         false => report::text(&report),
     })?;
+    if let Some(live) = live {
+        live.end();
+    }
     ended(args, scene.duration_s, report.error.as_ref(), kept)
 }
 
-/// The log of a run, if there is to be one.
-pub(super) fn started<S: Logged>(args: &RunArgs, scene: &S) -> Result<Option<FileWriter<S::Channels>>, Failure> {
+/// The log of a run, if there is to be one or the run is watched.
+pub(super) fn started<S: Logged>(
+    args: &RunArgs,
+    scene: &S,
+    live: Option<&Live>,
+    interrupt: &Interrupt,
+) -> Result<Option<FileWriter<S::Channels>>, Failure> {
+    if args.log.is_none() && live.is_none() {
+        return Ok(None);
+    }
+    let feed = live.map(|live| live.feed(interrupt));
     let info = info(scene, &args.scene, args.model.name());
-    args.log.as_ref().map(|path| log::create(path, &info).map_err(unstarted)).transpose()
+    let log = log::create_with_feed(args.log.as_deref(), &info, feed).map_err(unstarted)?;
+    if let Some(live) = live {
+        live.begin();
+    }
+    Ok(Some(log))
 }
 
 /// How the command ends, by how the run and its log did.

@@ -13,7 +13,8 @@ use crate::scene::BodiesScene;
 pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     args.overrides.apply_bodies(args.model, &mut scene)?;
     let interrupt = Interrupt::listen()?;
-    let log = started(args, &scene)?;
+    let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
+    let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
     let Simulated { result, found, wall_s, log } = simulate::bodies(args.model, &scene, log, &limits);
     let (outcome, error) = match result {
@@ -27,5 +28,8 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
         true => report::bodies_json(&report),
         false => report::bodies_text(&report),
     })?;
+    if let Some(live) = live {
+        live.end();
+    }
     ended(args, scene.duration_s, report.error.as_ref(), kept)
 }

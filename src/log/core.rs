@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 
-use foxglove::Encode;
 use foxglove::messages::{Log, Timestamp, log::Level};
+use foxglove::{Encode, Schema};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
@@ -43,6 +43,15 @@ struct Channel {
     sequence: u32,
 }
 
+/// Who is handed every message as it is logged, for instance a server: the same channels, in the same order, the same bytes.
+pub trait Feed: Send {
+    /// A channel begins; they are numbered from 0 in the order of these calls.
+    fn channel(&mut self, topic: &str, encoding: &str, schema: Option<Schema>);
+
+    /// A message on a channel. How it fares with those who are fed does not concern the log.
+    fn put(&mut self, channel: usize, log_time_ns: u64, message: &[u8]);
+}
+
 /// The MCAP file itself, buffered and never sought in, with its channels.
 pub struct Core<W: Write> {
     mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
@@ -54,11 +63,12 @@ pub struct Core<W: Write> {
     written: usize,
     /// Latest log time.
     clock_ns: u64,
+    feed: Option<Box<dyn Feed>>,
 }
 
 impl<W: Write> Core<W> {
     /// Starts a file: header, metadata, scene text.
-    pub fn start<S: Logged>(out: W, run: &RunInfo<'_, S>) -> Result<Self, McapError> {
+    pub fn start<S: Logged>(out: W, run: &RunInfo<'_, S>, feed: Option<Box<dyn Feed>>) -> Result<Self, McapError> {
         let mut mcap = WriteOptions::new()
             .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
@@ -78,16 +88,28 @@ impl<W: Write> Core<W> {
             data: Cow::Borrowed(run.scene.about().source.as_bytes()),
         })?;
         mcap.flush()?;
-        Ok(Core { mcap, channels: Vec::new(), buffer: Vec::with_capacity(256), pending: 0, written: 0, clock_ns: 0 })
+        Ok(Core {
+            mcap,
+            channels: Vec::new(),
+            buffer: Vec::with_capacity(256),
+            pending: 0,
+            written: 0,
+            clock_ns: 0,
+            feed,
+        })
     }
 
     /// Registers the schema of `M` (once, however many channels share it) and a channel of it.
     pub fn channel<M: Encode>(&mut self, topic: &str) -> Result<ChannelId, McapError> {
-        let schema = match M::get_schema() {
+        let (schema, encoding) = (M::get_schema(), M::get_message_encoding());
+        let schema_id = match &schema {
             Some(schema) => self.mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
             None => 0,
         };
-        let id = self.mcap.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())?;
+        let id = self.mcap.add_channel(schema_id, topic, &encoding, &BTreeMap::new())?;
+        if let Some(feed) = &mut self.feed {
+            feed.channel(topic, &encoding, schema);
+        }
         self.channels.push(Channel { id, sequence: 0 });
         Ok(ChannelId(self.channels.len() - 1))
     }
@@ -106,6 +128,9 @@ impl<W: Write> Core<W> {
         let header = MessageHeader { channel_id: *id, sequence: *sequence, log_time, publish_time: log_time };
         *sequence = sequence.wrapping_add(1);
         self.mcap.write_to_known_channel(&header, &self.buffer)?;
+        if let Some(feed) = &mut self.feed {
+            feed.put(channel.0, log_time, &self.buffer);
+        }
         self.pending += RECORD_OVERHEAD + self.buffer.len();
         Ok(())
     }

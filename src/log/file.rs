@@ -12,6 +12,7 @@ use fs4::FileExt;
 use fs4::TryLockError;
 
 use super::beside::FileWriter;
+use super::core::Feed;
 use super::metadata::{Logged, RunInfo};
 use super::writer::Writer;
 use crate::trace::SinkError;
@@ -49,7 +50,8 @@ pub enum LogError {
 #[derive(Debug)]
 #[must_use = "a finished log takes the name it was meant for only by `keep`"]
 pub struct LogFile {
-    file: File,
+    /// `None`: nowhere. A run that is only watched writes its log all the same, so that there is one way to do it.
+    file: Option<File>,
     /// Where the bytes go until the log is finished, and where it belongs then; `None` for what cannot be replaced, such
     /// as a pipe or a device.
     place: Option<Place>,
@@ -85,7 +87,7 @@ impl LogFile {
         match fs::metadata(path) {
             Ok(found) if !found.is_file() => {
                 let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
-                return Ok(LogFile { file, place: None, name, broken: false });
+                return Ok(LogFile { file: Some(file), place: None, name, broken: false });
             }
             Ok(_) => {
                 // Who may not write the older log may not replace it either, whatever the directory allows.
@@ -99,7 +101,12 @@ impl LogFile {
         refuse_other_files(path, &partial)?;
         let file = claim(path, &partial)?;
         file.set_len(0).map_err(failed)?;
-        Ok(LogFile { file, place: Some(Place { partial, target }), name, broken: false })
+        Ok(LogFile { file: Some(file), place: Some(Place { partial, target }), name, broken: false })
+    }
+
+    /// A log that nobody keeps: what is written to it goes nowhere.
+    pub fn nowhere() -> Self {
+        LogFile { file: None, place: None, name: "the log".to_string(), broken: false }
     }
 
     /// Where the log is while it is not finished; `None` if it is written directly.
@@ -109,11 +116,10 @@ impl LogFile {
 
     /// Puts a finished log in its place, on the disk for good.
     pub fn keep(self) -> Result<(), SinkError> {
-        let Some(Place { partial, target }) = &self.place else {
+        let (Some(file), Some(Place { partial, target })) = (&self.file, &self.place) else {
             return Ok(());
         };
-        let kept =
-            self.file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target));
+        let kept = file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target));
         kept.map_err(|source| SinkError { what: self.name, source })
     }
 }
@@ -123,11 +129,14 @@ impl Write for LogFile {
         if self.broken {
             return Err(io::Error::other("an earlier part of the log could not be written"));
         }
-        self.file.write(bytes).inspect_err(|error| self.broken = error.kind() != io::ErrorKind::Interrupted)
+        let Some(file) = &mut self.file else {
+            return Ok(bytes.len());
+        };
+        file.write(bytes).inspect_err(|error| self.broken = error.kind() != io::ErrorKind::Interrupted)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        self.file.as_mut().map_or(Ok(()), File::flush)
     }
 }
 
@@ -136,9 +145,22 @@ impl Write for LogFile {
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
 pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<FileWriter<S::Channels>, LogError> {
-    let file = LogFile::open(path)?;
+    create_with_feed(Some(path), run, None)
+}
+
+/// The same, with every message handed to a feed as well; without a path, to the feed alone.
+///
+/// # Errors
+/// [`LogError`] with the path, the reason and the way out.
+pub fn create_with_feed<S: Logged>(
+    path: Option<&Path>,
+    run: &RunInfo<'_, S>,
+    feed: Option<Box<dyn Feed>>,
+) -> Result<FileWriter<S::Channels>, LogError> {
+    let file = path.map_or(Ok(LogFile::nowhere()), LogFile::open)?;
     let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
-    Writer::new(file, &name, run).and_then(|writer| FileWriter::start(writer, &name)).map_err(|error| {
+    let started = Writer::with_feed(file, &name, run, feed).and_then(|writer| FileWriter::start(writer, &name));
+    started.map_err(|error| {
         // Not even the beginning of a log: nobody has a use for it.
         if let Some(partial) = partial {
             let _ = fs::remove_file(partial);

@@ -48,8 +48,8 @@ mod writer;
 
 pub use beside::{Beside, FileWriter};
 pub use bodies::BodiesChannels;
-pub use core::{CHUNK_BYTES, Core, Severity};
-pub use file::{LogError, LogFile, create, partial_name, refuse_other_files};
+pub use core::{CHUNK_BYTES, Core, Feed, Severity};
+pub use file::{LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use foxglove::messages::Log;
 use mcap::McapError;
 
-use super::core::{ChannelId, Core, Severity};
+use super::core::{ChannelId, Core, Feed, Severity};
 use super::finger::FingerChannels;
 use super::metadata::{Logged, RunInfo};
 use crate::trace::{Instant, SinkError};
@@ -44,8 +44,22 @@ impl<W: Write, C: Channels> Writer<W, C> {
     where
         C: Channels<Scene = S>,
     {
+        Writer::with_feed(out, name, run, None)
+    }
+
+    /// The same, with every message handed to a feed as well.
+    pub fn with_feed<S>(
+        out: W,
+        name: &str,
+        run: &RunInfo<'_, S>,
+        feed: Option<Box<dyn Feed>>,
+    ) -> Result<Self, SinkError>
+    where
+        S: Logged<Channels = C>,
+        C: Channels<Scene = S>,
+    {
         let start = || {
-            let mut core = Core::start(out, run)?;
+            let mut core = Core::start(out, run, feed)?;
             let channels = C::register(&mut core, run.scene)?;
             let events = core.channel::<Log>("/events")?;
             Ok((core, channels, events))
