@@ -45,6 +45,7 @@ pub mod invariants;
 pub mod law;
 pub mod log;
 pub mod numeric;
+pub mod page;
 pub mod plot;
 pub mod report;
 pub mod scene;

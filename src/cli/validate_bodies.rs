@@ -1,24 +1,29 @@
 //! `phalanx validate` of a scene of discs: the comparison, and the files of `--out`.
 
 use std::path::Path;
+use std::time::Instant;
 
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::run::{info, unstarted};
 use super::validate::{ValidateArgs, stopped, watched};
-use super::validate_files::{broken, directory, save, table, unfinished};
+use super::validate_files::{PAGE, broken, directory, pictures, save, show, table, unfinished};
 use super::{Failure, Status};
-use crate::log::{self, Severity};
+use crate::criteria::Rebounds;
+use crate::log::{self, BodiesChannels, FileWriter, Severity};
+use crate::page::{Film, Reel};
 use crate::plot;
-use crate::report::{BodiesValidationReport, bodies_series, bodies_validation_json, bodies_validation_text};
+use crate::report::{
+    BodiesReport, BodiesValidationReport, bodies_series, bodies_text, bodies_validation_json, bodies_validation_text,
+};
 use crate::scene::{BodiesScene, Preset};
-use crate::trace::Model;
-use crate::trace::bodies::{BodiesRunError, run_bodies};
+use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use crate::trace::{Model, SinkError};
 use crate::validate::{StudyError, Subject, Validation, While};
 
 /// Everything that is in the directory in the end.
-const FILES: [&str; 7] =
-    ["report.txt", "report.json", "series.csv", "speed-error.svg", "overlay.svg", "analytic.mcap", "engine.mcap"];
+const FILES: [&str; 8] =
+    ["report.txt", "report.json", PAGE, "series.csv", "speed-error.svg", "overlay.svg", "analytic.mcap", "engine.mcap"];
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs, scene: &BodiesScene) -> Result<Status, Failure> {
@@ -53,36 +58,67 @@ fn write(
     report: &mut BodiesValidationReport,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    for (file, picture) in [
-        ("speed-error.svg", plot::bodies_speed_error(&scene.name, found)),
-        ("overlay.svg", plot::bodies_overlay(scene, found)),
-    ] {
-        let path = out.join(file);
-        save(&path, &picture.map_err(|error| broken(&path, error))?)?;
-    }
+    let pictures = pictures(
+        out,
+        [
+            ("speed-error.svg", "Speed against error", plot::bodies_speed_error(&scene.name, found)),
+            ("overlay.svg", "Both models over time", plot::bodies_overlay(scene, found)),
+        ],
+    )?;
     table(&out.join("series.csv"), |mut file| bodies_series(&mut file, scene, [&found.reference, &found.engine]))?;
     let reference = scene.with_integrator(scene.integrator.with_preset(Preset::Reference));
-    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?;
-    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?;
+    let runs = vec![
+        record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?,
+        record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
+    ];
 
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    save(&out.join("report.txt"), &bodies_validation_text(report))?;
+    let text = bodies_validation_text(report);
+    show(out, &scene.name, &scene.description, runs, &text, pictures)?;
+    save(&out.join("report.txt"), &text)?;
     save(&out.join("report.json"), &bodies_validation_json(report))
 }
 
-/// Logs one model, sample rate and all as `phalanx run` does.
+/// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
 fn record(
     model: Model,
     scene: &BodiesScene,
     scene_file: &Path,
     path: &Path,
     interrupt: &Interrupt,
-) -> Result<(), Failure> {
-    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
+) -> Result<Film, Failure> {
+    let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
+    let mut kept = Kept { log, reel: Reel::default(), rebounds: Rebounds::new(scene.pairs().len()) };
     let go_on = || interrupt.signal().is_none();
-    let outcome = run_bodies(model, scene, &mut While { sink: &mut log, go_on: &go_on })
+    let start = Instant::now();
+    let outcome = run_bodies(model, scene, &mut While { sink: &mut kept, go_on: &go_on })
         .map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
+    let wall_s = start.elapsed().as_secs_f64();
+    let Kept { mut log, reel, rebounds } = kept;
     log.note(outcome.last.time_s, Severity::Info, "completed").map_err(|error| broken(path, error))?;
-    log.keep().map_err(|error| broken(path, error))
+    log.keep().map_err(|error| broken(path, error))?;
+    let summary = BodiesReport::new(scene, model, wall_s, Some(&outcome), rebounds.pairs(), None);
+    Ok(reel.film(model.name(), scene, &bodies_text(&summary)))
+}
+
+/// What is kept of a run: its log, the film of it, and its rebounds for the summary.
+struct Kept {
+    log: FileWriter<BodiesChannels>,
+    reel: Reel<BodiesSample, BodiesEvent>,
+    rebounds: Rebounds,
+}
+
+impl BodiesSink for Kept {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.reel.sample(sample)?;
+        self.rebounds.sample(sample)?;
+        self.log.sample(sample)
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.reel.event(event)?;
+        self.rebounds.event(event)?;
+        self.log.event(event)
+    }
 }
