@@ -6,6 +6,9 @@ use crate::scene::BodiesScene;
 use crate::trace::ContactSample;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
 
+/// A quantity of a disc, by its name.
+type OfDisc = (&'static str, fn(&DiscState) -> f64);
+
 /// Pairs that are shown where none touches.
 const IDLE_PAIRS: usize = 6;
 
@@ -57,7 +60,7 @@ fn panels<'a>(scene: &BodiesScene, names: &[String], shown: &[usize]) -> Vec<Pla
         };
         shown.iter().map(of).collect()
     };
-    let of_discs = |quantities: &[(&str, fn(&DiscState) -> f64)]| -> Vec<Curve<'a, BodiesSample>> {
+    let of_discs = |quantities: &[OfDisc]| -> Vec<Curve<'a, BodiesSample>> {
         let moving = scene.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
         let mut curves: Vec<Curve<'a, BodiesSample>> = Vec::new();
         for (index, disc) in moving {

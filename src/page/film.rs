@@ -100,6 +100,9 @@ pub(super) struct Plan<'a, S> {
     pub curves: Vec<Curve<'a, S>>,
 }
 
+/// Where the bodies of a sample are.
+pub(super) type Poses<'a, S> = Box<dyn Fn(&S) -> Vec<Pose> + 'a>;
+
 /// How a sample has a contact.
 pub(super) type Contact<'a, S> = Box<dyn Fn(&S) -> ContactSample + 'a>;
 
@@ -110,7 +113,7 @@ pub(super) struct Shown<'a, S> {
     pub drawing: Drawing,
     pub samples: &'a [S],
     pub time_s: fn(&S) -> f64,
-    pub poses: Box<dyn Fn(&S) -> Vec<Pose> + 'a>,
+    pub poses: Poses<'a, S>,
     /// Contacts that are drawn, by their names.
     pub contacts: Vec<(String, Contact<'a, S>)>,
     pub panels: Vec<Plan<'a, S>>,

@@ -60,7 +60,7 @@ fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
     ];
     let mut torques = vec![curve("motor", |s| s.motor_torque_n_m)];
     if scene.limit.is_some() {
-        angles.push(curve("to the limit", |s| s.limit.gap_rad));
+        angles.push(curve("to limit", |s| s.limit.gap_rad));
         torques.push(curve("limit", |s| s.limit.torque_n_m));
     }
     vec![

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 /// Samples that a page holds of a run, at most.
-pub const MOST_SAMPLES: usize = 6000;
+///
+/// Two runs of a finger are then 1.6 MB.
+pub const MOST_SAMPLES: usize = 2000;
 
 /// Samples kept before and after an event.
 const AROUND: usize = 3;

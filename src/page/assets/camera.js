@@ -1,7 +1,10 @@
 // Which part of the world the animation shows.
 
+// Room in pixels for what lies over the edges of the canvas.
+const ROOM = { left: 10, right: 50, top: 46, bottom: 40 };
+
 // A view of a contact is at least so many times as wide as its deepest penetration, and so many times its gap.
-const DEPTHS = 14;
+const DEPTHS = 8;
 const GAPS = 3;
 
 class Camera {
@@ -23,6 +26,7 @@ class Camera {
     const [[x0, y0], [x1, y1]] = this.whole;
     this.follow = null;
     this.zoom = 1;
+    this.wholeInView = true;
     this.centre = [(x0 + x1) / 2, (y0 + y1) / 2];
     this.span = [x1 - x0, y1 - y0];
   }
@@ -32,13 +36,20 @@ class Camera {
     if (name === null) return this.fit();
     this.follow = name;
     this.zoom = 1;
+    this.wholeInView = false;
   }
 
   // Places the view for a time; returns the maps between world and screen.
   at(reading) {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const contact = this.follow && reading(this.follow);
-    let scale = this.zoom * Math.min(width / this.span[0], height / this.span[1]);
+    const [wideRoom, highRoom] = [width - ROOM.left - ROOM.right, height - ROOM.top - ROOM.bottom];
+    this.fitted = Math.max(1, Math.min(wideRoom / this.span[0], highRoom / this.span[1]));
+    let scale = this.zoom * this.fitted;
+    if (this.wholeInView) {
+      const [[x0, y0], [x1, y1]] = this.whole;
+      this.centre = [(x0 + x1) / 2 + (ROOM.right - ROOM.left) / 2 / scale, (y0 + y1) / 2 - (ROOM.bottom - ROOM.top) / 2 / scale];
+    }
     if (contact && Number.isFinite(contact.gap_m)) {
       // The middle of the gap, and the gap large in it.
       this.centre = [0, 1].map((k) => contact.point_m[k] - 0.5 * contact.gap_m * contact.normal[k]);
@@ -61,6 +72,7 @@ class Camera {
   // Nearer by a factor, the world under a point of the screen staying there.
   zoomBy(factor, x = this.size[0] / 2, y = this.size[1] / 2) {
     const limited = Math.min(Math.max(this.scale * factor, 1e-3), 1e12) / this.scale;
+    this.wholeInView = false;
     const away = [(x - this.size[0] / 2) / this.scale, (this.size[1] / 2 - y) / this.scale];
     if (!this.follow) for (const k of [0, 1]) this.centre[k] += away[k] * (1 - 1 / limited);
     this.zoom *= limited;
@@ -68,8 +80,9 @@ class Camera {
 
   // Moves the world by pixels; a view that follows a contact is let go.
   panBy(dx, dy) {
+    this.wholeInView = false;
     if (this.follow) {
-      this.zoom = this.scale / Math.min(this.size[0] / this.span[0], this.size[1] / this.span[1]);
+      this.zoom = this.scale / this.fitted;
       this.follow = null;
     }
     this.centre[0] -= dx / this.scale;
@@ -88,16 +101,16 @@ function deepestOf(runs, name) {
   return deepest > 0 ? deepest : (x1 - x0) * 1e-3;
 }
 
-// What is to be seen, and where the bodies go, as far as that is not much further.
+// All bodies, and where they go as far as that is not much further.
 function wholeOf(runs) {
-  let [[x0, y0], [x1, y1]] = runs[0].extent;
-  const [width, height] = [x1 - x0, y1 - y0];
-  const most = Math.max(width, height);
-  const box = [x0 - most, y0 - most, x1 + most, y1 + most];
+  const [low, high] = runs[0].extent;
+  const most = Math.max(high[0] - low[0], high[1] - low[1]);
+  const box = [low[0] - most, low[1] - most, high[0] + most, high[1] + most];
+  let [x0, y0, x1, y1] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const run of runs) {
-    for (const body of run.bodies.filter((each) => !each.fixed)) {
+    for (const body of run.bodies) {
       const outline = body.shapes.flatMap(corners);
-      const stride = Math.max(1, Math.floor(run.samples / 400));
+      const stride = body.fixed ? run.samples : Math.max(1, Math.floor(run.samples / 400));
       for (let i = 0; i < run.samples; i += stride) {
         for (const corner of outline) {
           const [x, y] = placed(corner, body.x_m[i], body.y_m[i], body.angle_rad[i]);
@@ -109,5 +122,5 @@ function wholeOf(runs) {
       }
     }
   }
-  return [[x0, y0], [x1, y1]];
+  return x0 < x1 && y0 < y1 ? [[x0, y0], [x1, y1]] : runs[0].extent;
 }

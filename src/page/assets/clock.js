@@ -22,17 +22,16 @@ function lengthOf(event) {
   const first = i;
   for (; i < run.samples; i++) {
     peak = Math.max(peak, contact.normal_n[i]);
-    if (peak > 0 && contact.normal_n[i] < 0.5 * peak) break;
+    if (peak > 0 && contact.normal_n[i] < 0.5 * peak) return run.time[i] - time_s;
   }
-  const length = run.time[Math.min(i, run.samples - 1)] - time_s;
   // A contact that stays has no such end: the samples around its start say how fast things go.
   const near = run.time[Math.min(first + 20, run.samples - 1)] - time_s;
-  return Math.min(length > 0 ? length : span, near > 0 ? near : span, span);
+  return near > 0 ? near : span * 1e-3;
 }
 
-// The touch-downs at which playing slows down: the first of each place, and the hardest.
-function momentsOf(events) {
-  const downs = events.filter((event) => event.kind === "touch-down");
+// The touch-downs at which playing slows down: the first of each place, and the hardest; not what touches from the start.
+function momentsOf(events, start) {
+  const downs = events.filter((event) => event.kind === "touch-down" && event.time_s > start);
   const first = new Map();
   for (const event of downs) {
     const key = event.run.index + event.place;
@@ -51,7 +50,7 @@ class Clock {
     this.playing = false;
     this.auto = true;
     this.notch = 8;
-    this.moments = momentsOf(film.events);
+    this.moments = momentsOf(film.events, film.start + 1e-4 * (film.end - film.start));
     this.cruise = Math.min(1, (film.end - film.start) / CRUISE_S);
   }
 
@@ -70,6 +69,13 @@ class Clock {
       speed = Math.min(speed, Math.max(least, away / APPROACH_S));
     }
     return speed;
+  }
+
+  // The nearest impact; where nothing is one, the event given instead.
+  nearest(event) {
+    const away = (moment) => Math.abs(moment.time - this.time);
+    const best = this.moments.reduce((best, moment) => (best && away(best) <= away(moment) ? best : moment), null);
+    return best ?? (event && { time: event.time_s, length: lengthOf(event) });
   }
 
   seek(time) {

@@ -8,7 +8,7 @@ const minus = (text) => text.replace("-", "−");
 // The factor from SI to what is shown, and its unit, for values up to `size`.
 function shownUnit(unit, size) {
   if (unit === "rad") return { factor: DEGREE, unit: "°" };
-  if (unit === "rad/s" || unit === "m/s" && size >= 0.1) return { factor: 1, unit };
+  if (unit === "rad/s" && size >= 0.1 || unit === "m/s" && size >= 0.1) return { factor: 1, unit };
   if (!(size > 0) || !Number.isFinite(size)) return { factor: 1, unit };
   let best = PREFIXES[0];
   for (const prefix of PREFIXES) if (size >= prefix[1] * 0.9999995) best = prefix;
@@ -22,13 +22,14 @@ function withUnit(value, unit, digits = 5) {
   const shown = shownUnit(unit, Math.abs(value));
   const scaled = value * shown.factor;
   const space = shown.unit === "°" ? "" : "\u202f";
-  return plain(scaled, digits) + space + shown.unit;
+  // Long units leave room for a digit less.
+  return plain(scaled, shown.unit.length > 5 ? digits - 1 : digits) + space + shown.unit;
 }
 
 function plain(value, digits) {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size < 1e-4 || size >= 1e7) return minus(value.toExponential(Math.max(digits - 3, 1)).replace("e+", "e"));
+  if (size < 1e-4 || size >= 1e7) return minus(value.toExponential(Math.max(digits - 4, 0)).replace("e+", "e"));
   const whole = Math.floor(Math.log10(size)) + 1;
   return minus(value.toFixed(Math.max(0, Math.min(9, digits - Math.max(whole, 1)))));
 }
@@ -36,7 +37,7 @@ function plain(value, digits) {
 // The unit in which all times of a page are shown, and the digits behind the point that tell its samples apart.
 function timeUnit(end, finest) {
   const [unit, factor] = end >= 1 ? ["s", 1] : end >= 1e-3 ? ["ms", 1e3] : ["µs", 1e6];
-  const decimals = Math.max(0, Math.min(7, Math.ceil(-Math.log10(Math.max(finest, 1e-12) * factor)) + 1));
+  const decimals = Math.max(0, Math.min(6, Math.ceil(-Math.log10(Math.max(finest, 1e-12) * factor)) + 1));
   return { unit, factor, decimals };
 }
 

@@ -9,7 +9,7 @@ const KEYS = [
   [["+", "−"], "faster or slower"],
   [["s"], "slow at impacts, or one speed"],
   [["c"], "view: whole, or at one contact after the other"],
-  [["Shift +", "Shift −", "0"], "zoom the animation in or out, or show everything"],
+  [["i", "o", "0"], "zoom the animation in or out, or show everything"],
   [["z", "Shift z"], "zoom the time axis in or out"],
   [["e", "a"], "time axis: the nearest event, or all"],
   [["1", "2"], "show or hide a run"],
@@ -47,11 +47,8 @@ function keyboard(app) {
     "−": () => app.faster(-1),
     s: () => app.setAuto(!app.clock.auto),
     c: app.nextView,
-    "*": () => app.zoom(1.5),
-    "shift +": () => app.zoom(1.5),
-    "shift -": () => app.zoom(1 / 1.5),
-    _: () => app.zoom(1 / 1.5),
-    "shift _": () => app.zoom(1 / 1.5),
+    i: () => app.zoom(1.5),
+    o: () => app.zoom(1 / 1.5),
     0: app.fit,
     z: () => app.zoomTime(0.5),
     "shift Z": () => app.zoomTime(2),
@@ -61,7 +58,6 @@ function keyboard(app) {
     2: () => app.film.runs[1] && app.show(1, !app.film.runs[1].visible),
     d: app.toggleTheme,
     "?": open,
-    "shift ?": open,
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
@@ -72,9 +68,8 @@ function keyboard(app) {
     if ((tag === "BUTTON" || tag === "INPUT" && target.type === "checkbox") && event.key === " ") return;
     if (target.id === "speed" && event.key.startsWith("Arrow")) return;
     if (tag === "PRE" && event.key.startsWith("Arrow")) return;
-    // The plus sign is typed with shift on many keyboards: without a word for it there, it is the plain key.
-    const plus = event.key === "+" && event.shiftKey && event.code !== "Equal" ? "shift +" : event.key;
-    const action = (event.shiftKey && actions["shift " + event.key] && event.key !== "+" ? actions["shift " + event.key] : actions[plus]);
+    // On many keyboards + and ? are typed with shift.
+    const action = (event.shiftKey && actions["shift " + event.key]) || actions[event.key];
     if (!action) return;
     event.preventDefault();
     action();

@@ -42,11 +42,11 @@ function main() {
     app.window(from + by, to + by);
   };
   app.windowEvent = () => {
-    const event = app.events.nearest(app.clock.time);
-    if (!event) return;
-    const length = lengthOf(event);
-    app.window(event.time_s - 0.6 * length, event.time_s + 2.4 * length);
-    app.seek(event.time_s);
+    const moment = app.clock.nearest(app.events.nearest(app.clock.time));
+    if (!moment) return;
+    const { time, length } = moment;
+    app.window(time - 0.6 * length, time + 2.4 * length);
+    app.seek(time);
   };
 
   app.seek = (time) => app.clock.seek(time);
@@ -142,14 +142,9 @@ function main() {
 // How samples became what is seen.
 function about(film) {
   const parts = film.runs.map((run) => (run.samples < run.recorded
-    ? `${run.label}: ${run.samples} of ${run.recorded} samples; extremes and the surroundings of events were kept.`
+    ? `${run.label}: ${run.samples} of ${run.recorded} samples, thinned out to fit a page; extremes, peaks and the surroundings of events were kept.`
     : `${run.label}: all ${run.samples} samples.`));
   put("source", [...parts, STATEMENT].join(" "));
-  const thinned = film.runs.some((run) => run.samples < run.recorded);
-  if (thinned) {
-    byId("warning").hidden = false;
-    put("warning", `The run has more samples than fit a page, and was thinned out. ${parts.join(" ")}`);
-  }
   const second = film.runs[1] ? ` ${film.runs[0].label} is filled and its curves are wide and pale; ${film.runs[1].label} is dashed.` : "";
   put("legend-help", "Force arrows act on the phalanx or disc, from the contact point. Their length grows with the logarithm of the force unless the arrows are to scale; then the longest are cut off." + second);
 }

@@ -80,7 +80,7 @@ class Plots {
     const [low, high] = this.limits(panel, from, to, scale);
     const x = (t) => inner.left + (t - from) / (to - from) * (inner.right - inner.left);
     const y = (value) => inner.bottom - (scale.to(value) - low) / (high - low) * (inner.bottom - inner.top);
-    const rows = Math.max(2, Math.floor((inner.bottom - inner.top) / 26));
+    const rows = Math.max(2, Math.round((inner.bottom - inner.top) / 22));
     const ticks = panel.logarithmic
       ? logarithmicTicks(scale.back(low), scale.back(high), foot, rows, panel.unit)
       : linearTicks(low, high, rows, panel.unit);
@@ -137,8 +137,10 @@ class Plots {
     }
     if (!(low <= high)) [low, high] = [0, 1];
     [low, high] = [scale.to(low), scale.to(high)];
-    const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-9 || 1e-12;
-    if (high - low < least) [low, high] = low === 0 && high === 0 ? [-1, 1] : [low - 2 * least, high + 2 * least];
+    const size = Math.max(Math.abs(low), Math.abs(high));
+    // What is constant but for its last digits gets an axis of its own size.
+    if (size === 0) [low, high] = [-0.2, 1];
+    else if (high - low < 1e-9 * size) [low, high] = [low - 0.1 * size, high + 0.1 * size];
     const room = 0.07 * (high - low);
     return [low - room, high + room];
   }
@@ -149,6 +151,7 @@ class Plots {
     ctx.fillStyle = colour("soft");
     ctx.textAlign = "right";
     ctx.textBaseline = "middle";
+    const named = [];
     for (const tick of ticks.ticks) {
       const at = Math.round(y(tick.at)) + 0.5;
       if (at < inner.top - 1 || at > inner.bottom + 1) continue;
@@ -159,6 +162,8 @@ class Plots {
       ctx.lineTo(inner.right, at);
       ctx.stroke();
       ctx.globalAlpha = 1;
+      if (named.some((other) => Math.abs(other - at) < 13)) continue;
+      named.push(at);
       ctx.fillText(tick.text, inner.left - 6, at);
     }
     const by = this.film.unit;

@@ -29,6 +29,7 @@ class Stage {
     // Fixed bodies are the same in all runs.
     this.bodies(ctx, view, first, placeAt(first, time), true, 0);
     states.forEach((state) => this.bodies(ctx, view, state.run, state.place, false, state.run.index));
+    if (states.length > 0) this.overlaps(ctx, view, states[0]);
     states.forEach((state) => this.contactPoints(ctx, view, state));
     states.forEach((state, index) => this.arrows(ctx, view, state, index === 0));
     this.ruler(ctx, view, width, height);
@@ -73,7 +74,10 @@ class Stage {
     for (const body of run.bodies) {
       if (body.fixed !== fixed) continue;
       const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
+      const surface = body.shapes.some((shape) => shape.kind === "capsule");
       for (const shape of body.shapes) {
+        // Where a body has a surface that touches, the outline of its mass is drawn weaker.
+        const weak = surface && shape.kind === "polygon";
         trace(ctx, outline(shape, x, y, angle, view), view);
         if (style === 0) {
           ctx.globalAlpha = fixed ? 1 : 0.82;
@@ -81,14 +85,16 @@ class Stage {
           ctx.fill();
           ctx.globalAlpha = 1;
           ctx.setLineDash([]);
-          ctx.lineWidth = 1.25;
+          ctx.lineWidth = weak ? 0.75 : 1.25;
           ctx.strokeStyle = colour(fixed ? "soft" : "edge");
         } else {
+          ctx.globalAlpha = weak ? 0.55 : 1;
           ctx.setLineDash([6, 4]);
-          ctx.lineWidth = 2;
+          ctx.lineWidth = weak ? 1 : 1.75;
           ctx.strokeStyle = colour("edge-b");
         }
         ctx.stroke();
+        ctx.globalAlpha = 1;
       }
       if (style === 0 && !fixed) this.joints(ctx, view, body, x, y, angle);
     }
@@ -127,6 +133,35 @@ class Stage {
     }
   }
 
+  // Where surfaces are in each other: a strip of micrometres that only a contact view shows.
+  overlaps(ctx, view, { run, place, contacts }) {
+    if (!contacts.some((contact) => contact.gap_m < 0)) return;
+    const surfaces = run.bodies.map((body) => {
+      const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
+      const shapes = body.shapes.filter((shape) => shape.kind !== "polygon");
+      return { body, outlines: shapes.map((shape) => outline(shape, x, y, angle, view)) };
+    });
+    // Links overlap at their joints, and are drawn over the palm: only what may touch counts.
+    const touches = ({ body }) => body.part === "object" || body.part === "disc";
+    const meet = (one, other) => (touches(one) || touches(other)) && !(one.body.fixed && other.body.fixed);
+    ctx.fillStyle = colour("force");
+    for (const [index, one] of surfaces.entries()) {
+      for (const other of surfaces.slice(index + 1).filter((each) => meet(one, each))) {
+        for (const inner of one.outlines) {
+          for (const outer of other.outlines) {
+            ctx.save();
+            trace(ctx, outer, view);
+            ctx.clip();
+            trace(ctx, inner, view);
+            ctx.globalAlpha = 0.45;
+            ctx.fill();
+            ctx.restore();
+          }
+        }
+      }
+    }
+  }
+
   contactPoints(ctx, view, { contacts, run }) {
     for (const contact of contacts) {
       if (!(contact.normal_n > 0)) continue;
@@ -144,11 +179,14 @@ class Stage {
   arrows(ctx, view, { arrows, run }, named) {
     for (const arrow of arrows) {
       const [x, y] = view.to(arrow.from_m);
+      const { left, right, top, bottom } = view.box;
+      if (x < left || x > right || y < top || y > bottom) continue;
       const [dx, dy] = [arrow.way[0], -arrow.way[1]];
       const tip = [x + dx * arrow.length_px, y + dy * arrow.length_px];
-      const head = Math.min(11, 0.6 * arrow.length_px);
-      ctx.strokeStyle = ctx.fillStyle = colour(arrow.kind === "normal" ? "force" : "friction");
-      ctx.lineWidth = run.index === 0 ? 3 : 1.5;
+      const head = Math.min(run.index === 0 ? 13 : 9, 0.6 * arrow.length_px);
+      const kind = colour(arrow.kind === "normal" ? "force" : "friction");
+      [ctx.fillStyle, ctx.strokeStyle] = [kind, run.index === 0 ? kind : colour("edge-b")];
+      ctx.lineWidth = run.index === 0 ? 3.5 : 1.5;
       ctx.setLineDash(run.index === 0 ? [] : [5, 3]);
       ctx.beginPath();
       ctx.moveTo(x, y);
