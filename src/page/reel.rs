@@ -12,13 +12,16 @@ const MOST_HELD: usize = 60_000;
 const AFTER_EVENT: u32 = 4;
 
 /// Samples and events of a run as it goes by. Beyond [`MOST_HELD`] samples only every second, fourth, … is kept, and
-/// those at events and at peaks of the contact force.
+/// those at events and at peaks of the contact force; of these too only every second, where they alone are too many.
 #[derive(Clone, Debug)]
 pub struct Reel<S, E> {
     held: Vec<Held<S>>,
     events: Vec<E>,
     recorded: usize,
     stride: usize,
+    special_stride: usize,
+    /// Samples so far that are special.
+    specials: usize,
     /// The latest sample: whether it is a peak is known when the next one has come.
     latest: Option<Held<S>>,
     rising: bool,
@@ -28,11 +31,18 @@ pub struct Reel<S, E> {
 
 #[derive(Clone, Debug)]
 struct Held<S> {
-    index: usize,
     force_n: f64,
-    /// Kept at any stride.
+    /// At an event or at a peak.
     special: bool,
+    /// Which of its kind: of all samples, or of those that are special.
+    ordinal: usize,
     sample: S,
+}
+
+impl<S> Held<S> {
+    fn stays(&self, stride: usize, special_stride: usize) -> bool {
+        self.ordinal.is_multiple_of(if self.special { special_stride } else { stride })
+    }
 }
 
 impl<S, E> Default for Reel<S, E> {
@@ -42,6 +52,8 @@ impl<S, E> Default for Reel<S, E> {
             events: Vec::new(),
             recorded: 0,
             stride: 1,
+            special_stride: 1,
+            specials: 0,
             latest: None,
             rising: false,
             near_event: 0,
@@ -55,26 +67,34 @@ impl<S, E> Reel<S, E> {
         let special = self.near_event > 0 || self.recorded == 0;
         self.near_event = self.near_event.saturating_sub(1);
         let rises = self.latest.as_ref().is_some_and(|latest| force_n > latest.force_n);
-        let mut latest = self.latest.replace(Held { index: self.recorded, force_n, special, sample });
-        if let Some(latest) = &mut latest {
-            latest.special |= self.rising && !rises;
-        }
+        let latest = self.latest.replace(Held { force_n, special, ordinal: self.recorded, sample });
         self.recorded += 1;
-        self.rising = rises;
-        self.held.extend(latest.filter(|held| held.special || held.index.is_multiple_of(self.stride)));
-        while self.held.len() >= self.most {
-            self.stride *= 2;
-            let (stride, before) = (self.stride, self.held.len());
-            self.held.retain(|held| held.special || held.index.is_multiple_of(stride));
-            if self.held.len() > before * 3 / 4 {
-                // Almost all are special: then some of those go too.
-                let mut even = false;
-                self.held.retain(|_| {
-                    even = !even;
-                    even
-                });
+        if let Some(mut held) = latest {
+            held.special |= self.rising && !rises;
+            if held.special {
+                held.ordinal = self.specials;
+                self.specials += 1;
             }
+            self.keep(held);
         }
+        self.rising = rises;
+    }
+
+    fn keep(&mut self, held: Held<S>) {
+        if !held.stays(self.stride, self.special_stride) {
+            return;
+        }
+        self.held.push(held);
+        if self.held.len() < self.most {
+            return;
+        }
+        // Whichever kind has more is thinned out.
+        let special = self.held.iter().filter(|held| held.special).count();
+        match 2 * special > self.held.len() {
+            true => self.special_stride *= 2,
+            false => self.stride *= 2,
+        }
+        self.held.retain(|held| held.stays(self.stride, self.special_stride));
     }
 
     fn note(&mut self, event: E) {
@@ -178,6 +198,9 @@ mod tests {
     fn peaks_alone_do_not_break_the_bound() {
         let mut reel = reel(500);
         (0..100_000).for_each(|k| reel.take(k, (k % 2) as f64));
-        assert!(reel.into_parts().0.len() <= 501);
+        let kept = reel.into_parts().0;
+        assert!(kept.len() <= 501 && kept.len() > 200, "{}", kept.len());
+        let widest = kept.windows(2).map(|pair| pair[1] - pair[0]).max();
+        assert!(widest <= Some(1024), "{widest:?}");
     }
 }
