@@ -1,115 +1,142 @@
-//! `phalanx replay`: what a log says of its run, without simulating anything.
+//! `phalanx replay`: what a log says of its run; whether simulating again gives the same; two logs side by side; samples as
+//! a table; the good part of a damaged log.
 
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{complain, print};
-use super::run::final_angles;
-use super::{Failure, Status};
-use crate::criteria::Tracker;
-use crate::log::{self, LARGEST_RECORD, ReadError, Reading};
-use crate::report::{ReplayReport, Summary, replay_json, replay_text};
-use crate::scene::{self, AnyScene, Scene};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use super::replace::{probe, replace};
+use super::replay_read::{Listeners, bad_log, read, tabulate};
+use super::{Failure, Status, replay_recover, replay_verify};
+use crate::log::Reading;
+use crate::report::{ReplayReport, replay_json, replay_text};
 
-/// Summarise the run of a log: how it ended, final state, contacts, dynamic criteria, and what of the log is lost.
+/// Summarise the run of a log, check it by simulating again, compare it with another, or take its samples out.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap.partial\n  phalanx replay run.mcap --json > \
-                  run.json\n\nA log that is truncated or damaged is read up to there. Exit status: 0 the log is whole; 1 a part \
-                  of it is lost; 2 bad input."
+    after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
+                  run.csv\n  phalanx replay run.mcap.partial --recover run.mcap\n\nA log that is truncated or damaged is read \
+                  up to there. Exit status: 0 the log is whole (with --verify: and the same again); 1 a part of it is lost, or \
+                  it differs; 2 bad input; 3 interrupted, or a file could not be written."
 )]
 pub struct ReplayArgs {
     /// Log of a run (MCAP), or what a run that was killed has left of one
     #[arg(value_name = "LOG.mcap")]
-    log: PathBuf,
+    pub(super) log: PathBuf,
 
     /// Print one JSON document with SI units in its keys instead of the summary
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
+
+    /// Simulate again what is in the log, the scene and all settings, and compare message by message: the same build gives
+    /// the same bytes
+    #[arg(long, group = "mode")]
+    verify: bool,
+
+    /// Write all samples to a file of comma-separated values, one line each, every column with its SI unit; - is standard
+    /// output
+    #[arg(long, value_name = "FILE", group = "mode")]
+    csv: Option<PathBuf>,
+
+    /// Write what can be read of a damaged or truncated log as a whole, indexed one; nothing is made up, and what is
+    /// missing is said in it
+    #[arg(long, value_name = "FILE.mcap", group = "mode")]
+    recover: Option<PathBuf>,
 }
 
 /// Runs the command.
 pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
-    let mut listeners = Listeners { summary: Summary::default(), tracker: None, interrupt: &interrupt };
-    // The scene is at the beginning of the log, and the criteria need it before the first sample.
-    listeners.tracker = attached(&args.log)?.as_ref().and_then(final_angles).map(Tracker::new);
-    let reading = log::read_file(&args.log, &mut listeners).map_err(|error| bad_log(&args.log, &error))?;
-    let criteria = match &reading {
-        Reading { losses, ended: Some(ended), .. } if losses.is_empty() && ended.stopped.is_none() => {
-            listeners.tracker.as_ref().map(|tracker| tracker.criteria(true))
+    if args.verify {
+        return replay_verify::run(args, &interrupt);
+    }
+    if let Some(target) = &args.recover {
+        return replay_recover::run(args, target, &interrupt);
+    }
+    match &args.csv {
+        Some(path) => csv(args, path, &interrupt),
+        None => {
+            let mut listeners = Listeners::new(&args.log, &interrupt)?;
+            let reading = read(&args.log, &mut listeners)?;
+            show(args, &reading, &listeners)
         }
-        _ => None,
-    };
-    let report = ReplayReport::new(args.log.display().to_string(), &reading, &listeners.summary, criteria);
-    print(&match args.json {
-        true => replay_json(&report),
-        false => replay_text(&report),
-    })?;
+    }
+}
+
+/// Prints the summary, and says on stderr what of the log is lost.
+fn show(args: &ReplayArgs, reading: &Reading, listeners: &Listeners<'_>) -> Result<Status, Failure> {
+    let report = listeners.report(args.log.display().to_string(), reading);
+    print(&said(args, &report))?;
+    Ok(losses(&args.log, reading))
+}
+
+pub(super) fn said(args: &ReplayArgs, report: &ReplayReport) -> String {
+    match args.json {
+        true => replay_json(report),
+        false => replay_text(report),
+    }
+}
+
+/// Says what is lost, and what that means for the exit status.
+pub(super) fn losses(log: &Path, reading: &Reading) -> Status {
     for loss in &reading.losses {
-        complain(&format!("error: {}: {loss}", args.log.display()));
+        complain(&format!("error: {}: {loss}", log.display()));
     }
-    Ok(if reading.is_whole() { Status::Done } else { Status::CheckFailed })
+    if reading.is_whole() { Status::Done } else { Status::CheckFailed }
 }
 
-/// The scene of a log, if it has one that this phalanx reads.
-fn attached(path: &Path) -> Result<Option<Scene>, Failure> {
-    let head = log::read_head(path).map_err(|error| bad_log(path, &error))?;
-    let Some((name, text)) = head.scene.filter(|(_, text)| text.len() < LARGEST_RECORD) else {
-        return Ok(None);
-    };
-    match scene::parse_any(&text, &name) {
-        Ok(AnyScene::Finger(scene)) => Ok(Some(*scene)),
-        Ok(AnyScene::Bodies(_)) => {
-            complain("a log of discs: their samples are not summarised yet, only what is said of the run");
-            Ok(None)
+/// Writes the samples, and the summary unless they go to where it would.
+fn csv(args: &ReplayArgs, path: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
+    let mut listeners = Listeners::new(&args.log, interrupt)?;
+    if path == Path::new("-") {
+        if args.json {
+            return Err(Failure::bad_input(
+                "--csv - and --json would both write to standard output; give --csv the name of a file, or leave out --json",
+            ));
         }
-        Err(error) => {
-            complain(&format!("no dynamic criteria, for the scene in the log cannot be read by this phalanx: {error}"));
-            Ok(None)
-        }
+        let mut out = BufWriter::new(io::stdout().lock());
+        let Some(reading) = tabulate(&args.log, &mut listeners, &mut out)? else { return Ok(Status::Done) };
+        return match out.flush() {
+            // Whoever reads has seen enough (`| head`).
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                Err(Failure::incomplete(format!("cannot write to standard output: {error}")))
+            }
+            _ => Ok(losses(&args.log, &reading)),
+        };
+    }
+    refuse_the_log(&args.log, path, "--csv")?;
+    probe(path).map_err(|error| {
+        let path = path.display();
+        Failure::bad_input(format!("cannot write {path}: {error}; give a file in a directory where you may write"))
+    })?;
+    let mut outcome = Err(Failure::incomplete(format!("cannot write {}", path.display())));
+    let written = replace(path, |out| {
+        outcome = tabulate(&args.log, &mut listeners, out);
+        // Half of what was asked for is no file; the failure itself says why.
+        outcome.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()))
+    });
+    match (outcome?, written) {
+        (Some(reading), Ok(())) => show(args, &reading, &listeners),
+        (_, Err(error)) => Err(Failure::incomplete(format!("cannot write {}: {error}", path.display()))),
+        (None, Ok(())) => Ok(Status::Done),
     }
 }
 
-fn bad_log(path: &Path, error: &ReadError) -> Failure {
-    match error {
-        ReadError::Missing { .. } | ReadError::NotAFile { .. } => Failure::bad_input(error),
-        ReadError::Sink(error) => Failure::incomplete(error),
-        _ => Failure::bad_input(format!("{}: {error}", path.display())),
+/// A slip of the hand must not cost the log.
+pub(super) fn refuse_the_log(log: &Path, target: &Path, flag: &str) -> Result<(), Failure> {
+    match (log.canonicalize(), target.canonicalize()) {
+        (Ok(source), Ok(place)) if source == place => Err(Failure::bad_input(format!(
+            "{flag} {} is the log itself, which must stay as it is; give another file",
+            target.display()
+        ))),
+        _ => Ok(()),
     }
 }
 
-/// Everything that listens to a log.
-struct Listeners<'a> {
-    summary: Summary,
-    tracker: Option<Tracker>,
-    interrupt: &'a Interrupt,
-}
-
-impl Listeners<'_> {
-    fn check(&self) -> Result<(), SinkError> {
-        match self.interrupt.signal() {
-            None => Ok(()),
-            Some(signal) => Err(SinkError {
-                what: "a summary of the whole log".to_string(),
-                source: std::io::Error::other(format!("interrupted by {signal}")),
-            }),
-        }
-    }
-}
-
-impl Sink for Listeners<'_> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.check()?;
-        self.summary.sample(sample)?;
-        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.sample(sample))
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.summary.event(event)?;
-        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.event(event))
-    }
+/// The head of a log: its metadata and its scene.
+pub(super) fn head(log: &Path) -> Result<Reading, Failure> {
+    crate::log::read_head(log).map_err(|error| bad_log(log, &error))
 }

@@ -1,22 +1,19 @@
 //! `phalanx run`: one simulation, its summary, its log.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
-use super::output::{complain, print};
+use super::output::print;
 use super::overrides::Overrides;
-use super::progress::Progress;
+use super::simulate::{self, Broken, Limits, Simulated};
 use super::{Failure, Status, run_bodies};
-use crate::criteria::{FinalAngles, Tracker};
-use crate::gripper::{Circle, final_posture};
-use crate::log::{self, FileWriter, LogError, Logged, RunInfo, Severity};
+use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
 use crate::report::{self, RunReport};
 use crate::scene::{self, AnyScene, Scene};
-use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
+use crate::trace::{Model, SinkError};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
@@ -61,43 +58,18 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 
 fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
-    let model = args.model.name();
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
-    let mut sinks = Sinks {
-        log: started(args, &scene, live.as_ref(), &interrupt)?,
-        tracker: final_angles(&scene).map(Tracker::new),
-        last_s: 0.0,
-        progress: Progress::new(scene.duration_s),
-        interrupt: &interrupt,
-    };
-
-    let start = Instant::now();
-    let result = trace::run(args.model, &scene, &mut sinks);
-    let wall_s = start.elapsed().as_secs_f64();
-    sinks.progress.clear();
-
-    let (mut report, broken) = match &result {
-        Ok(outcome) => {
-            // Whether the grasp is statically stable is for the statics to say; the criteria here are the run's own.
-            let criteria = sinks.tracker.as_ref().map(|tracker| tracker.criteria(true));
-            (RunReport::completed(&scene, model, wall_s, outcome, criteria), None)
-        }
-        Err(error) => {
-            let (time_s, reason, so_far) = match error {
-                RunError::Simulation { failure, so_far } => {
-                    (failure.time_s, interrupt.reason(&failure.reason), Some(so_far.as_ref()))
-                }
-                RunError::Sink(error) => (sinks.last_s, error.to_string(), None),
-            };
-            let failure = report::Failure { time_s, reason };
-            let message = stopped(&failure, scene.duration_s);
-            (RunReport::failed(&scene, model, wall_s, failure, so_far), Some(message))
-        }
+    let log = started(args, &scene, live.as_ref(), &interrupt)?;
+    let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
+    let Simulated { result, found, wall_s, log } = simulate::finger(args.model, &scene, log, &limits);
+    let model = args.model.name();
+    let mut report = match result {
+        Ok(outcome) => RunReport::completed(&scene, model, wall_s, &outcome, found),
+        Err(Broken { error, so_far }) => RunReport::failed(&scene, model, wall_s, error, so_far.as_ref()),
     };
     report.log = args.log.as_ref().map(|path| path.display().to_string());
-
-    let finished = finish_log(sinks.log, sinks.last_s, report.error.as_ref());
+    let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
     print(&match args.json {
         true => report::json(&report),
         false => report::text(&report),
@@ -105,11 +77,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     if let Some(live) = live {
         live.end();
     }
-    match (broken, finished) {
-        (Some(message), finished) => Err(Failure::incomplete(message + &kept(args, finished.is_ok()))),
-        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", kept(args, false)))),
-        (None, Ok(())) => Ok(Status::Done),
-    }
+    ended(args, scene.duration_s, report.error.as_ref(), kept)
 }
 
 /// The log of a run, if there is to be one or the run is watched.
@@ -131,6 +99,20 @@ pub(super) fn started<S: Logged>(
     Ok(Some(log))
 }
 
+/// How the command ends, by how the run and its log did.
+pub(super) fn ended(
+    args: &RunArgs,
+    duration_s: f64,
+    error: Option<&report::Failure>,
+    kept: Result<(), SinkError>,
+) -> Result<Status, Failure> {
+    match (error, kept) {
+        (Some(error), kept) => Err(Failure::incomplete(stopped(error, duration_s) + &place_of(args, kept.is_ok()))),
+        (None, Err(error)) => Err(Failure::incomplete(format!("{error}{}", place_of(args, false)))),
+        (None, Ok(())) => Ok(Status::Done),
+    }
+}
+
 /// What the log says about the run.
 pub(super) fn info<'a, S>(scene: &'a S, path: &'a Path, model: &'a str) -> RunInfo<'a, S> {
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
@@ -144,44 +126,14 @@ pub(super) fn unstarted(error: LogError) -> Failure {
     }
 }
 
-/// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
-pub(super) fn final_angles(scene: &Scene) -> Option<FinalAngles> {
-    let object = scene.object?;
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
-    match final_posture(&scene.finger.lengths, scene.finger.assembly, disc) {
-        Ok(end) => Some(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad }),
-        Err(error) => {
-            complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
-            None
-        }
-    }
-}
-
 /// How far a run came, and why not further.
-pub(super) fn stopped(failure: &report::Failure, duration_s: f64) -> String {
+fn stopped(failure: &report::Failure, duration_s: f64) -> String {
     let (at, of) = (report::duration(failure.time_s), report::duration(duration_s));
     format!("the simulation stopped at {at} of {of}: {}", failure.reason)
 }
 
-/// Says in the log how the run ended, and finishes it.
-pub(super) fn finish_log<C>(
-    log: Option<FileWriter<C>>,
-    last_s: f64,
-    error: Option<&report::Failure>,
-) -> Result<(), SinkError> {
-    let Some(mut log) = log else {
-        return Ok(());
-    };
-    let (time_s, severity, text) = match error {
-        None => (last_s, Severity::Info, "completed".to_string()),
-        Some(error) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
-    };
-    log.note(time_s, severity, &text)?;
-    log.keep()
-}
-
 /// Where what there is of a run can be found; `finished`: whether its log is.
-pub(super) fn kept(args: &RunArgs, finished: bool) -> String {
+fn place_of(args: &RunArgs, finished: bool) -> String {
     let Some(path) = &args.log else {
         return "; with --log FILE.mcap the run up to there is kept".to_string();
     };
@@ -194,43 +146,5 @@ pub(super) fn kept(args: &RunArgs, finished: bool) -> String {
             path.display()
         ),
         false => "; what could be written of the log has gone where it was sent".to_string(),
-    }
-}
-
-/// Everything that listens to a run.
-struct Sinks<'a> {
-    log: Option<FileWriter>,
-    tracker: Option<Tracker>,
-    /// Time of the latest sample.
-    last_s: f64,
-    progress: Progress,
-    interrupt: &'a Interrupt,
-}
-
-impl Sink for Sinks<'_> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.last_s = sample.time_s;
-        self.progress.sample(sample)?;
-        if let Some(tracker) = &mut self.tracker {
-            tracker.sample(sample)?;
-        }
-        match &mut self.log {
-            Some(log) => log.sample(sample),
-            None => Ok(()),
-        }
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if let Some(tracker) = &mut self.tracker {
-            tracker.event(event)?;
-        }
-        match &mut self.log {
-            Some(log) => log.event(event),
-            None => Ok(()),
-        }
-    }
-
-    fn proceed(&self) -> bool {
-        self.interrupt.signal().is_none()
     }
 }

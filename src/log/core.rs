@@ -17,7 +17,7 @@ use super::metadata::{ATTACHMENT_MEDIA_TYPE, Logged, METADATA_NAME, RunInfo, met
 pub const CHUNK_BYTES: usize = 256 * 1024;
 
 /// Opcode, length, channel, sequence and two times of a message record.
-const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
+pub(super) const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
 
 /// How much a line on `/events` matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

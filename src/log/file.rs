@@ -191,7 +191,7 @@ fn behind_link(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// A slip of the hand must not cost another file: only logs, or what is left of one, are replaced.
-fn refuse_other_files(path: &Path, taken: &Path) -> Result<(), LogError> {
+pub fn refuse_other_files(path: &Path, taken: &Path) -> Result<(), LogError> {
     let failed = |source| LogError::Create { path: path.to_path_buf(), source };
     let other = LogError::NotALog { path: path.to_path_buf(), taken: taken.to_path_buf() };
     match fs::metadata(taken) {

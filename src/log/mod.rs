@@ -39,16 +39,25 @@ mod finger;
 mod messages;
 mod metadata;
 mod reader;
+mod recovered;
+mod settings;
+mod verify;
 mod writer;
 
 pub use bodies::BodiesChannels;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
-pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name};
+pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
     ATTACHMENT_MEDIA_TYPE, About, Logged, METADATA_NAME, RunInfo, construction_name, law_name, metadata, method_name,
     preset_name, stepping_name,
 };
-pub use reader::{Behind, Ended, LARGEST_RECORD, Loss, ReadError, Reading, read, read_file, read_head};
+pub use reader::{
+    AttachmentRecord, Behind, ChannelRecord, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, Names, ReadError,
+    Reading, Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
+};
+pub use recovered::{Gap, RECOVERED_NAME, Recovery, gaps, recover};
+pub use settings::{Settings, SettingsError, Solver, settings};
+pub use verify::{Difference, Expected, FieldTally, Leaf, Lockstep, Verification};
 pub use writer::{Channels, Writer};

@@ -76,7 +76,7 @@ impl<W: Write, C> Writer<W, C> {
     }
 }
 
-fn sink_error(name: &str, error: McapError) -> SinkError {
+pub(super) fn sink_error(name: &str, error: McapError) -> SinkError {
     SinkError {
         what: name.to_string(),
         source: match error {

@@ -1,6 +1,7 @@
 //! What a run is reported as: one document of plain figures, printed for people or as JSON.
 
 mod bodies;
+mod csv;
 mod document;
 mod replay;
 mod stability;
@@ -14,7 +15,11 @@ pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,
 };
-pub use replay::{Lost, ReplayReport, Summary, replay_json, replay_text};
+pub use replay::{
+    CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, GapReport, Lost, RecoveryReport, ReplayReport,
+    Summary, Touches, VerificationReport, csv_discs, csv_finger, recovery_json, recovery_text, replay_json,
+    replay_text,
+};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use text::{duration, text};

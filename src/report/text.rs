@@ -90,11 +90,11 @@ pub(super) fn heading(report: &Heading<'_>) -> String {
     text
 }
 
-fn integrator(used: &IntegratorUsed) -> String {
+pub(super) fn integrator(used: &IntegratorUsed) -> String {
     format!(", {} (rtol {:e}, {} preset)", used.method, used.rtol, used.preset)
 }
 
-fn engine(used: &EngineUsed, joints: bool) -> String {
+pub(super) fn engine(used: &EngineUsed, joints: bool) -> String {
     let stepping = match (used.step_s, used.tolerance_m, used.max_step_s) {
         (Some(step_s), ..) => format!("steps of {}", duration(step_s)),
         (None, Some(tolerance_m), Some(max_step_s)) => {

@@ -1,26 +1,14 @@
 //! From messages back to samples and events.
 
-use std::collections::HashMap;
-
-use foxglove::Encode;
-use foxglove::messages::Log;
-
 use super::Ended;
 use super::bytes::Malformed;
+use super::channels::{Carries, Channels};
+use super::record::{ChannelRecord, MessageRecord, Names, SchemaRecord};
 use super::wire::{log_line, numbers};
-use crate::log::messages::{Contact, Energy, Impact, Limit, LimitImpact, State};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
 use crate::trace::{self, ContactSample, Event, EventKind, LimitSample, Sample, Site};
 
-/// What a channel carries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Carries {
-    State,
-    Contact(Site),
-    Limit,
-    Energy,
-    Impact(Site),
-    Lines,
-}
+const BACK: Malformed = Malformed("the time of a sample is not a number, or goes back");
 
 /// What a message, with those before it, came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,64 +19,60 @@ pub enum Found {
     Unknown,
     Sample(Box<Sample>),
     Event(Event),
+    Discs(BodiesSample),
+    DiscsEvent(BodiesEvent),
     Ended(Ended),
 }
 
 /// What messages have said so far.
 pub struct Assembler {
-    /// Schema names of phalanx with the channels that have them.
-    known: Vec<(String, &'static [(&'static str, Carries)])>,
-    /// Of each schema in the file that is known: its place in `known`.
-    schemas: HashMap<u16, usize>,
-    channels: HashMap<u16, Option<Carries>>,
+    channels: Channels,
     /// A sample of which the last message (its energies) has not come yet.
     pending: Option<Box<Sample>>,
+    discs: Parts,
     latest_s: f64,
 }
 
+/// A sample of discs as it comes together.
+#[derive(Default)]
+struct Parts {
+    sample: BodiesSample,
+    /// Which discs, and behind them which pairs, have come; and how many of them.
+    there: Vec<bool>,
+    count: usize,
+}
+
 impl Assembler {
-    pub fn new() -> Self {
-        const CONTACTS: &[(&str, Carries)] = &[
-            ("/contact/proximal", Carries::Contact(Site::Proximal)),
-            ("/contact/distal", Carries::Contact(Site::Distal)),
-        ];
-        const IMPACTS: &[(&str, Carries)] =
-            &[("/impact/proximal", Carries::Impact(Site::Proximal)), ("/impact/distal", Carries::Impact(Site::Distal))];
-        let known = [
-            (State::get_schema(), &[("/state", Carries::State)][..]),
-            (Contact::get_schema(), CONTACTS),
-            (Limit::get_schema(), &[("/limit", Carries::Limit)]),
-            (Energy::get_schema(), &[("/energy", Carries::Energy)]),
-            (Impact::get_schema(), IMPACTS),
-            (LimitImpact::get_schema(), &[("/impact/limit", Carries::Impact(Site::Limit))]),
-            (Log::get_schema(), &[("/events", Carries::Lines)]),
-        ];
-        Assembler {
-            known: known.into_iter().filter_map(|(schema, topics)| Some((schema?.name, topics))).collect(),
-            schemas: HashMap::new(),
-            channels: HashMap::new(),
-            pending: None,
-            latest_s: 0.0,
-        }
+    /// Of a log of discs, or of a finger.
+    pub fn new(discs: bool) -> Self {
+        Assembler { channels: Channels::new(discs), pending: None, discs: Parts::default(), latest_s: 0.0 }
     }
 
-    /// Takes note of a schema; one that is not of phalanx is forgotten.
-    pub fn schema(&mut self, id: u16, name: &str, encoding: &str) {
-        if let Some(index) = self.known.iter().position(|(known, _)| encoding == "protobuf" && known == name) {
-            self.schemas.insert(id, index);
-        }
+    pub fn schema(&mut self, schema: &SchemaRecord<'_>) {
+        self.channels.schema(schema);
     }
 
     /// Takes note of a channel; true if it is new and unknown.
-    pub fn channel(&mut self, id: u16, schema: u16, topic: &str, encoding: &str) -> bool {
-        let topics = self.schemas.get(&schema).filter(|_| encoding == "protobuf").map(|&index| self.known[index].1);
-        let carries = topics.and_then(|topics| topics.iter().find(|(name, _)| *name == topic)).map(|(_, found)| *found);
-        self.channels.insert(id, carries).is_none() && carries.is_none()
+    pub fn channel(&mut self, channel: &ChannelRecord<'_>) -> bool {
+        self.channels.channel(channel)
+    }
+
+    /// The discs and pairs of the samples.
+    pub fn names(&self) -> &Names {
+        self.channels.names()
+    }
+
+    /// Forgets samples of which not all has come.
+    pub fn forget_parts(&mut self) {
+        self.pending = None;
+        self.discs.there.fill(false);
+        self.discs.count = 0;
     }
 
     /// Takes a message.
-    pub fn message(&mut self, channel: u16, log_time_ns: u64, data: &[u8]) -> Result<Found, Malformed> {
-        let Some(Some(carries)) = self.channels.get(&channel).copied() else {
+    pub fn message(&mut self, message: &MessageRecord<'_>) -> Result<Found, Malformed> {
+        let data = message.data;
+        let Some(carries) = self.channels.carries(message.channel) else {
             return Ok(Found::Unknown);
         };
         match carries {
@@ -113,16 +97,69 @@ impl Assembler {
                     self.latest_s = sample.time_s;
                     return Ok(Found::Sample(sample));
                 }
+                return self.finish_discs(energy);
             }
             Carries::Impact(site) => return event(site, data).map(Found::Event),
+            Carries::Disc(index) => {
+                let [time_s, x, y, angle_rad, vx, vy, spin_rad_s] = numbers(data)?;
+                let state = DiscState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s };
+                self.put_part(index, time_s, |sample| sample.discs[index] = state)?;
+            }
+            Carries::PairContact(index) => {
+                let [time_s] = numbers(data)?;
+                let contact = contact(data)?;
+                let place = self.channels.names().discs.len() + index;
+                self.put_part(place, time_s, |sample| sample.contacts[index] = contact)?;
+            }
+            Carries::PairImpact(pair) => {
+                self.channels.close();
+                let (time_s, kind, [approach_m_s, impulse_n_s]) = change(data)?;
+                return Ok(Found::DiscsEvent(BodiesEvent { time_s, pair, kind, approach_m_s, impulse_n_s }));
+            }
             Carries::Lines => {
                 let (text, name) = log_line(data)?;
                 if name == "run" {
-                    return Ok(Found::Ended(Ended::new(log_time_ns as f64 * 1e-9, text)));
+                    return Ok(Found::Ended(Ended::new(message.log_time_ns as f64 * 1e-9, text)));
                 }
             }
+            Carries::Picture => {}
         }
         Ok(Found::Nothing)
+    }
+
+    /// Takes one of the messages of a sample of discs.
+    fn put_part(&mut self, place: usize, time_s: f64, put: impl FnOnce(&mut BodiesSample)) -> Result<(), Malformed> {
+        if !time_s.is_finite() || time_s < self.latest_s {
+            return Err(BACK);
+        }
+        let names = self.channels.close();
+        let parts = &mut self.discs;
+        let (discs, pairs) = (names.discs.len(), names.pairs.len());
+        if parts.there.len() != discs + pairs {
+            parts.there = vec![false; discs + pairs];
+            parts.sample.discs = vec![DiscState::default(); discs];
+            parts.sample.contacts = vec![ContactSample::NONE; pairs];
+        }
+        parts.sample.time_s = time_s;
+        put(&mut parts.sample);
+        if !std::mem::replace(&mut parts.there[place], true) {
+            parts.count += 1;
+        }
+        Ok(())
+    }
+
+    /// The sample, if every disc and every pair has come since the last one.
+    fn finish_discs(&mut self, energy: trace::Energy) -> Result<Found, Malformed> {
+        let parts = &mut self.discs;
+        // Nothing is copied for less than a whole sample: the work stays in proportion to what was read.
+        if parts.count == 0 || parts.count < parts.there.len() {
+            return Ok(Found::Nothing);
+        }
+        parts.there.fill(false);
+        parts.count = 0;
+        parts.sample.energy = energy;
+        self.latest_s = parts.sample.time_s;
+        Ok(Found::Discs(parts.sample.clone()))
     }
 
     fn begin(&self, data: &[u8]) -> Result<Sample, Malformed> {
@@ -140,7 +177,7 @@ impl Assembler {
             motor_torque_n_m,
         ] = numbers(data)?;
         if !time_s.is_finite() || time_s < self.latest_s {
-            return Err(Malformed("the time of a sample is not a number, or goes back"));
+            return Err(BACK);
         }
         Ok(Sample {
             time_s,
@@ -183,6 +220,12 @@ fn energy(data: &[u8]) -> Result<trace::Energy, Malformed> {
 }
 
 fn event(site: Site, data: &[u8]) -> Result<Event, Malformed> {
+    let (time_s, kind, [approach_speed, impulse]) = change(data)?;
+    Ok(Event { time_s, site, kind, approach_speed, impulse })
+}
+
+/// A change of contact: its time, its kind, approach speed and impulse.
+fn change(data: &[u8]) -> Result<(f64, EventKind, [f64; 2]), Malformed> {
     let [time_s, pressed, touch_down, approach_speed, impulse] = numbers(data)?;
     if !time_s.is_finite() {
         return Err(Malformed("the time of an event is not a number"));
@@ -192,5 +235,5 @@ fn event(site: Site, data: &[u8]) -> Result<Event, Malformed> {
         (true, true) => EventKind::TouchDown,
         (true, false) => EventKind::Reload,
     };
-    Ok(Event { time_s, site, kind, approach_speed, impulse })
+    Ok((time_s, kind, [approach_speed, impulse]))
 }

@@ -16,6 +16,8 @@ pub struct Behind {
     /// Time of the first and of the last message in them.
     pub first_s: f64,
     pub last_s: f64,
+    /// Whether they were made use of.
+    pub used: bool,
 }
 
 impl fmt::Display for Behind {
@@ -26,7 +28,8 @@ impl fmt::Display for Behind {
             1 => write!(out, "behind it one chunk is whole")?,
             count => write!(out, "behind it {count} chunks are whole")?,
         }
-        write!(out, " ({} messages from {first:.6} to {last:.6} ms), which were not used", self.messages)
+        let used = if self.used { "which were used" } else { "which were not used" };
+        write!(out, " ({} messages from {first:.6} to {last:.6} ms), {used}", self.messages)
     }
 }
 
@@ -36,11 +39,16 @@ const MARK: &[u8] = b"\x04\0\0\0zstd";
 const BEFORE_MARK: usize = 1 + 8 + 8 + 8 + 8 + 4;
 const WINDOW: usize = 1 << 16;
 
-/// Looks for whole chunks from byte `from` on.
+/// Looks for whole chunks from byte `from` on, and shows each to `take`, which says whether it has a use for it.
 ///
 /// Bytes can be laid out so that every one of them begins a chunk that fails only after much work: no more work is done
 /// than is in proportion to the size of the file.
-pub fn search(source: &mut (impl Read + Seek), from: u64, bytes: u64) -> io::Result<Behind> {
+pub fn search<E: From<io::Error>>(
+    source: &mut (impl Read + Seek),
+    from: u64,
+    bytes: u64,
+    mut take: impl FnMut(&Chunk<'_>, &[u8]) -> Result<bool, E>,
+) -> Result<Behind, E> {
     let mut found = Behind::default();
     let mut work = bytes.saturating_mul(20).saturating_add(4 * LARGEST_RECORD as u64);
     let mut window = Vec::with_capacity(WINDOW);
@@ -77,6 +85,9 @@ pub fn search(source: &mut (impl Read + Seek), from: u64, bytes: u64) -> io::Res
         }
         work -= cost;
         let Ok(records) = chunk.records(LARGEST_RECORD, &mut room) else { continue };
+        if !take(&chunk, records)? {
+            continue;
+        }
         let (start_s, end_s) = (chunk.start_ns as f64 * 1e-9, chunk.end_ns as f64 * 1e-9);
         found.first_s = if found.chunks == 0 { start_s } else { found.first_s.min(start_s) };
         found.last_s = found.last_s.max(end_s);
@@ -85,6 +96,31 @@ pub fn search(source: &mut (impl Read + Seek), from: u64, bytes: u64) -> io::Res
         at = start + 9 + length;
     }
     Ok(found)
+}
+
+/// The records of the index at the end of a file, if it is there and its checksum is right: schemas and channels stand in
+/// it once more.
+pub fn index(source: &mut (impl Read + Seek), bytes: u64) -> io::Result<Option<Vec<u8>>> {
+    // Opcode, length, start of the index, start of its offsets, checksum; the magic of the end.
+    const FOOTER: u64 = 1 + 8 + 8 + 8 + 4;
+    let Some(at) = bytes.checked_sub(FOOTER + mcap::MAGIC.len() as u64) else { return Ok(None) };
+    source.seek(SeekFrom::Start(at))?;
+    let mut footer = [0; FOOTER as usize];
+    source.read_exact(&mut footer)?;
+    let mut cursor = Cursor::new(&footer);
+    let Ok((op::FOOTER, body)) = cursor.record() else { return Ok(None) };
+    let mut cursor = Cursor::new(body);
+    let (Ok(start), Ok(_), Ok(crc)) = (cursor.u64(), cursor.u64(), cursor.u32()) else { return Ok(None) };
+    if start == 0 || start >= at || at - start > LARGEST_RECORD as u64 {
+        return Ok(None);
+    }
+    source.seek(SeekFrom::Start(start))?;
+    let mut records = Vec::new();
+    source.by_ref().take(at - start).read_to_end(&mut records)?;
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&records);
+    hasher.update(&footer[..footer.len() - 4]);
+    Ok((crc != 0 && hasher.finalize() == crc).then_some(records))
 }
 
 fn messages(records: &[u8]) -> u64 {

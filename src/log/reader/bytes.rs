@@ -3,6 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use super::record::{AttachmentRecord, ChannelRecord, MessageRecord, SchemaRecord};
+
 /// Bytes that are not what they should be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
@@ -67,6 +69,18 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.take(length.into())?).map_err(|_| Malformed("a text is not UTF-8"))
     }
 
+    /// A map of texts.
+    fn entries(&mut self) -> Result<BTreeMap<String, String>, Malformed> {
+        let length = self.u32()?;
+        let mut list = Cursor::new(self.take(length.into())?);
+        let mut entries = BTreeMap::new();
+        while !list.is_empty() {
+            let key = list.text()?;
+            entries.insert(key.to_string(), list.text()?.to_string());
+        }
+        Ok(entries)
+    }
+
     /// One record within a chunk: its opcode and body.
     pub fn record(&mut self) -> Result<(u8, &'a [u8]), Malformed> {
         let opcode = self.u8()?;
@@ -78,21 +92,13 @@ impl<'a> Cursor<'a> {
 /// Name and entries of a metadata record.
 pub fn metadata(body: &[u8]) -> Result<(&str, BTreeMap<String, String>), Malformed> {
     let mut cursor = Cursor::new(body);
-    let name = cursor.text()?;
-    let length = cursor.u32()?;
-    let mut list = Cursor::new(cursor.take(length.into())?);
-    let mut entries = BTreeMap::new();
-    while !list.is_empty() {
-        let key = list.text()?;
-        entries.insert(key.to_string(), list.text()?.to_string());
-    }
-    Ok((name, entries))
+    Ok((cursor.text()?, cursor.entries()?))
 }
 
-/// Name, media type and data of an attachment whose checksum is right.
-pub fn attachment(body: &[u8]) -> Result<(&str, &str, &[u8]), Malformed> {
+/// An attachment whose checksum is right.
+pub fn attachment(body: &[u8]) -> Result<AttachmentRecord<'_>, Malformed> {
     let mut cursor = Cursor::new(body);
-    cursor.take(16)?;
+    let (log_time_ns, create_time_ns) = (cursor.u64()?, cursor.u64()?);
     let (name, media_type) = (cursor.text()?, cursor.text()?);
     let length = cursor.u64()?;
     let data = cursor.take(length)?;
@@ -101,27 +107,31 @@ pub fn attachment(body: &[u8]) -> Result<(&str, &str, &[u8]), Malformed> {
     if saved != 0 && saved != crc32fast::hash(&body[..covered]) {
         return Err(Malformed("the checksum of the attached scene does not match"));
     }
-    Ok((name, media_type, data))
+    Ok(AttachmentRecord { log_time_ns, create_time_ns, name, media_type, data })
 }
 
-/// Id, name and encoding of a schema.
-pub fn schema(body: &[u8]) -> Result<(u16, &str, &str), Malformed> {
+pub fn schema(body: &[u8]) -> Result<SchemaRecord<'_>, Malformed> {
     let mut cursor = Cursor::new(body);
-    Ok((cursor.u16()?, cursor.text()?, cursor.text()?))
+    let (id, name, encoding) = (cursor.u16()?, cursor.text()?, cursor.text()?);
+    let length = cursor.u32()?;
+    Ok(SchemaRecord { id, name, encoding, data: cursor.take(length.into())? })
 }
 
-/// Id, schema id, topic and message encoding of a channel.
-pub fn channel(body: &[u8]) -> Result<(u16, u16, &str, &str), Malformed> {
+pub fn channel(body: &[u8]) -> Result<ChannelRecord<'_>, Malformed> {
     let mut cursor = Cursor::new(body);
-    Ok((cursor.u16()?, cursor.u16()?, cursor.text()?, cursor.text()?))
+    let (id, schema, topic, encoding) = (cursor.u16()?, cursor.u16()?, cursor.text()?, cursor.text()?);
+    Ok(ChannelRecord { id, schema, topic, encoding, metadata: cursor.entries()? })
 }
 
-/// Channel id, log time in ns and payload of a message.
-pub fn message(body: &[u8]) -> Result<(u16, u64, &[u8]), Malformed> {
+pub fn message(body: &[u8]) -> Result<MessageRecord<'_>, Malformed> {
     let mut cursor = Cursor::new(body);
-    let (channel, _sequence, log_time) = (cursor.u16()?, cursor.u32()?, cursor.u64()?);
-    cursor.u64()?;
-    Ok((channel, log_time, cursor.rest()))
+    Ok(MessageRecord {
+        channel: cursor.u16()?,
+        sequence: cursor.u32()?,
+        log_time_ns: cursor.u64()?,
+        publish_time_ns: cursor.u64()?,
+        data: cursor.rest(),
+    })
 }
 
 /// A chunk as it stands in the file.
@@ -136,6 +146,11 @@ pub struct Chunk<'a> {
 }
 
 impl<'a> Chunk<'a> {
+    /// Whether there is a checksum that says what was written.
+    pub fn is_sealed(&self) -> bool {
+        self.crc != 0
+    }
+
     pub fn parse(body: &'a [u8]) -> Result<Self, Malformed> {
         let mut cursor = Cursor::new(body);
         let (start_ns, end_ns, uncompressed_size) = (cursor.u64()?, cursor.u64()?, cursor.u64()?);
@@ -187,8 +202,8 @@ mod tests {
         assert_eq!(metadata(&[255; 8]), Err(SHORT));
         let mut body = vec![0; 24];
         body.extend((1u64 << 60).to_le_bytes());
-        assert_eq!(attachment(&body), Err(SHORT));
-        assert_eq!(attachment(&[]), Err(SHORT));
+        assert!(attachment(&body).is_err());
+        assert!(attachment(&[]).is_err());
         assert_eq!(metadata(&[0, 0, 0, 0, 255, 255, 255, 255]), Err(SHORT));
     }
 

@@ -10,7 +10,9 @@
 //! | file | job |
 //! |---|---|
 //! | `bytes` | records of an MCAP file |
+//! | `record` | those records, and who takes them |
 //! | `wire` | messages of protobuf |
+//! | `channels` | what a channel carries |
 //! | `assemble` | messages → samples and events |
 //! | `behind` | chunks that can still be read behind a damage |
 //!
@@ -20,6 +22,8 @@
 mod assemble;
 mod behind;
 mod bytes;
+mod channels;
+mod record;
 mod wire;
 
 use std::collections::BTreeMap;
@@ -33,9 +37,13 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use self::assemble::{Assembler, Found};
 pub use self::behind::Behind;
-use self::bytes::{Chunk, Malformed};
+use self::bytes::{Chunk, Cursor, Malformed};
+pub(super) use self::bytes::{channel, message, metadata, schema};
+use self::record::Fingers;
+pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Names, Record, SchemaRecord};
 use super::file::partial_name;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
+use super::recovered::RECOVERED_NAME;
 use crate::trace::{Sink, SinkError};
 
 /// No record or chunk of a log is larger, compressed or not: sixty times what phalanx writes.
@@ -48,6 +56,8 @@ pub struct Reading {
     pub bytes: u64,
     /// Versions, model and settings, see [`metadata`](super::metadata()).
     pub metadata: BTreeMap<String, String>,
+    /// What a log that was recovered from a damaged one says of that, see [`recover`](super::recover()).
+    pub recovered: Option<BTreeMap<String, String>>,
     /// Name and text of the attached scene.
     pub scene: Option<(String, String)>,
     pub samples: u64,
@@ -70,6 +80,15 @@ impl Reading {
     pub fn is_whole(&self) -> bool {
         self.losses.is_empty()
     }
+
+    /// Whether the log is of a scene of discs.
+    pub fn is_of_discs(&self) -> bool {
+        is_of_discs(&self.metadata)
+    }
+}
+
+fn is_of_discs(metadata: &BTreeMap<String, String>) -> bool {
+    metadata.get("kind").is_some_and(|kind| kind == "bodies")
 }
 
 /// How the run of a log ended.
@@ -131,16 +150,22 @@ pub enum ReadError {
     Sink(#[from] SinkError),
 }
 
-/// Reads a log file into a sink.
+/// Reads the log file of a finger into a sink.
 ///
 /// # Errors
 /// [`ReadError`] if it is not a log of phalanx or cannot be read, or if the sink refuses. A log that is cut short or
 /// damaged is no error: [`Reading::losses`] says so.
 pub fn read_file(path: &Path, sink: &mut impl Sink) -> Result<Reading, ReadError> {
-    read(open(path)?, sink)
+    read(open_log(path)?, sink)
 }
 
-fn open(path: &Path) -> Result<BufReader<File>, ReadError> {
+/// Reads a log file of any kind, see [`read_file`].
+pub fn read_any_file(path: &Path, sink: &mut impl LogSink) -> Result<Reading, ReadError> {
+    read_any(open_log(path)?, sink)
+}
+
+/// Opens a log file for reading.
+pub fn open_log(path: &Path) -> Result<BufReader<File>, ReadError> {
     let not_a_file = |what| ReadError::NotAFile { path: path.to_path_buf(), what };
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(not_a_file("a directory")),
@@ -166,15 +191,37 @@ fn open(path: &Path) -> Result<BufReader<File>, ReadError> {
 /// # Errors
 /// As [`read_file`].
 pub fn read_head(path: &Path) -> Result<Reading, ReadError> {
-    go_through(open(path)?, &mut (), true)
+    go_through(open_log(path)?, &mut (), Extent::Head)
 }
 
-/// Reads a log into a sink, see [`read_file`].
+/// Reads the log of a finger into a sink, see [`read_file`].
 pub fn read(source: impl Read + Seek, sink: &mut impl Sink) -> Result<Reading, ReadError> {
-    go_through(source, sink, false)
+    read_any(source, &mut Fingers(sink))
 }
 
-fn go_through(mut source: impl Read + Seek, sink: &mut impl Sink, head_only: bool) -> Result<Reading, ReadError> {
+/// Reads a log of any kind into a sink, see [`read_file`].
+pub fn read_any(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<Reading, ReadError> {
+    go_through(source, sink, Extent::Prefix)
+}
+
+/// Reads a log as [`read_any`] does, and goes on with the whole chunks behind a damage: what is missing in between is for
+/// the sink to see, from times and sequence numbers.
+pub fn read_pieces(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<Reading, ReadError> {
+    go_through(source, sink, Extent::Pieces)
+}
+
+/// How much of a log is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Extent {
+    /// What comes before the first chunk.
+    Head,
+    /// Up to the first thing that is missing or wrong.
+    Prefix,
+    /// And whole chunks behind that.
+    Pieces,
+}
+
+fn go_through(mut source: impl Read + Seek, sink: &mut impl LogSink, extent: Extent) -> Result<Reading, ReadError> {
     let bytes = source.seek(SeekFrom::End(0))?;
     source.rewind()?;
     let mut head = Vec::with_capacity(mcap::MAGIC.len());
@@ -185,23 +232,31 @@ fn go_through(mut source: impl Read + Seek, sink: &mut impl Sink, head_only: boo
     source.rewind()?;
     let mut reader = Reader {
         sink,
-        assembler: Assembler::new(),
+        assembler: Assembler::new(false),
         room: Vec::new(),
         identified: false,
-        head_only,
+        named: false,
+        head_only: extent == Extent::Head,
+        latest_ns: 0,
         reading: Reading { bytes, ..Reading::default() },
     };
     let (at_byte, end) = reader.records(&mut source)?;
-    let Reader { mut reading, identified, .. } = reader;
-    if !identified {
+    if !reader.identified {
         return Err(if matches!(end, End::Cut) { ReadError::Empty { bytes } } else { ReadError::NotPhalanx });
     }
-    let last_s = reading.last_s;
-    let behind = match end {
-        _ if head_only => return Ok(reading),
-        End::Whole => return Ok(reading),
-        _ => behind::search(&mut source, at_byte + 1, bytes)?,
-    };
+    if extent == Extent::Head || matches!(end, End::Whole) {
+        return Ok(reader.reading);
+    }
+    let last_s = reader.reading.last_s;
+    if extent == Extent::Pieces && reader.reading.chunks == 0 {
+        reader.names_from_index(&mut source)?;
+    }
+    let behind = behind::search(&mut source, at_byte + 1, bytes, |chunk, records| match extent {
+        Extent::Pieces => reader.piece(chunk, records),
+        Extent::Head | Extent::Prefix => Ok(true),
+    })?;
+    let behind = Behind { used: extent == Extent::Pieces && behind.chunks > 0, ..behind };
+    let mut reading = reader.reading;
     reading.losses.push(match end {
         // A record that reaches beyond the end is a cut, unless there is more behind its beginning.
         End::Cut if behind.chunks == 0 => Loss::Truncated { at_byte, bytes, last_s },
@@ -229,12 +284,16 @@ struct Reader<'a, S> {
     room: Vec<u8>,
     /// The metadata record has been seen.
     identified: bool,
+    /// The sink knows the names of discs and pairs.
+    named: bool,
     /// Stop before the first chunk.
     head_only: bool,
+    /// Latest log time.
+    latest_ns: u64,
     reading: Reading,
 }
 
-impl<S: Sink> Reader<'_, S> {
+impl<S: LogSink> Reader<'_, S> {
     /// Goes through the records of the file; returns where it ends, or where the first one begins that could not be used.
     fn records(&mut self, source: &mut impl Read) -> Result<(u64, End), ReadError> {
         let options = LinearReaderOptions::default()
@@ -279,18 +338,30 @@ impl<S: Sink> Reader<'_, S> {
     fn record(&mut self, at_byte: u64, opcode: u8, data: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
         match opcode {
             op::METADATA => match bytes::metadata(data) {
-                Ok((METADATA_NAME, entries)) if !self.identified => {
-                    self.identified = true;
-                    self.reading.metadata = entries;
+                Ok((name, entries)) => {
+                    self.sink.record(&Record::Metadata { name, entries: &entries })?;
+                    match name {
+                        METADATA_NAME if !self.identified => {
+                            self.identified = true;
+                            if is_of_discs(&entries) {
+                                self.assembler = Assembler::new(true);
+                            }
+                            self.reading.metadata = entries;
+                        }
+                        RECOVERED_NAME => self.reading.recovered = Some(entries),
+                        _ => {}
+                    }
                 }
-                Ok(_) => {}
                 Err(malformed) => return Ok(Err(malformed)),
             },
             op::ATTACHMENT => match bytes::attachment(data) {
-                Ok((name, ATTACHMENT_MEDIA_TYPE, text)) if self.reading.scene.is_none() => {
-                    self.reading.scene = Some((name.to_string(), String::from_utf8_lossy(text).into_owned()));
+                Ok(attachment) => {
+                    self.sink.record(&Record::Attachment(attachment))?;
+                    if attachment.media_type == ATTACHMENT_MEDIA_TYPE && self.reading.scene.is_none() {
+                        let text = String::from_utf8_lossy(attachment.data).into_owned();
+                        self.reading.scene = Some((attachment.name.to_string(), text));
+                    }
                 }
-                Ok(_) => {}
                 // The samples do not need it.
                 Err(malformed) => {
                     let reason = malformed.to_string();
@@ -311,8 +382,40 @@ impl<S: Sink> Reader<'_, S> {
         Ok(Ok(()))
     }
 
+    /// Schemas and channels from the index, where the first chunk, which has them too, is lost.
+    fn names_from_index(&mut self, source: &mut (impl Read + Seek)) -> Result<(), ReadError> {
+        let Some(index) = behind::index(source, self.reading.bytes)? else { return Ok(()) };
+        let mut found = Vec::new();
+        let mut cursor = Cursor::new(&index);
+        while let Ok((opcode, data)) = cursor.record() {
+            let id = data.first_chunk().map_or(0, |id| u16::from_le_bytes(*id));
+            if matches!(opcode, op::SCHEMA | op::CHANNEL) {
+                found.push((opcode, id, data));
+            }
+        }
+        // In the order in which they were announced: schemas first, by their ids.
+        found.sort_by_key(|&(opcode, id, _)| (opcode, id));
+        for (opcode, _, data) in found {
+            if self.small(opcode, data)?.is_err() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// A whole chunk behind a damage; false if it is of no use here.
+    fn piece(&mut self, chunk: &Chunk<'_>, records: &[u8]) -> Result<bool, ReadError> {
+        // What goes back in time, or has nothing to vouch for it, is no part of this log.
+        if !chunk.is_sealed() || chunk.start_ns < self.latest_ns {
+            return Ok(false);
+        }
+        self.assembler.forget_parts();
+        self.sink.piece()?;
+        Ok(self.chunk(records)?.is_ok())
+    }
+
     fn chunk(&mut self, records: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
-        let mut cursor = bytes::Cursor::new(records);
+        let mut cursor = Cursor::new(records);
         while !cursor.is_empty() {
             let outcome = match cursor.record() {
                 Ok((opcode, data)) => self.small(opcode, data)?,
@@ -328,39 +431,76 @@ impl<S: Sink> Reader<'_, S> {
 
     /// A schema, a channel or a message, in a chunk or outside.
     fn small(&mut self, opcode: u8, data: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
-        let outcome = match opcode {
-            op::SCHEMA => bytes::schema(data).map(|(id, name, encoding)| {
-                self.assembler.schema(id, name, encoding);
-                Found::Nothing
-            }),
-            op::CHANNEL => bytes::channel(data).map(|(id, schema, topic, encoding)| {
-                self.reading.unknown_channels += u64::from(self.assembler.channel(id, schema, topic, encoding));
-                Found::Nothing
-            }),
+        match opcode {
+            op::SCHEMA => match bytes::schema(data) {
+                Ok(schema) => {
+                    self.assembler.schema(&schema);
+                    self.sink.record(&Record::Schema(schema))?;
+                }
+                Err(malformed) => return Ok(Err(malformed)),
+            },
+            op::CHANNEL => match bytes::channel(data) {
+                Ok(channel) => {
+                    self.reading.unknown_channels += u64::from(self.assembler.channel(&channel));
+                    self.sink.record(&Record::Channel(channel))?;
+                }
+                Err(malformed) => return Ok(Err(malformed)),
+            },
             op::MESSAGE if !self.identified => return Err(ReadError::NotPhalanx),
             op::MESSAGE => {
-                self.reading.messages += 1;
-                bytes::message(data).and_then(|(channel, time, payload)| self.assembler.message(channel, time, payload))
+                let understood = bytes::message(data)
+                    .and_then(|message| self.assembler.message(&message).map(|found| (message, found)));
+                match understood {
+                    Ok((message, found)) => {
+                        self.reading.messages += 1;
+                        self.latest_ns = self.latest_ns.max(message.log_time_ns);
+                        self.sink.record(&Record::Message(message))?;
+                        self.found(found)?;
+                    }
+                    Err(malformed) => return Ok(Err(malformed)),
+                }
             }
-            _ => Ok(Found::Nothing),
-        };
-        match outcome {
-            Err(malformed) => return Ok(Err(malformed)),
-            Ok(Found::Nothing) => {}
-            Ok(Found::Unknown) => self.reading.unknown_messages += 1,
-            Ok(Found::Sample(sample)) => {
-                self.sink.sample(&sample)?;
-                self.reading.samples += 1;
-                self.reading.first_s.get_or_insert(sample.time_s);
-                self.reading.last_s = Some(sample.time_s);
-            }
-            Ok(Found::Event(event)) => {
-                self.sink.event(&event)?;
-                self.reading.events += 1;
-            }
-            Ok(Found::Ended(ended)) => self.reading.ended = Some(ended),
+            _ => {}
         }
         Ok(Ok(()))
+    }
+
+    fn found(&mut self, found: Found) -> Result<(), SinkError> {
+        if matches!(found, Found::Discs(_) | Found::DiscsEvent(_)) && !self.named {
+            self.named = true;
+            self.sink.names(self.assembler.names())?;
+        }
+        let sample_s = match found {
+            Found::Nothing => return Ok(()),
+            Found::Unknown => {
+                self.reading.unknown_messages += 1;
+                return Ok(());
+            }
+            Found::Ended(ended) => {
+                self.reading.ended = Some(ended);
+                return Ok(());
+            }
+            Found::Event(event) => {
+                self.reading.events += 1;
+                return self.sink.event(&event);
+            }
+            Found::DiscsEvent(event) => {
+                self.reading.events += 1;
+                return self.sink.discs_event(&event);
+            }
+            Found::Sample(sample) => {
+                self.sink.sample(&sample)?;
+                sample.time_s
+            }
+            Found::Discs(sample) => {
+                self.sink.discs(&sample)?;
+                sample.time_s
+            }
+        };
+        self.reading.samples += 1;
+        self.reading.first_s.get_or_insert(sample_s);
+        self.reading.last_s = Some(sample_s);
+        Ok(())
     }
 }
 

@@ -99,12 +99,23 @@ impl BodiesReport {
 
 /// Discs by name.
 pub(in crate::report) fn discs(scene: &BodiesScene, outcome: &BodiesOutcome) -> BTreeMap<String, DiscReport> {
-    let report = |motion: &DiscMotion, state: &DiscState| DiscReport {
-        motion: match motion {
-            DiscMotion::Fixed => "fixed",
-            DiscMotion::Driven { .. } => "driven",
-            DiscMotion::Free { .. } => "free",
-        },
+    let names: Vec<String> = scene.discs.iter().map(|disc| disc.name.clone()).collect();
+    discs_of(&names, Some(scene), &outcome.last.discs)
+}
+
+/// Discs that have these names, in order; how they move is `unknown` without a scene that has them.
+pub(in crate::report) fn discs_of(
+    names: &[String],
+    scene: Option<&BodiesScene>,
+    states: &[DiscState],
+) -> BTreeMap<String, DiscReport> {
+    let motion = |name: &str| match scene?.discs.iter().find(|disc| disc.name == name)?.motion {
+        DiscMotion::Fixed => Some("fixed"),
+        DiscMotion::Driven { .. } => Some("driven"),
+        DiscMotion::Free { .. } => Some("free"),
+    };
+    let report = |motion, state: &DiscState| DiscReport {
+        motion,
         x_m: state.centre_m[0],
         y_m: state.centre_m[1],
         angle_rad: state.angle_rad,
@@ -112,8 +123,8 @@ pub(in crate::report) fn discs(scene: &BodiesScene, outcome: &BodiesOutcome) -> 
         vy_m_s: state.velocity_m_s[1],
         spin_rad_s: state.spin_rad_s,
     };
-    let discs = scene.discs.iter().zip(&outcome.last.discs);
-    discs.map(|(disc, state)| (disc.name.clone(), report(&disc.motion, state))).collect()
+    let discs = names.iter().zip(states);
+    discs.map(|(name, state)| (name.clone(), report(motion(name).unwrap_or("unknown"), state))).collect()
 }
 
 /// Pairs by name; without rebounds these are left out.
@@ -122,11 +133,21 @@ pub(in crate::report) fn contacts(
     outcome: &BodiesOutcome,
     rebounds: &[Rebound],
 ) -> BTreeMap<String, PairReport> {
-    let pairs = scene.pairs().into_iter().zip(&outcome.pairs).zip(&outcome.last.contacts).enumerate();
+    let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
+    contacts_of(&names, outcome, rebounds)
+}
+
+/// Pairs that have these names, in order.
+pub(in crate::report) fn contacts_of(
+    names: &[String],
+    outcome: &BodiesOutcome,
+    rebounds: &[Rebound],
+) -> BTreeMap<String, PairReport> {
+    let pairs = names.iter().zip(&outcome.pairs).zip(&outcome.last.contacts).enumerate();
     pairs
-        .map(|(index, ((pair, summary), last))| {
+        .map(|(index, ((name, summary), last))| {
             let rebound = rebounds.get(index).copied().unwrap_or_default();
-            (scene.pair_name(pair), PairReport::new(summary, last, &rebound))
+            (name.clone(), PairReport::new(summary, last, &rebound))
         })
         .collect()
 }

@@ -36,7 +36,7 @@ pub fn bodies_text(report: &BodiesReport) -> String {
     sections.join("\n")
 }
 
-fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> String {
+pub(in crate::report) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> String {
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
     for (name, disc) in discs {
@@ -54,7 +54,7 @@ fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> String {
     table(&rows)
 }
 
-fn contacts(pairs: &BTreeMap<String, PairReport>) -> String {
+pub(in crate::report) fn contacts(pairs: &BTreeMap<String, PairReport>) -> String {
     let mut rows = vec![row([
         "contact",
         "first, ms",
@@ -82,7 +82,7 @@ fn contacts(pairs: &BTreeMap<String, PairReport>) -> String {
     table(&rows)
 }
 
-fn energies(energy: &Energies) -> String {
+pub(in crate::report) fn energies(energy: &Energies) -> String {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     table(&[
         row(["energy", "kinetic", "gravity", "contact", "dissipated", "drive work", "balance"]),

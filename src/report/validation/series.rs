@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::super::csv::cell;
 use crate::scene::BodiesScene;
 use crate::trace::Sample;
 use crate::trace::bodies::BodiesSample;
@@ -98,8 +99,4 @@ fn write_series(
         }
         index += 1;
     }
-}
-
-fn cell(value: f64) -> String {
-    if value.is_finite() { format!("{value:?}") } else { String::new() }
 }

@@ -1,0 +1,197 @@
+//! Reading a log with everything that listens to it: the summary of either kind, the criteria, the table of samples.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::interrupt::Interrupt;
+use super::output::complain;
+use super::progress::Progress;
+use super::simulate::final_angles;
+use super::{Failure, replay};
+use crate::criteria::{Criteria, Tracker};
+use crate::log::{self, LARGEST_RECORD, LogSink, Names, ReadError, Reading};
+use crate::report::{CsvHead, DiscsSummary, ReplayReport, Summary, csv_discs, csv_finger};
+use crate::scene::{self, AnyScene, BodiesScene, SceneError};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::{Event, Sample, Sink, SinkError};
+
+/// Everything that listens to a log.
+pub(super) struct Listeners<'a> {
+    summary: Summary,
+    tracker: Option<Tracker>,
+    discs: DiscsSummary,
+    /// The scene of a log of discs, if there is one that this phalanx reads.
+    bodies: Option<Box<BodiesScene>>,
+    progress: Progress,
+    interrupt: &'a Interrupt,
+}
+
+impl<'a> Listeners<'a> {
+    /// Looks at the head of the log: the criteria need its scene before the first sample.
+    pub fn new(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
+        let head = replay::head(path)?;
+        let duration_s = head.metadata.get("duration_s").and_then(|text| text.parse().ok());
+        let mut listeners = Listeners {
+            summary: Summary::default(),
+            tracker: None,
+            discs: DiscsSummary::default(),
+            bodies: None,
+            progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)),
+            interrupt,
+        };
+        match attached(&head) {
+            Some(Ok(AnyScene::Finger(scene))) => listeners.tracker = final_angles(&scene).map(Tracker::new),
+            Some(Ok(AnyScene::Bodies(scene))) => listeners.bodies = Some(scene),
+            Some(Err(error)) => {
+                let missing =
+                    if head.is_of_discs() { "what moves the discs is unknown" } else { "no dynamic criteria" };
+                complain(&format!("{missing}, for the scene in the log cannot be read by this phalanx: {error}"));
+            }
+            None => {}
+        }
+        Ok(listeners)
+    }
+
+    /// The summary of what was read.
+    pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
+        match reading.is_of_discs() {
+            false => ReplayReport::new(name, reading, &self.summary, self.criteria(reading)),
+            true => ReplayReport::of_discs(name, reading, &self.discs, self.bodies.as_deref()),
+        }
+    }
+
+    /// Of a run that was completed, and of which nothing is missing.
+    fn criteria(&self, reading: &Reading) -> Option<Criteria> {
+        let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
+        let whole = completed && reading.losses.is_empty() && reading.recovered.is_none();
+        self.tracker.as_ref().filter(|_| whole).map(|tracker| tracker.criteria(true))
+    }
+
+    fn check(&self) -> Result<(), SinkError> {
+        go_on(self.interrupt, "a summary of the whole log")
+    }
+}
+
+impl LogSink for Listeners<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.check()?;
+        Sink::sample(&mut self.progress, sample)?;
+        self.summary.sample(sample)?;
+        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.sample(sample))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.summary.event(event)?;
+        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.event(event))
+    }
+
+    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
+        self.discs = DiscsSummary::new(names.clone());
+        Ok(())
+    }
+
+    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.check()?;
+        BodiesSink::sample(&mut self.progress, sample)?;
+        self.discs.sample(sample)
+    }
+
+    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.discs.event(event)
+    }
+}
+
+/// Writes every sample as a line, and passes everything on.
+struct Table<'l, 'a> {
+    out: &'l mut dyn Write,
+    listeners: &'l mut Listeners<'a>,
+    /// The columns have been named.
+    headed: bool,
+    gone: bool,
+}
+
+impl Table<'_, '_> {
+    fn put(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), SinkError> {
+        self.headed = true;
+        write(self.out).map_err(|source| {
+            self.gone = source.kind() == io::ErrorKind::BrokenPipe;
+            SinkError { what: "the table of samples".to_string(), source }
+        })
+    }
+}
+
+impl LogSink for Table<'_, '_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        if !self.headed {
+            self.put(|out| CsvHead::Finger.write(out))?;
+        }
+        self.put(|out| csv_finger(out, sample))?;
+        self.listeners.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.listeners.event(event)
+    }
+
+    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
+        self.put(|out| CsvHead::Discs(names).write(out))?;
+        self.listeners.names(names)
+    }
+
+    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.put(|out| csv_discs(out, sample))?;
+        self.listeners.discs(sample)
+    }
+
+    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.listeners.discs_event(event)
+    }
+}
+
+/// Reads a log.
+pub(super) fn read(path: &Path, listeners: &mut Listeners<'_>) -> Result<Reading, Failure> {
+    let reading = log::read_any_file(path, listeners).map_err(|error| bad_log(path, &error));
+    listeners.progress.clear();
+    reading
+}
+
+/// Reads a log and writes all its samples; nothing if whoever takes them takes no more.
+pub(super) fn tabulate(
+    path: &Path,
+    listeners: &mut Listeners<'_>,
+    out: &mut dyn Write,
+) -> Result<Option<Reading>, Failure> {
+    let mut table = Table { out, listeners, headed: false, gone: false };
+    let reading = log::read_any_file(path, &mut table);
+    let gone = table.gone;
+    listeners.progress.clear();
+    match reading {
+        Err(_) if gone => Ok(None),
+        Err(error) => Err(bad_log(path, &error)),
+        Ok(reading) => Ok(Some(reading)),
+    }
+}
+
+/// The scene of a log, if it has one of a size that scenes have.
+pub(super) fn attached(head: &Reading) -> Option<Result<AnyScene, SceneError>> {
+    let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD)?;
+    Some(scene::parse_any(text, name))
+}
+
+/// An error that ends the reading of a log, once a signal has come.
+pub(super) fn go_on(interrupt: &Interrupt, what: &str) -> Result<(), SinkError> {
+    match interrupt.signal() {
+        None => Ok(()),
+        Some(signal) => {
+            Err(SinkError { what: what.to_string(), source: io::Error::other(format!("interrupted by {signal}")) })
+        }
+    }
+}
+
+pub(super) fn bad_log(path: &Path, error: &ReadError) -> Failure {
+    match error {
+        ReadError::Missing { .. } | ReadError::NotAFile { .. } => Failure::bad_input(error),
+        ReadError::Sink(error) => Failure::incomplete(error),
+        _ => Failure::bad_input(format!("{}: {error}", path.display())),
+    }
+}

@@ -1,0 +1,47 @@
+//! `phalanx replay --recover`: the good part of a damaged log as a log of its own.
+
+use std::io;
+use std::path::Path;
+
+use super::interrupt::Interrupt;
+use super::output::print;
+use super::replace::{probe, replace};
+use super::replay::{ReplayArgs, losses, refuse_the_log};
+use super::replay_read::{bad_log, go_on};
+use super::run::unstarted;
+use super::{Failure, Status};
+use crate::log::{self, ReadError, Recovery};
+use crate::report::{RecoveryReport, recovery_json, recovery_text};
+
+/// Runs the command. The recovered log appears whole or not at all; an older log of its name is replaced, no other file.
+pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
+    let path = &args.log;
+    let mut source = log::open_log(path).map_err(|error| bad_log(path, &error))?;
+    refuse_the_log(path, target, "--recover")?;
+    log::refuse_other_files(target, target).map_err(unstarted)?;
+    probe(target).map_err(|error| {
+        Failure::bad_input(format!(
+            "cannot write {}: {error}; give a file in a directory where you may write",
+            target.display()
+        ))
+    })?;
+    let source_name = path.file_name().and_then(|name| name.to_str()).unwrap_or("a log");
+    let name = format!("the recovered log {}", target.display());
+    let check = || go_on(interrupt, &name);
+    let mut outcome: Result<Recovery, ReadError> = Err(ReadError::NotMcap);
+    let written = replace(target, |out| {
+        outcome = log::recover(&mut source, source_name, out, &name, &check);
+        // What is not whole is no file; the failure itself says why.
+        outcome.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()))
+    });
+    let found = outcome.map_err(|error| bad_log(path, &error))?;
+    written.map_err(|error| Failure::incomplete(format!("cannot write {name}: {error}")))?;
+    let report = RecoveryReport::new(path.display().to_string(), target.display().to_string(), &found);
+    print(&match args.json {
+        true => recovery_json(&report),
+        false => recovery_text(&report),
+    })?;
+    // What was asked for is done, whatever was lost before.
+    losses(path, &found.reading);
+    Ok(Status::Done)
+}

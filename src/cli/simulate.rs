@@ -1,0 +1,184 @@
+//! One simulation with everything that listens to it: `phalanx run` and `phalanx replay --verify` both go through here, so
+//! that what a log should hold is decided in one place.
+
+use std::io::Write;
+use std::time::Instant;
+
+use super::interrupt::Interrupt;
+use super::output::complain;
+use super::progress::Progress;
+use crate::criteria::{Criteria, FinalAngles, Rebound, Rebounds, Tracker};
+use crate::gripper::{Circle, final_posture};
+use crate::integrator;
+use crate::log::{BodiesChannels, FingerChannels, Severity, Writer};
+use crate::report;
+use crate::scene::{BodiesScene, Scene};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use crate::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
+
+/// A simulation that is over.
+pub(super) struct Simulated<W, O, F> {
+    pub result: Result<O, Broken<O>>,
+    /// Criteria of a finger, restitution of discs.
+    pub found: F,
+    pub wall_s: f64,
+    /// What the log was written to, finished.
+    pub log: Result<Option<W>, SinkError>,
+}
+
+/// A run that was not completed.
+pub(super) struct Broken<O> {
+    pub error: report::Failure,
+    /// What there is of it.
+    pub so_far: Option<O>,
+}
+
+/// What ends a run before its time: a signal, or that it is past what anybody wants to know.
+pub(super) struct Limits<'a> {
+    pub interrupt: &'a Interrupt,
+    /// The run may end after the first sample beyond.
+    pub until_s: f64,
+}
+
+/// Simulates a finger.
+pub(super) fn finger<W: Write>(
+    model: Model,
+    scene: &Scene,
+    log: Option<Writer<W, FingerChannels>>,
+    limits: &Limits<'_>,
+) -> Simulated<W, Outcome, Option<Criteria>> {
+    let tracker = final_angles(scene).map(Tracker::new);
+    let mut sinks = Sinks { log, found: tracker, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let start = Instant::now();
+    let result = trace::run(model, scene, &mut sinks);
+    let wall_s = start.elapsed().as_secs_f64();
+    sinks.progress.clear();
+    // Whether the grasp is statically stable is for the statics to say; the criteria here are the run's own.
+    let found = sinks.found.as_ref().filter(|_| result.is_ok()).map(|tracker| tracker.criteria(true));
+    let result = result.map_err(|error| match error {
+        RunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
+        RunError::Sink(error) => failed(&error, sinks.last_s),
+    });
+    let log = sinks.log.map(|log| close(log, sinks.last_s, result.as_ref().err())).transpose();
+    Simulated { result, found, wall_s, log }
+}
+
+/// Simulates discs.
+pub(super) fn bodies<W: Write>(
+    model: Model,
+    scene: &BodiesScene,
+    log: Option<Writer<W, BodiesChannels>>,
+    limits: &Limits<'_>,
+) -> Simulated<W, BodiesOutcome, Vec<Rebound>> {
+    let rebounds = Rebounds::new(scene.pairs().len());
+    let mut sinks = Sinks { log, found: rebounds, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let start = Instant::now();
+    let result = run_bodies(model, scene, &mut sinks);
+    let wall_s = start.elapsed().as_secs_f64();
+    sinks.progress.clear();
+    let result = result.map_err(|error| match error {
+        BodiesRunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
+        BodiesRunError::Sink(error) => failed(&error, sinks.last_s),
+    });
+    let log = sinks.log.map(|log| close(log, sinks.last_s, result.as_ref().err())).transpose();
+    Simulated { result, found: sinks.found.pairs().to_vec(), wall_s, log }
+}
+
+/// How far a run has come of how far it goes.
+fn progress(duration_s: f64, limits: &Limits<'_>) -> Progress {
+    Progress::new(duration_s.min(limits.until_s))
+}
+
+fn stopped<O>(failure: integrator::Failure, so_far: Option<O>, interrupt: &Interrupt) -> Broken<O> {
+    let reason = interrupt.reason(&failure.reason);
+    Broken { error: report::Failure { time_s: failure.time_s, reason }, so_far }
+}
+
+fn failed<O>(error: &SinkError, last_s: f64) -> Broken<O> {
+    Broken { error: report::Failure { time_s: last_s, reason: error.to_string() }, so_far: None }
+}
+
+/// Says in the log how the run ended, and finishes it.
+fn close<W: Write, C, O>(mut log: Writer<W, C>, last_s: f64, broken: Option<&Broken<O>>) -> Result<W, SinkError> {
+    let (time_s, severity, text) = match broken {
+        None => (last_s, Severity::Info, "completed".to_string()),
+        Some(Broken { error, .. }) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
+    };
+    log.note(time_s, severity, &text)?;
+    log.finish()
+}
+
+/// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
+pub(super) fn final_angles(scene: &Scene) -> Option<FinalAngles> {
+    let object = scene.object?;
+    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    match final_posture(&scene.finger.lengths, scene.finger.assembly, disc) {
+        Ok(end) => Some(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad }),
+        Err(error) => {
+            complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
+            None
+        }
+    }
+}
+
+/// Everything that listens to a run; `found` is the tracker of criteria or rebounds.
+struct Sinks<'a, W: Write, C, F> {
+    log: Option<Writer<W, C>>,
+    found: F,
+    /// Time of the latest sample.
+    last_s: f64,
+    progress: Progress,
+    limits: &'a Limits<'a>,
+}
+
+impl<W: Write> Sink for Sinks<'_, W, FingerChannels, Option<Tracker>> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.last_s = sample.time_s;
+        Sink::sample(&mut self.progress, sample)?;
+        if let Some(tracker) = &mut self.found {
+            tracker.sample(sample)?;
+        }
+        match &mut self.log {
+            Some(log) => log.sample(sample),
+            None => Ok(()),
+        }
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        if let Some(tracker) = &mut self.found {
+            tracker.event(event)?;
+        }
+        match &mut self.log {
+            Some(log) => log.event(event),
+            None => Ok(()),
+        }
+    }
+
+    fn proceed(&self) -> bool {
+        self.last_s <= self.limits.until_s && self.limits.interrupt.signal().is_none()
+    }
+}
+
+impl<W: Write> BodiesSink for Sinks<'_, W, BodiesChannels, Rebounds> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.last_s = sample.time_s;
+        BodiesSink::sample(&mut self.progress, sample)?;
+        self.found.sample(sample)?;
+        match &mut self.log {
+            Some(log) => log.sample(sample),
+            None => Ok(()),
+        }
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.found.event(event)?;
+        match &mut self.log {
+            Some(log) => log.event(event),
+            None => Ok(()),
+        }
+    }
+
+    fn proceed(&self) -> bool {
+        self.last_s <= self.limits.until_s && self.limits.interrupt.signal().is_none()
+    }
+}

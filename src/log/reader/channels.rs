@@ -1,0 +1,169 @@
+//! What the channels of a log carry, told by their schema and topic.
+
+use std::collections::HashMap;
+
+use foxglove::Encode;
+use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
+
+use super::record::{ChannelRecord, Names, SchemaRecord};
+use crate::log::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
+use crate::trace::Site;
+
+/// What a channel carries. Indices are those of [`Names`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carries {
+    State,
+    Contact(Site),
+    Limit,
+    Energy,
+    Impact(Site),
+    Disc(usize),
+    PairContact(usize),
+    PairImpact(usize),
+    Lines,
+    /// What is drawn: it follows from the rest.
+    Picture,
+}
+
+/// The schemas of phalanx.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Schema {
+    State,
+    Contact,
+    Limit,
+    Energy,
+    Impact,
+    LimitImpact,
+    Disc,
+    Log,
+    Picture,
+}
+
+/// The channels that have been announced so far.
+pub struct Channels {
+    /// Whether the log is of discs.
+    discs: bool,
+    known: Vec<(String, Schema)>,
+    schemas: HashMap<u16, Schema>,
+    carried: HashMap<u16, Option<Carries>>,
+    names: Names,
+    /// Samples have begun: what comes later is no part of them.
+    closed: bool,
+}
+
+impl Channels {
+    pub fn new(discs: bool) -> Self {
+        let known = [
+            (State::get_schema(), Schema::State),
+            (Contact::get_schema(), Schema::Contact),
+            (Limit::get_schema(), Schema::Limit),
+            (Energy::get_schema(), Schema::Energy),
+            (Impact::get_schema(), Schema::Impact),
+            (LimitImpact::get_schema(), Schema::LimitImpact),
+            (Disc::get_schema(), Schema::Disc),
+            (Log::get_schema(), Schema::Log),
+            (FrameTransforms::get_schema(), Schema::Picture),
+            (SceneUpdate::get_schema(), Schema::Picture),
+        ];
+        Channels {
+            discs,
+            known: known.into_iter().filter_map(|(schema, of)| Some((schema?.name, of))).collect(),
+            schemas: HashMap::new(),
+            carried: HashMap::new(),
+            names: Names::default(),
+            closed: false,
+        }
+    }
+
+    /// Takes note of a schema; one that is not of phalanx is forgotten.
+    pub fn schema(&mut self, schema: &SchemaRecord<'_>) {
+        let known = self.known.iter().find(|(name, _)| schema.encoding == "protobuf" && name == schema.name);
+        if let Some(&(_, found)) = known {
+            self.schemas.insert(schema.id, found);
+        }
+    }
+
+    /// Takes note of a channel; true if it is new and unknown.
+    pub fn channel(&mut self, channel: &ChannelRecord<'_>) -> bool {
+        let schema = self.schemas.get(&channel.schema).copied().filter(|_| channel.encoding == "protobuf");
+        let carries = schema.and_then(|schema| match self.discs {
+            false => of_finger(schema, channel.topic),
+            true => self.of_discs(schema, channel.topic),
+        });
+        self.carried.insert(channel.id, carries).is_none() && carries.is_none()
+    }
+
+    pub fn carries(&self, channel: u16) -> Option<Carries> {
+        self.carried.get(&channel).copied().flatten()
+    }
+
+    /// The discs and pairs, which stay the same from here on.
+    pub fn close(&mut self) -> &Names {
+        self.closed = true;
+        &self.names
+    }
+
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    fn of_discs(&mut self, schema: Schema, topic: &str) -> Option<Carries> {
+        let place = |names: &mut Vec<String>, name: &str, closed: bool| {
+            let found = names.iter().position(|known| known == name);
+            found.or_else(|| {
+                (!closed).then(|| {
+                    names.push(name.to_string());
+                    names.len() - 1
+                })
+            })
+        };
+        let (names, closed) = (&mut self.names, self.closed);
+        match schema {
+            Schema::Disc => {
+                let name = topic.strip_prefix("/disc/").filter(|name| is_name(name))?;
+                place(&mut names.discs, name, closed).map(Carries::Disc)
+            }
+            Schema::Contact => {
+                let name = topic.strip_prefix("/contact/").filter(|name| is_pair(name))?;
+                place(&mut names.pairs, name, closed).map(Carries::PairContact)
+            }
+            Schema::Impact => {
+                let name = topic.strip_prefix("/impact/").filter(|name| is_pair(name))?;
+                place(&mut names.pairs, name, closed).map(Carries::PairImpact)
+            }
+            _ => of_both(schema, topic),
+        }
+    }
+}
+
+fn of_finger(schema: Schema, topic: &str) -> Option<Carries> {
+    match (schema, topic) {
+        (Schema::State, "/state") => Some(Carries::State),
+        (Schema::Contact, "/contact/proximal") => Some(Carries::Contact(Site::Proximal)),
+        (Schema::Contact, "/contact/distal") => Some(Carries::Contact(Site::Distal)),
+        (Schema::Limit, "/limit") => Some(Carries::Limit),
+        (Schema::Impact, "/impact/proximal") => Some(Carries::Impact(Site::Proximal)),
+        (Schema::Impact, "/impact/distal") => Some(Carries::Impact(Site::Distal)),
+        (Schema::LimitImpact, "/impact/limit") => Some(Carries::Impact(Site::Limit)),
+        _ => of_both(schema, topic),
+    }
+}
+
+fn of_both(schema: Schema, topic: &str) -> Option<Carries> {
+    match (schema, topic) {
+        (Schema::Energy, "/energy") => Some(Carries::Energy),
+        (Schema::Log, "/events") => Some(Carries::Lines),
+        (Schema::Picture, _) => Some(Carries::Picture),
+        _ => None,
+    }
+}
+
+/// As scenes name their discs: what else stands in a topic cannot become a column or a key.
+fn is_name(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_alphabetic())
+        && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+}
+
+fn is_pair(name: &str) -> bool {
+    name.split_once('-').is_some_and(|(disc, partner)| is_name(disc) && is_name(partner))
+}

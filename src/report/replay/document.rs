@@ -1,0 +1,163 @@
+//! What a log says of its run, in the order and under the keys of the JSON document.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::super::bodies::{DiscReport, PairReport, contacts_of, discs_of};
+use super::super::document::{Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed};
+use super::summary::{DiscsSummary, Summary};
+use super::verify::VerificationReport;
+use crate::criteria::Criteria;
+use crate::log::{Loss, Reading, Solver, settings};
+use crate::scene::BodiesScene;
+
+/// One log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReplayReport {
+    /// Path of the log as given.
+    pub log: String,
+    pub bytes: u64,
+    /// Whether nothing of it is lost.
+    pub whole: bool,
+    /// What is lost, one sentence each.
+    pub losses: Vec<Lost>,
+    /// Name of the scene; null where the log does not say.
+    pub scene: Option<String>,
+    /// `finger` or `bodies`; null where the log does not say.
+    pub kind: Option<String>,
+    pub model: Option<String>,
+    /// Version of phalanx that wrote it.
+    pub phalanx_version: Option<String>,
+    /// Length that was asked for.
+    pub duration_s: Option<f64>,
+    /// Samples on the grid, per second.
+    pub log_numeric_hz: Option<f64>,
+    /// Settings of the model that ran, as in the run's own report; null for the other, and where they cannot be read.
+    pub integrator: Option<IntegratorUsed>,
+    pub engine: Option<EngineUsed>,
+    /// Everything that the log records of itself, as it stands there: versions, model, settings in SI.
+    pub settings: BTreeMap<String, String>,
+    /// What a log recovered from a damaged one says of that; null for any other.
+    pub recovered: Option<BTreeMap<String, String>>,
+    /// Whether the run was completed; null if the log does not get that far.
+    pub completed: Option<bool>,
+    /// Why it was not.
+    pub error: Option<Failure>,
+    /// Times of the first and last sample.
+    pub first_s: Option<f64>,
+    pub end_s: Option<f64>,
+    pub samples: u64,
+    pub events: u64,
+    pub messages: u64,
+    /// Of channels that phalanx does not know.
+    pub unknown_messages: u64,
+    pub unknown_channels: u64,
+    #[serde(rename = "final")]
+    pub last: Option<Final>,
+    /// Discs by their names, of a log of discs.
+    pub discs: Option<BTreeMap<String, DiscReport>>,
+    /// Peaks are those of the samples, which may miss those between them.
+    pub contacts: Option<Touches>,
+    /// Null without an object or a scene, or if the log does not reach the end of a completed run.
+    pub criteria: Option<Dynamics>,
+    pub energy: Option<Energies>,
+    /// Whether simulating again gives the same; null unless that was asked for.
+    pub verification: Option<VerificationReport>,
+}
+
+/// Contacts of a finger, or of discs by the names of their pairs: the keys of the run's own report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Touches {
+    Finger(Contacts),
+    Discs(BTreeMap<String, PairReport>),
+}
+
+/// Something that is lost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Lost {
+    pub at_byte: u64,
+    pub what: String,
+    /// Messages behind the damage that are whole but were not used.
+    pub readable_behind: u64,
+}
+
+impl From<&Loss> for Lost {
+    fn from(loss: &Loss) -> Self {
+        let (at_byte, readable_behind) = match loss {
+            Loss::Truncated { at_byte, .. } | Loss::Scene { at_byte, .. } => (*at_byte, 0),
+            Loss::Damaged { at_byte, behind, .. } => (*at_byte, behind.messages),
+        };
+        Lost { at_byte, what: loss.to_string(), readable_behind }
+    }
+}
+
+impl ReplayReport {
+    /// What was read of a finger, in sum. `criteria` are those of the whole run.
+    pub fn new(log: String, reading: &Reading, summary: &Summary, criteria: Option<Criteria>) -> Self {
+        let outcome = summary.outcome();
+        ReplayReport {
+            last: outcome.map(|outcome| Final::from(&outcome.last)),
+            contacts: outcome.map(|outcome| Touches::Finger(Contacts::from(outcome))),
+            criteria: criteria.map(Dynamics::from),
+            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
+            ..ReplayReport::of_log(log, reading)
+        }
+    }
+
+    /// What was read of discs, in sum. How they are moved is in the scene alone.
+    pub fn of_discs(log: String, reading: &Reading, summary: &DiscsSummary, scene: Option<&BodiesScene>) -> Self {
+        let outcome = summary.outcome();
+        ReplayReport {
+            discs: outcome.map(|outcome| discs_of(&summary.names.discs, scene, &outcome.last.discs)),
+            contacts: outcome
+                .map(|outcome| Touches::Discs(contacts_of(&summary.names.pairs, outcome, summary.rebounds()))),
+            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
+            ..ReplayReport::of_log(log, reading)
+        }
+    }
+
+    /// What is said of any log.
+    fn of_log(log: String, reading: &Reading) -> Self {
+        let entry = |key: &str| reading.metadata.get(key).cloned();
+        let number = |key: &str| entry(key).and_then(|text| text.parse().ok());
+        let stopped = reading.ended.as_ref().and_then(|ended| Some((ended.time_s, ended.stopped.clone()?)));
+        let (integrator, engine) = match settings(&reading.metadata).map(|settings| settings.solver) {
+            Ok(Solver::Analytic(integrator)) => (Some(IntegratorUsed::from(&integrator)), None),
+            Ok(Solver::Engine(engine)) => (None, Some(EngineUsed::from(&engine))),
+            Err(_) => (None, None),
+        };
+        ReplayReport {
+            log,
+            bytes: reading.bytes,
+            whole: reading.is_whole(),
+            losses: reading.losses.iter().map(Lost::from).collect(),
+            scene: entry("scene"),
+            kind: entry("kind"),
+            model: entry("model"),
+            phalanx_version: entry("phalanx_version"),
+            duration_s: number("duration_s"),
+            log_numeric_hz: number("log_numeric_hz"),
+            integrator,
+            engine,
+            settings: reading.metadata.clone(),
+            recovered: reading.recovered.clone(),
+            completed: reading.ended.as_ref().map(|ended| ended.stopped.is_none()),
+            error: stopped.map(|(time_s, reason)| Failure { time_s, reason }),
+            first_s: reading.first_s,
+            end_s: reading.last_s,
+            samples: reading.samples,
+            events: reading.events,
+            messages: reading.messages,
+            unknown_messages: reading.unknown_messages,
+            unknown_channels: reading.unknown_channels,
+            last: None,
+            discs: None,
+            contacts: None,
+            criteria: None,
+            energy: None,
+            verification: None,
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! What a log is reported as.
+
+mod csv;
+mod document;
+mod recover;
+mod summary;
+mod text;
+mod verify;
+
+pub use csv::{CsvHead, csv_discs, csv_finger};
+pub use document::{Lost, ReplayReport, Touches};
+pub use recover::{GapReport, RecoveryReport, recovery_json, recovery_text};
+pub use summary::{DiscsSummary, Summary};
+pub use text::replay_text;
+pub use verify::{DifferenceReport, EntryReport, FieldReport, VerificationReport};
+
+/// The report as one JSON document with a line end, see [`json`](super::json).
+pub fn replay_json(report: &ReplayReport) -> String {
+    super::document_text(report)
+}

@@ -1,0 +1,92 @@
+//! What a log says of its run, for people.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use super::super::bodies::text as bodies;
+use super::super::text::{contacts, duration, dynamics, energies, engine, final_state, integrator};
+use super::document::{ReplayReport, Touches};
+use super::verify::verification_text;
+
+const CAVEAT: &str = "peaks and depths are those of the samples\n";
+
+/// The whole summary, with a line end.
+pub fn replay_text(report: &ReplayReport) -> String {
+    let mut sections = vec![heading(report)];
+    if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
+        sections.push(final_state(last, end_s));
+    }
+    if let (Some(all), Some(end_s)) = (&report.discs, report.end_s) {
+        sections.push(bodies::discs(all, end_s));
+    }
+    match &report.contacts {
+        Some(Touches::Finger(all)) => sections.push(contacts(all) + CAVEAT),
+        Some(Touches::Discs(all)) if !all.is_empty() => sections.push(bodies::contacts(all) + CAVEAT),
+        _ => {}
+    }
+    match (&report.energy, &report.discs) {
+        (Some(energy), None) => sections.push(energies(energy)),
+        (Some(energy), Some(_)) => sections.push(bodies::energies(energy)),
+        (None, _) => {}
+    }
+    if let Some(criteria) = &report.criteria {
+        sections.push(dynamics(criteria));
+    }
+    if let Some(verification) = &report.verification {
+        sections.push(verification_text(verification));
+    }
+    sections.join("\n")
+}
+
+fn heading(report: &ReplayReport) -> String {
+    let known = |entry: &Option<String>| entry.clone().unwrap_or_else(|| "unknown".to_string());
+    let asked = report.duration_s.map_or("an unknown time".to_string(), duration);
+    let settings = report.integrator.as_ref().map(integrator).or_else(|| {
+        let joints = report.kind.as_deref() != Some("bodies");
+        report.engine.as_ref().map(|used| engine(used, joints))
+    });
+    let mut text = format!(
+        "{}: {} model{}\nread from {}\n",
+        known(&report.scene),
+        known(&report.model),
+        settings.unwrap_or_default(),
+        report.log
+    );
+    // Writing to a string cannot fail.
+    let _ = match (&report.error, report.completed) {
+        (Some(error), _) => {
+            writeln!(text, "NOT COMPLETED: stopped at {} of {asked}: {}", duration(error.time_s), error.reason)
+        }
+        (None, Some(_)) => writeln!(text, "completed, {asked}"),
+        (None, None) => match report.end_s {
+            Some(end_s) => writeln!(text, "NOT COMPLETE: the log reaches {} of {asked}", duration(end_s)),
+            None => writeln!(text, "NOT COMPLETE: no sample of {asked}"),
+        },
+    };
+    let plural = |count: u64| if count == 1 { "" } else { "s" };
+    let _ = write!(
+        text,
+        "{} sample{}, {} event{}",
+        report.samples,
+        plural(report.samples),
+        report.events,
+        plural(report.events)
+    );
+    if report.unknown_messages > 0 {
+        let _ = write!(text, ", {} messages of channels that this phalanx does not know", report.unknown_messages);
+    }
+    text.push('\n');
+    if let Some(entries) = &report.recovered {
+        let _ = writeln!(text, "{}", recovered(entries));
+    }
+    for lost in &report.losses {
+        let _ = writeln!(text, "LOST: {}", lost.what);
+    }
+    text
+}
+
+/// What is said of a recovered log.
+fn recovered(entries: &BTreeMap<String, String>) -> String {
+    let entry = |key: &str| entries.get(key).map_or("unknown", String::as_str);
+    format!("RECOVERED from {}: {}", entry("source"), entry("lost"))
+}
