@@ -66,7 +66,7 @@ class Figures(unittest.TestCase):
                     self.assertAlmostEqual(balance, sample.balance_j, delta=1e-15 + 8 * 2.3e-16 * scale)
 
     def test_counts_of_replay(self):
-        for run in logs.fingers():
+        for run in logs.fingers() + logs.discs():
             with self.subTest(run.name):
                 said = logs.json.loads(logs.phalanx("replay", run.path, "--json"))
                 self.assertTrue(said["whole"])
