@@ -438,6 +438,19 @@ describe("the page of a closing in both models", () => {
   });
 });
 
+describe("the page of a run without samples", () => {
+  it("says so, and shows its texts", async () => {
+    const out = path.join(DIRECTORY, "closing", "page.html");
+    const file = path.join(DIRECTORY, "empty.html");
+    writeFileSync(file, readFileSync(out, "utf8").replace(/(id="data">).*?(<\/script>)/s, '$1{"runs":[]}$2'));
+    const { page, close } = await opened(file, { scheme: "dark" });
+    assert.ok(await page.locator("#warning").isVisible());
+    assert.ok(!(await page.locator("#film").isVisible()));
+    assert.ok(await page.locator(".text pre").first().isVisible());
+    await close();
+  });
+});
+
 describe("the page of discs with a hostile name", () => {
   it("draws the log, and the name stays a name", async () => {
     const name = "</script><script>window.hacked=1</script>";
