@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← live, validate, study ← report, plot ← cli`; `numeric` and
+//! `units ← gripper, law ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← live, validate, study ← report, plot, page ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:

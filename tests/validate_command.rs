@@ -160,6 +160,7 @@ fn everything_is_written() {
         assert!(page.contains(part), "{part}");
     }
     assert!(page.len() < 1_500_000, "{} bytes", page.len());
+    assert!(!page.contains(out.to_str().expect("text")), "a page given to others does not say where it was made");
     let table = fs::read_to_string(out.join("series.csv")).expect("a table");
     let mut lines = table.lines();
     let head = lines.next().expect("a head");

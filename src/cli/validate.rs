@@ -27,8 +27,8 @@ pub struct ValidateArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     pub(super) scene: PathBuf,
 
-    /// Write everything there: reports, series of both models, pictures, both logs; the directory is made if need be, and
-    /// an older file is replaced only when the new one is whole
+    /// Write everything there: reports, a page to look at in a browser, series of both models, pictures, both logs; the
+    /// directory is made if need be, and an older file is replaced only when the new one is whole
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 

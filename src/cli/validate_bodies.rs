@@ -71,11 +71,10 @@ fn write(
         record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
     ];
 
+    show(out, &scene.name, &scene.description, runs, &bodies_validation_text(report), pictures)?;
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    let text = bodies_validation_text(report);
-    show(out, &scene.name, &scene.description, runs, &text, pictures)?;
-    save(&out.join("report.txt"), &text)?;
+    save(&out.join("report.txt"), &bodies_validation_text(report))?;
     save(&out.join("report.json"), &bodies_validation_json(report))
 }
 

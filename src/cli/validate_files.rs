@@ -84,11 +84,11 @@ pub fn write(
         record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
     ];
 
+    // A page is given to others: it does not say where it was made.
+    show(out, name, &scene.description, runs, &validation_text(report), pictures)?;
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    let text = validation_text(report);
-    show(out, name, &scene.description, runs, &text, pictures)?;
-    save(&out.join(REPORT), &text)?;
+    save(&out.join(REPORT), &validation_text(report))?;
     save(&out.join("report.json"), &validation_json(report))
 }
 

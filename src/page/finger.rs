@@ -53,6 +53,11 @@ fn contacts(scene: &Scene, value: fn(&ContactSample) -> f64) -> Vec<Curve<'stati
 }
 
 fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
+    let law = &scene.contact;
+    let friction = match (law.proximal.friction, law.distal.friction) {
+        (None, None) => Vec::new(),
+        _ => contacts(scene, |contact| contact.tangential_n),
+    };
     let mut angles = vec![
         curve("q11", |s| turned(s.q11_rad)),
         curve("q21", |s| turned(s.q21_rad)),
@@ -65,8 +70,8 @@ fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
     }
     vec![
         plan("Normal force", "N", Scale::Logarithmic, contacts(scene, |contact| contact.normal_n)),
-        plan("Friction force", "N", Scale::Logarithmic, contacts(scene, |contact| contact.tangential_n)),
-        plan("Gap", "m", Scale::Linear, contacts(scene, |contact| contact.gap_m)),
+        plan("Friction force", "N", Scale::Logarithmic, friction),
+        plan("Gap", "m", Scale::Logarithmic, contacts(scene, |contact| contact.gap_m)),
         plan("Joint angle", "rad", Scale::Linear, angles),
         plan(
             "Joint rate",

@@ -11,7 +11,7 @@ const MOST_HELD: usize = 60_000;
 /// Samples kept from an event on, however coarse the rest is.
 const AFTER_EVENT: u32 = 4;
 
-/// Samples and events of a run as it goes by. Beyond [`MOST_HELD`] samples only every second, fourth, … is kept, and
+/// Samples and events of a run as it goes by. Beyond 60,000 samples only every second, fourth, … is kept, and
 /// those at events and at peaks of the contact force; of these too only every second, where they alone are too many.
 #[derive(Clone, Debug)]
 pub struct Reel<S, E> {

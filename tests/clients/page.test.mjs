@@ -118,14 +118,14 @@ describe("the page of a closing in both models", () => {
     const [analytic, engine] = logs;
     const { time: first } = { time: engine["/state"][0].timestamp };
     assert.equal((await state()).time_s, first);
-    // Every 40th sample of the engine, which is whole on the page; of the reference, the ends and the peaks, which stay.
-    const times = engine["/state"].filter((_, index) => index % 40 === 0).map((message) => message.timestamp);
+    // Every 10th sample of the engine, which is whole on the page; of the reference, the ends and the peaks, which stay.
+    const times = engine["/state"].filter((_, index) => index % 10 === 0).map((message) => message.timestamp);
     const peaks = ["proximal", "distal"].map((name) => {
       const contact = analytic[`/contact/${name}`];
       return contact.reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
     });
     const ends = [analytic["/state"][0].timestamp, analytic["/state"].at(-1).timestamp];
-    let arrows = 0;
+    let [arrows, presses] = [0, 0];
     for (const [index, log, when] of [[0, analytic, [...ends, ...peaks]], [1, engine, times]]) {
       const reach = { l12: new Set(), l22: new Set() };
       for (const time of when) {
@@ -156,7 +156,10 @@ describe("the page of a closing in both models", () => {
             assert.deepEqual(arrow.way, along.map((k) => Math.sign(arrow.force_n) * k));
             assert.ok(arrow.length_px > 1);
           }
-          if (logged.normal_n > 1) assert.ok(drawn.arrows.some((each) => each.contact === name && each.kind === "normal"));
+          if (logged.normal_n > 1) {
+            presses++;
+            assert.ok(drawn.arrows.some((each) => each.contact === name && each.kind === "normal"));
+          }
         }
         for (const [panel, series, value] of [
           ["Joint angle", "q22", q.q22_rad],
@@ -167,7 +170,32 @@ describe("the page of a closing in both models", () => {
       }
       for (const [name, lengths] of Object.entries(reach)) assert.equal(lengths.size, 1, `${name} is always as far from its joint`);
     }
-    assert.ok(arrows > 30, `${arrows} arrows`);
+    assert.ok(presses > 10 && arrows >= presses, `${arrows} arrows of ${presses} contacts`);
+    await close();
+  });
+
+  it("draws what the frames of the log say", async () => {
+    const { call, state, close } = await opened(file);
+    const [, engine] = logs;
+    const seconds = ({ seconds, nanos }) => Number(seconds ?? 0) + (nanos ?? 0) * 1e-9;
+    let compared = 0;
+    for (const { transforms } of engine["/tf"].filter((_, index) => index % 4 === 0)) {
+      const stamp = seconds(transforms[0].timestamp);
+      // Stamps are whole nanoseconds, and two samples may share one.
+      const [sample, another] = engine["/state"].filter(({ timestamp }) => Math.abs(timestamp - stamp) < 0.6e-9);
+      if (another) continue;
+      await call("seek", sample.timestamp);
+      const { bodies } = (await state()).runs[1];
+      for (const { parent_frame_id, child_frame_id, translation, rotation } of transforms) {
+        assert.equal(parent_frame_id, "world");
+        const drawn = bodies.find((body) => body.name === child_frame_id);
+        assert.deepEqual([drawn.x_m, drawn.y_m], [translation?.x ?? 0, translation?.y ?? 0]);
+        const half = 0.5 * drawn.angle_rad;
+        assert.ok(Math.abs(Math.sin(half) * (rotation.w ?? 0) - Math.cos(half) * (rotation.z ?? 0)) < 1e-15, child_frame_id);
+        compared++;
+      }
+    }
+    assert.ok(compared > 20, `${compared} frames`);
     await close();
   });
 
@@ -435,6 +463,19 @@ describe("the page of a closing in both models", () => {
     assert.equal(ran, null, "only the page's own scripts run");
     assert.ok(!complaints.some((text) => text.startsWith("https://example.org")), "no request went out");
     await page.context().close();
+  });
+});
+
+describe("the page of a run without samples", () => {
+  it("says so, and shows its texts", async () => {
+    const out = path.join(DIRECTORY, "closing", "page.html");
+    const file = path.join(DIRECTORY, "empty.html");
+    writeFileSync(file, readFileSync(out, "utf8").replace(/(id="data">).*?(<\/script>)/s, '$1{"runs":[]}$2'));
+    const { page, close } = await opened(file, { scheme: "dark" });
+    assert.ok(await page.locator("#warning").isVisible());
+    assert.ok(!(await page.locator("#film").isVisible()));
+    assert.ok(await page.locator(".text pre").first().isVisible());
+    await close();
   });
 });
 

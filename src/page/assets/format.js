@@ -34,10 +34,11 @@ function plain(value, digits) {
   return minus(value.toFixed(Math.max(0, Math.min(9, digits - Math.max(whole, 1)))));
 }
 
-// The unit in which all times of a page are shown, and the digits behind the point that tell its samples apart.
+// The unit in which all times of a page are shown, and the digits behind the point that tell its samples apart, down to
+// a nanosecond.
 function timeUnit(end, finest) {
-  const [unit, factor] = end >= 1 ? ["s", 1] : end >= 1e-3 ? ["ms", 1e3] : ["µs", 1e6];
-  const decimals = Math.max(0, Math.min(6, Math.ceil(-Math.log10(Math.max(finest, 1e-12) * factor)) + 1));
+  const [unit, factor, most] = end >= 1 ? ["s", 1, 9] : end >= 1e-3 ? ["ms", 1e3, 6] : ["µs", 1e6, 3];
+  const decimals = Math.max(0, Math.min(most, Math.ceil(-Math.log10(Math.max(finest, 1e-12) * factor)) + 1));
   return { unit, factor, decimals };
 }
 

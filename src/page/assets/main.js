@@ -4,6 +4,14 @@ const STATEMENT = "Between two samples the page draws a straight line.";
 
 function main() {
   const film = loaded();
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  if (film.runs.length === 0) {
+    document.documentElement.dataset.theme = dark.matches ? "dark" : "light";
+    for (const id of ["film", "theme", "help-open"]) byId(id).hidden = true;
+    byId("warning").hidden = false;
+    put("warning", "This run has no samples to draw.");
+    return;
+  }
   const app = { film, dirty: true };
   let span = [film.start, film.end];
 
@@ -103,7 +111,6 @@ function main() {
     app.changed();
   };
   app.toggleTheme = () => app.theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
-  const dark = window.matchMedia("(prefers-color-scheme: dark)");
   app.theme(dark.matches ? "dark" : "light");
   dark.addEventListener("change", () => app.theme(dark.matches ? "dark" : "light"));
 
@@ -127,6 +134,9 @@ function main() {
   };
   new ResizeObserver(app.changed).observe(document.body);
   new ResizeObserver(app.changed).observe(app.stage.canvas);
+  // On a phone the controls lie over what is behind them: they leave with the animation.
+  const past = ([entry]) => document.body.classList.toggle("past", !entry.isIntersecting);
+  new IntersectionObserver(past, { rootMargin: "0px 0px -60% 0px" }).observe(byId("film"));
   let before = null;
   const frame = (now) => {
     // A tab that was in the background does not jump.

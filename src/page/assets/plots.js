@@ -76,12 +76,14 @@ class Plots {
     const [from, to] = this.range();
     const inner = { left: LEFT, right: width - RIGHT, top: TOP, bottom: height - FOOT };
     const foot = footOf(panel.size);
-    const scale = panel.logarithmic ? logarithmicScale(foot) : LINEAR;
+    // Nothing but zeros has no decades.
+    const logarithmic = panel.logarithmic && panel.size > 0;
+    const scale = logarithmic ? logarithmicScale(foot) : LINEAR;
     const [low, high] = this.limits(panel, from, to, scale);
     const x = (t) => inner.left + (t - from) / (to - from) * (inner.right - inner.left);
     const y = (value) => inner.bottom - (scale.to(value) - low) / (high - low) * (inner.bottom - inner.top);
     const rows = Math.max(2, Math.round((inner.bottom - inner.top) / 22));
-    const ticks = panel.logarithmic
+    const ticks = logarithmic
       ? logarithmicTicks(scale.back(low), scale.back(high), foot, rows, panel.unit)
       : linearTicks(low, high, rows, panel.unit);
     panel.place = { x, inner, from, to };

@@ -26,9 +26,12 @@ class Stage {
     const view = this.camera.at((name) => contactAt(first, name, placeAt(first, time)));
     this.drawn = [];
     const states = shown.map((run) => this.state(run, placeAt(run, time), view));
-    // Fixed bodies are the same in all runs.
-    this.bodies(ctx, view, first, placeAt(first, time), true, 0);
-    states.forEach((state) => this.bodies(ctx, view, state.run, state.place, false, state.run.index));
+    this.bodies(ctx, view, first, placeAt(first, time), fixed, 0);
+    // What stays where it is is drawn once, unless another run has something else there.
+    const known = new Set(first.bodies.filter(fixed).map(signature));
+    const other = (body) => fixed(body) && !known.has(signature(body));
+    states.forEach((state) => state.run !== first && this.bodies(ctx, view, state.run, state.place, other, 1));
+    states.forEach((state) => this.bodies(ctx, view, state.run, state.place, moving, state.run.index));
     if (states.length > 0) this.overlaps(ctx, view, states[0]);
     states.forEach((state) => this.contactPoints(ctx, view, state));
     states.forEach((state, index) => this.arrows(ctx, view, state, index === 0));
@@ -70,9 +73,10 @@ class Stage {
     return Math.max(0, part) * 0.32 * Math.min(view.width, view.height);
   }
 
-  bodies(ctx, view, run, place, fixed, style) {
-    for (const body of run.bodies) {
-      if (body.fixed !== fixed) continue;
+  // Some bodies of a run, in one of two styles: 0 filled, 1 dashed.
+  bodies(ctx, view, run, place, which, style) {
+    for (const body of run.bodies.filter(which)) {
+      const { fixed } = body;
       const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
       const surface = body.shapes.some((shape) => shape.kind === "capsule");
       for (const shape of body.shapes) {
@@ -183,10 +187,10 @@ class Stage {
       if (x < left || x > right || y < top || y > bottom) continue;
       const [dx, dy] = [arrow.way[0], -arrow.way[1]];
       const tip = [x + dx * arrow.length_px, y + dy * arrow.length_px];
-      const head = Math.min(run.index === 0 ? 13 : 9, 0.6 * arrow.length_px);
+      const head = Math.min(run.index === 0 ? 15 : 9, 0.6 * arrow.length_px);
       const kind = colour(arrow.kind === "normal" ? "force" : "friction");
       [ctx.fillStyle, ctx.strokeStyle] = [kind, run.index === 0 ? kind : colour("edge-b")];
-      ctx.lineWidth = run.index === 0 ? 3.5 : 1.5;
+      ctx.lineWidth = run.index === 0 ? 4.5 : 1.5;
       ctx.setLineDash(run.index === 0 ? [] : [5, 3]);
       ctx.beginPath();
       ctx.moveTo(x, y);
@@ -237,6 +241,12 @@ class Stage {
     label(ctx, Number((length * shown.factor).toPrecision(1)) + "\u202f" + shown.unit, x + px + 8, y - 3);
   }
 }
+
+const fixed = (body) => body.fixed;
+const moving = (body) => !body.fixed;
+
+// What a fixed body looks like, to find it again in another run.
+const signature = (body) => JSON.stringify([body.shapes, body.x_m[0], body.y_m[0], body.angle_rad[0]]);
 
 // A contact of a run at a place among its samples.
 function contactAt(run, name, place) {
