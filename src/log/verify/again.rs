@@ -5,10 +5,10 @@ use std::io::{self, Read};
 
 use mcap::McapError;
 use mcap::records::op;
-use mcap::sans_io::{LinearReadEvent, LinearReader};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::super::reader::{ChannelRecord, MessageRecord, SchemaRecord, channel, message, metadata, schema};
-use crate::log::METADATA_NAME;
+use crate::log::{LARGEST_RECORD, METADATA_NAME};
 
 /// A schema, owned.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -97,7 +97,9 @@ impl<R: Read> Again<R> {
     pub fn new(source: R) -> io::Result<Self> {
         let mut again = Again {
             source,
-            framing: LinearReader::new(),
+            framing: LinearReader::new_with_options(
+                LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD),
+            ),
             announced: Announced::default(),
             metadata: BTreeMap::new(),
             next: None,
