@@ -45,15 +45,19 @@ fn a_log_says_what_its_run_said() {
         assert!(found["samples"].as_u64().expect("a count") > 201);
         for site in ["proximal", "distal"] {
             let (found, run) = (&found["contacts"][site], &run["contacts"][site]);
-            for key in ["first_s", "touchdowns", "final_normal_n", "final_tangential_n"] {
+            for key in [
+                "first_s",
+                "touchdowns",
+                "final_normal_n",
+                "final_tangential_n",
+                "peak_normal_n",
+                "max_penetration_m",
+                "impulse_n_s",
+            ] {
                 assert_eq!(found[key], run[key], "{model} {site} {key}");
             }
-            let ratio = |key: &str| found[key].as_f64().expect("a figure") / run[key].as_f64().expect("a figure");
-            assert!((ratio("impulse_n_s") - 1.0).abs() < 1e-9, "{model} {site}");
-            // Samples see no more of a peak than there is, and most of it: impacts are logged at every step.
-            assert!(ratio("peak_normal_n") < 1.0 + 1e-12, "{model} {site} {}", ratio("peak_normal_n"));
-            assert!(model == "engine" || ratio("peak_normal_n") > 0.5, "{site} {}", ratio("peak_normal_n"));
         }
+        assert_eq!(found["contacts"]["limit"], run["contacts"]["limit"], "{model}");
         let output = phalanx(&["replay", log.to_str().expect("text")]);
         let text = stdout(&output);
         let settings =
@@ -165,12 +169,16 @@ fn a_log_of_discs_says_what_its_run_said() {
         assert_eq!((&found["final"], &found["criteria"]), (&Value::Null, &Value::Null));
         for (name, expected) in run["contacts"].as_object().expect("pairs") {
             let found = &found["contacts"][name];
-            for key in ["first_s", "touchdowns", "final_normal_n", "final_tangential_n", "restitution", "approach_m_s"]
-            {
-                assert_eq!(found[key], expected[key], "{scene} {model} {name} {key}");
+            for (key, expected) in expected.as_object().expect("figures") {
+                let figures = [&found[key], expected].map(Value::as_f64);
+                match (key.as_str(), figures) {
+                    // At rest both go up and down by rounding, and the run looks at steps only.
+                    ("peak_normal_n" | "max_penetration_m", [Some(found), Some(expected)]) => {
+                        assert!((found - expected).abs() <= 1e-12 * expected, "{scene} {model} {name} {key}");
+                    }
+                    _ => assert_eq!(&found[key], expected, "{scene} {model} {name} {key}"),
+                }
             }
-            let (found, expected) = (found["peak_normal_n"].as_f64(), expected["peak_normal_n"].as_f64());
-            assert!(found <= expected.map(|peak| peak * (1.0 + 1e-12)), "{scene} {model} {name}");
         }
         let text = phalanx(&["replay", name]);
         assert!(stdout(&text).contains(pair) && stdout(&text).contains("restitution"), "{}", stdout(&text));
