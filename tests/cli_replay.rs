@@ -318,3 +318,37 @@ fn two_logs_side_by_side() {
     assert_eq!(output.status.code(), Some(1));
     assert!(json(&output)["notes"].to_string().contains("a part of closing.mcap is lost"));
 }
+
+#[test]
+fn a_page_of_one_log_and_of_two() {
+    let directory = directory("cli_replay_html");
+    let place = |name: &str| directory.join(name).to_str().expect("text").to_string();
+    for scene in [ANCHOR, "scenes/laws/impact.toml"] {
+        let [analytic, engine] = ["analytic", "engine"].map(|model| {
+            let log = place(&format!("{model}.mcap"));
+            let output = phalanx(&["run", scene, "--model", model, "--log", &log]);
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            log
+        });
+        let target = place("run.html");
+        let summary = phalanx(&["replay", &analytic]);
+        let output = phalanx(&["replay", &analytic, "--html", &target]);
+        assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
+        assert_eq!(stdout(&output), stdout(&summary));
+        let one = fs::read_to_string(&target).expect("the page");
+        assert!(one.starts_with("<!doctype html>") || one.starts_with("<!DOCTYPE html>"), "{}", &one[..40]);
+        let out = place("comparison");
+        let output = phalanx(&["replay", &analytic, "--against", &engine, "--html", &target, "--out", &out]);
+        assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
+        let two = fs::read_to_string(&target).expect("the page");
+        assert!(two.len() > one.len() + 10_000, "{} and {}", one.len(), two.len());
+        assert!(two.contains("Side by side") && !one.contains("Side by side"));
+        assert_eq!(fs::read_to_string(Path::new(&out).join("page.html")).expect("the page"), two);
+        // The log must not be lost to a slip of the hand, and a page needs somewhere to go.
+        for (target, part) in [(analytic.clone(), "the log itself"), (place("nowhere/run.html"), "cannot write")] {
+            let output = phalanx(&["replay", &analytic, "--html", &target]);
+            assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+            assert!(stderr(&output).contains(part), "{}", stderr(&output));
+        }
+    }
+}
