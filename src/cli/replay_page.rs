@@ -18,8 +18,8 @@ use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// A run kept for a page, in bounded memory: one of many samples is thinned out.
 pub(super) enum Reels {
-    Finger { scene: Box<Scene>, reel: Reel<Sample, Event> },
-    Discs { scene: Box<BodiesScene>, reel: Reel<BodiesSample, BodiesEvent>, fits: bool },
+    Finger { scene: Box<Scene>, reel: Box<Reel<Sample, Event>> },
+    Discs { scene: Box<BodiesScene>, reel: Box<Reel<BodiesSample, BodiesEvent>>, fits: bool },
 }
 
 /// Runs the command for one log.
@@ -60,10 +60,10 @@ impl Reels {
         let refused = |why: String| Failure::bad_input(format!("{}: there is nothing to draw: {why}", path.display()));
         match attached(head) {
             Some(Ok(AnyScene::Finger(scene))) if !head.is_of_discs() => {
-                Ok(Reels::Finger { scene, reel: Reel::default() })
+                Ok(Reels::Finger { scene, reel: Box::default() })
             }
             Some(Ok(AnyScene::Bodies(scene))) if head.is_of_discs() => {
-                Ok(Reels::Discs { scene, reel: Reel::default(), fits: true })
+                Ok(Reels::Discs { scene, reel: Box::default(), fits: true })
             }
             Some(Ok(_)) => Err(refused("the scene in the log is of another kind than its metadata say".to_string())),
             Some(Err(error)) => Err(refused(format!("the scene in the log cannot be read by this phalanx:\n{error}"))),

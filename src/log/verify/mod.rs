@@ -23,7 +23,7 @@ pub use self::fields::Leaf;
 use self::tally::Tally;
 pub use self::tally::{Difference, FieldTally};
 use super::reader::{LogSink, Record};
-use super::recovered::Gap;
+use super::recovered::{Check, Gap};
 use crate::trace::SinkError;
 
 /// Messages of one log time that are paired at once: steps of an impact can share one.
@@ -90,12 +90,12 @@ pub struct Lockstep<'a, R> {
     index: u64,
     /// Behind the first difference: messages of the log of one log time.
     group: Option<Vec<Message>>,
-    go_on: &'a dyn Fn() -> Result<(), SinkError>,
+    check: Check<'a>,
 }
 
 impl<'a, R: Read> Lockstep<'a, R> {
-    /// Compares with the log in `source`; `go_on` ends it with an error.
-    pub fn new(source: R, expected: Expected, go_on: &'a dyn Fn() -> Result<(), SinkError>) -> io::Result<Self> {
+    /// Compares with the log in `source`; an error of `check` ends it.
+    pub fn new(source: R, expected: Expected, check: Check<'a>) -> io::Result<Self> {
         Ok(Lockstep {
             again: Again::new(source)?,
             announced: Announced::default(),
@@ -104,7 +104,7 @@ impl<'a, R: Read> Lockstep<'a, R> {
             found: Verification::default(),
             index: 0,
             group: None,
-            go_on,
+            check,
         })
     }
 
@@ -327,7 +327,7 @@ impl<R: Read> LogSink for Lockstep<'_, R> {
                 self.announced.channel(channel);
             }
             Record::Message(message) => {
-                (self.go_on)()?;
+                (self.check)(message.log_time_ns)?;
                 let what = "the comparison".to_string();
                 self.message(Message::from(message)).map_err(|source| SinkError { what, source })?;
             }

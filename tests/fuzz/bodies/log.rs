@@ -86,7 +86,7 @@ fn any(bytes: &[u8]) {
 fn recovered(bytes: &[u8]) {
     let recover = |bytes: &[u8]| {
         let mut out = Vec::new();
-        log::recover(&mut Cursor::new(bytes), "fuzz.mcap", &mut out, "the log", &|| Ok(())).map(|found| (out, found))
+        log::recover(&mut Cursor::new(bytes), "fuzz.mcap", &mut out, "the log", &|_| Ok(())).map(|found| (out, found))
     };
     let Ok((out, found)) = recover(bytes) else { return };
     let reading = log::read_any(Cursor::new(&out), &mut Discs::default()).expect("a log");
@@ -94,7 +94,7 @@ fn recovered(bytes: &[u8]) {
     assert_eq!(reading.messages, found.messages);
     let (_, again) = recover(&out).expect("a log");
     assert_eq!((again.messages, again.gaps), (found.messages, found.gaps));
-    let mut lockstep = Lockstep::new(Cursor::new(&out), Expected::default(), &|| Ok(())).expect("a log of our own");
+    let mut lockstep = Lockstep::new(Cursor::new(&out), Expected::default(), &|_| Ok(())).expect("a log of our own");
     let _ = log::read_any(Cursor::new(bytes), &mut lockstep);
     let compared = lockstep.finish().expect("readable");
     assert!(compared.compared <= found.messages);
