@@ -61,7 +61,7 @@ fn chunks(bytes: &[u8]) -> Vec<(usize, usize, Vec<Message>)> {
 
 fn recovered(bytes: &[u8]) -> Result<(Vec<u8>, Recovery), ReadError> {
     let mut out = Vec::new();
-    let found = recover(&mut Cursor::new(bytes), "broken.mcap", &mut out, "the recovered log", &|| Ok(()))?;
+    let found = recover(&mut Cursor::new(bytes), "broken.mcap", &mut out, "the recovered log", &|_| Ok(()))?;
     Ok((out, found))
 }
 
@@ -76,7 +76,7 @@ fn whole(bytes: &[u8]) -> Reading {
 fn compared(bytes: &[u8], reading: &Reading, undisturbed: &[u8]) -> Verification {
     let gaps = reading.recovered.as_ref().map(gaps).expect("says that it is recovered");
     let expected = Expected { gaps, ..Expected::default() };
-    let mut lockstep = Lockstep::new(Cursor::new(undisturbed), expected, &|| Ok(())).expect("begun");
+    let mut lockstep = Lockstep::new(Cursor::new(undisturbed), expected, &|_| Ok(())).expect("begun");
     read_any(Cursor::new(bytes), &mut lockstep).expect("a log");
     lockstep.finish().expect("finished")
 }

@@ -48,6 +48,8 @@ fn every_override_is_recorded_and_the_same_bytes_come_again() {
         (FINGER, &[], 0),
         (FINGER, &["--preset", "reference"], 0),
         (FINGER, &["--rtol", "3.7e-6", "--duration", "7.1 ms"], 0),
+        (FINGER, &["--numeric-rate", "13.7 kHz", "--picture-rate", "0.7 kHz"], 0),
+        (FINGER, &["--model", "engine", "--numeric-rate", "900 Hz", "--picture-rate", "0 Hz"], 0),
         (FINGER, &engine, 0),
         (FINGER, &["--model", "engine", "--step", "33 us"], 0),
         (FINGER, &["--model", "engine", "--tolerance", "0.37 um", "--duration", "9 ms"], 0),
@@ -60,7 +62,7 @@ fn every_override_is_recorded_and_the_same_bytes_come_again() {
         ("scenes/torsional-spring.toml", &engine, 0),
         (DISCS, &[], 0),
         (DISCS, &["--preset", "reference", "--duration", "8 ms"], 0),
-        (DISCS, &["--model", "engine", "--tolerance", "0.01 um"], 0),
+        (DISCS, &["--model", "engine", "--tolerance", "0.01 um", "--numeric-rate", "33 kHz"], 0),
         ("scenes/laws/rolling.toml", &["--model", "engine", "--step", "30 us"], 0),
         ("scenes/laws/two-free.toml", &["--rtol", "1e-7"], 0),
     ];

@@ -16,6 +16,7 @@ mod progress;
 mod replace;
 mod replay;
 mod replay_against;
+mod replay_page;
 mod replay_pair;
 mod replay_read;
 mod replay_recover;

@@ -60,6 +60,12 @@ impl Progress {
         Progress { duration_s, line: Line::new() }
     }
 
+    /// Shows a time that has been reached.
+    pub fn reached(&mut self, time_s: f64) {
+        let duration_s = self.duration_s;
+        self.line.show(|elapsed| line(time_s, duration_s, elapsed));
+    }
+
     /// Wipes the line.
     pub fn clear(&mut self) {
         self.line.clear();
@@ -68,8 +74,7 @@ impl Progress {
 
 impl Sink for Progress {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let duration_s = self.duration_s;
-        self.line.show(|elapsed| line(sample.time_s, duration_s, elapsed));
+        self.reached(sample.time_s);
         Ok(())
     }
 
@@ -80,8 +85,7 @@ impl Sink for Progress {
 
 impl BodiesSink for Progress {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        let duration_s = self.duration_s;
-        self.line.show(|elapsed| line(sample.time_s, duration_s, elapsed));
+        self.reached(sample.time_s);
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use super::interrupt::Interrupt;
 use super::output::{complain, print};
 use super::replace::{probe, replace};
 use super::replay_read::{Listeners, bad_log, read, tabulate};
-use super::{Failure, Status, replay_against, replay_recover, replay_verify};
+use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
 use crate::log::Reading;
 use crate::report::{ReplayReport, replay_json, replay_text};
 
@@ -18,7 +18,7 @@ use crate::report::{ReplayReport, replay_json, replay_text};
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
-                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --out comparison\n  phalanx replay run.mcap.partial --recover run.mcap\n\nA log that is truncated or damaged is read \
+                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --html both.html\n  phalanx replay run.mcap.partial --recover run.mcap\n\nA log that is truncated or damaged is read \
                   up to there. Exit status: 0 the log is whole (with --verify: and the same again); 1 a part of it is lost, or \
                   it differs; 2 bad input; 3 interrupted, or a file could not be written."
 )]
@@ -50,6 +50,11 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "FILE", group = "mode")]
     csv: Option<PathBuf>,
 
+    /// Write a page that opens in any browser, offline: the bodies in motion, plots, events; with --against both logs laid
+    /// over each other. A run of more samples than a page can hold is thinned out, and the page says so
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["verify", "csv", "recover"])]
+    pub(super) html: Option<PathBuf>,
+
     /// Write what can be read of a damaged or truncated log as a whole, indexed one; nothing is made up, and what is
     /// missing is said in it
     #[arg(long, value_name = "FILE.mcap", group = "mode")]
@@ -68,9 +73,10 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     if let Some(other) = &args.against {
         return replay_against::run(args, other, &interrupt);
     }
-    match &args.csv {
-        Some(path) => csv(args, path, &interrupt),
-        None => {
+    match (&args.csv, &args.html) {
+        (Some(path), _) => csv(args, path, &interrupt),
+        (None, Some(path)) => replay_page::run(args, path, &interrupt),
+        (None, None) => {
             let mut listeners = Listeners::new(&args.log, &interrupt)?;
             let reading = read(&args.log, &mut listeners)?;
             show(args, &reading, &listeners)

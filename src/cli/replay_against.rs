@@ -6,13 +6,15 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::replay::{ReplayArgs, head, losses};
+use super::replay_page::{Reels, Tee, writable};
 use super::replay_pair::{common, notes};
 use super::replay_read::{Listeners, bad_log};
-use super::validate_files::{broken, directory, save};
+use super::validate_files::{PAGE, broken, directory, save};
 use super::{Failure, Status};
 use crate::log::{self, LogSink, Names, Reading};
+use crate::page::{Note, Page, page};
 use crate::plot::{self, Apart, Differences, Touches};
-use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, side_by_side};
+use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
 use crate::scene::Bounds;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
@@ -22,7 +24,7 @@ use crate::validate::{Angle, BodiesComparison, BodiesRecording, Recording, compa
 const MOST_FIGURES: usize = 20_000_000;
 
 /// Everything that is in the directory in the end.
-const FILES: [&str; 4] = ["report.txt", "report.json", "overlay.svg", "difference.svg"];
+const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
 
 /// A log that is held whole.
 pub(super) struct Side<'a> {
@@ -38,7 +40,8 @@ pub(super) struct Side<'a> {
 /// Runs the command.
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let paths = [args.log.as_path(), other];
-    let kinds = [head(paths[0])?.is_of_discs(), head(paths[1])?.is_of_discs()];
+    let heads = [head(paths[0])?, head(paths[1])?];
+    let kinds = heads.each_ref().map(Reading::is_of_discs);
     if kinds[0] != kinds[1] {
         let kind = |discs: bool| if discs { "discs" } else { "a finger" };
         return Err(Failure::bad_input(format!(
@@ -52,7 +55,22 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     if let Some(out) = &args.out {
         directory(out)?;
     }
-    let mut sides = [Side::read(paths[0], interrupt)?, Side::read(paths[1], interrupt)?];
+    if let Some(target) = &args.html {
+        paths.into_iter().try_for_each(|path| writable(path, target))?;
+    }
+    // A page that is asked for must be possible; one among other files is left out where it is not.
+    let mut films = match (&args.html, &args.out) {
+        (Some(_), _) => Some([Reels::new(paths[0], &heads[0])?, Reels::new(paths[1], &heads[1])?]),
+        (None, Some(_)) => match heads.each_ref().map(|head| Reels::new(paths[0], head)) {
+            [Ok(first), Ok(second)] => Some([first, second]),
+            _ => None,
+        },
+        (None, None) => None,
+    };
+    let mut sides = match &mut films {
+        Some([first, second]) => [Side::read(paths[0], interrupt, first)?, Side::read(paths[1], interrupt, second)?],
+        None => [Side::read(paths[0], interrupt, &mut ())?, Side::read(paths[1], interrupt, &mut ())?],
+    };
     let logs = [0, 1].map(|k| sides[k].listeners.report(paths[k].display().to_string(), &sides[k].reading));
     let labels = labels(paths, &logs);
     let mut notes = notes(&sides, &labels);
@@ -69,15 +87,23 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     let kind = if kinds[0] { "bodies" } else { "finger" };
     let mut report =
         AgainstReport { kind, labels, logs, compared_to_s, notes, figures, words, apart, directory: None, files: None };
+    let shown = films.map(|films| both(films, paths, &report)).transpose()?;
     if let Some(out) = &args.out {
         report.directory = Some(out.display().to_string());
-        report.files = Some(FILES.map(String::from).to_vec());
+        report.files =
+            Some(FILES.into_iter().filter(|file| *file != PAGE || shown.is_some()).map(String::from).collect());
         for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
             let path = out.join(file);
             save(&path, &picture.map_err(|error| broken(&path, error))?)?;
         }
+        if let Some(page) = &shown {
+            save(&out.join(PAGE), page)?;
+        }
         save(&out.join("report.txt"), &against_text(&report))?;
         save(&out.join("report.json"), &against_json(&report))?;
+    }
+    if let (Some(target), Some(page)) = (&args.html, &shown) {
+        save(target, page)?;
     }
     print(&match args.json {
         true => against_json(&report),
@@ -87,8 +113,21 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
 
+/// The page of both logs.
+fn both(films: [Reels; 2], paths: [&Path; 2], report: &AgainstReport) -> Result<String, Failure> {
+    let [(first, description), (second, _)] = films.each_ref().map(Reels::about);
+    let title = if first == second { first } else { format!("{first} and {second}") };
+    let mut runs = Vec::new();
+    for (((film, path), label), log) in films.into_iter().zip(paths).zip(&report.labels).zip(&report.logs) {
+        runs.push(film.film(path, label, &replay_text(log))?);
+    }
+    let notes = vec![Note { title: "Side by side".to_string(), text: against_text(report) }];
+    Ok(page(&Page { title, description, runs, notes, pictures: Vec::new() }))
+}
+
 impl<'a> Side<'a> {
-    fn read(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
+    /// Reads a log; `film` gets all of it too.
+    fn read(path: &Path, interrupt: &'a Interrupt, film: &mut impl LogSink) -> Result<Self, Failure> {
         let mut side = Side {
             listeners: Listeners::new(path, interrupt)?,
             reading: Reading::default(),
@@ -98,7 +137,7 @@ impl<'a> Side<'a> {
             figures: 0,
             too_long: false,
         };
-        let reading = log::read_any_file(path, &mut side);
+        let reading = log::read_any_file(path, &mut Tee(&mut side, film));
         side.listeners.done();
         side.reading = match reading {
             Err(_) if side.too_long => {

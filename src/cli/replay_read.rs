@@ -1,5 +1,6 @@
 //! Reading a log with everything that listens to it: the summary of either kind, the criteria, the table of samples.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -193,8 +194,32 @@ pub(super) fn attached(head: &Reading) -> Option<Result<AnyScene, SceneError>> {
     Some(scene::parse_any(text, name))
 }
 
+/// Watches a log being gone through message by message: shows how far that has come, and ends it at a signal.
+pub(super) struct Watch<'a> {
+    progress: RefCell<Progress>,
+    interrupt: &'a Interrupt,
+    /// What errors say is not done.
+    what: &'a str,
+}
+
+impl<'a> Watch<'a> {
+    pub fn new(duration_s: Option<f64>, interrupt: &'a Interrupt, what: &'a str) -> Self {
+        Watch { progress: RefCell::new(Progress::new(duration_s.unwrap_or(f64::INFINITY))), interrupt, what }
+    }
+
+    pub fn reached(&self, log_time_ns: u64) -> Result<(), SinkError> {
+        self.progress.borrow_mut().reached(log_time_ns as f64 * 1e-9);
+        go_on(self.interrupt, self.what)
+    }
+
+    /// Wipes the line.
+    pub fn done(&self) {
+        self.progress.borrow_mut().clear();
+    }
+}
+
 /// An error that ends the reading of a log, once a signal has come.
-pub(super) fn go_on(interrupt: &Interrupt, what: &str) -> Result<(), SinkError> {
+fn go_on(interrupt: &Interrupt, what: &str) -> Result<(), SinkError> {
     match interrupt.signal() {
         None => Ok(()),
         Some(signal) => {

@@ -6,8 +6,8 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::replace::{probe, replace};
-use super::replay::{ReplayArgs, losses, refuse_the_log};
-use super::replay_read::{bad_log, go_on};
+use super::replay::{ReplayArgs, head, losses, refuse_the_log};
+use super::replay_read::{Watch, bad_log};
 use super::run::unstarted;
 use super::{Failure, Status};
 use crate::log::{self, ReadError, Recovery};
@@ -27,13 +27,16 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     })?;
     let source_name = path.file_name().and_then(|name| name.to_str()).unwrap_or("a log");
     let name = format!("the recovered log {}", target.display());
-    let check = || go_on(interrupt, &name);
+    let duration_s = head(path)?.metadata.get("duration_s").and_then(|text| text.parse().ok());
+    let watch = Watch::new(duration_s, interrupt, &name);
+    let check = |log_time_ns| watch.reached(log_time_ns);
     let mut outcome: Result<Recovery, ReadError> = Err(ReadError::NotMcap);
     let written = replace(target, |out| {
         outcome = log::recover(&mut source, source_name, out, &name, &check);
         // What is not whole is no file; the failure itself says why.
         outcome.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()))
     });
+    watch.done();
     let found = outcome.map_err(|error| bad_log(path, &error))?;
     written.map_err(|error| Failure::incomplete(format!("cannot write {name}: {error}")))?;
     let report = RecoveryReport::new(path.display().to_string(), target.display().to_string(), &found);

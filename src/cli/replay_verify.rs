@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::interrupt::Interrupt;
 use super::output::{complain, print};
 use super::replay::{ReplayArgs, head, losses, said};
-use super::replay_read::{Listeners, attached, bad_log, go_on, read};
+use super::replay_read::{Listeners, Watch, attached, bad_log, read};
 use super::simulate::{self, Broken, Limits, Simulated};
 use super::{Failure, Status};
 use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, Writer, gaps, settings, stamp_ns};
@@ -34,9 +34,12 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     let file = simulate_again(&scene, &settings, &Limits { interrupt, until_s })?;
     let wall_s = start.elapsed().as_secs_f64();
 
-    let check = || go_on(interrupt, "the comparison of the whole log");
+    let watch = Watch::new(reading.last_s, interrupt, "the comparison of the whole log");
+    let check = |log_time_ns| watch.reached(log_time_ns);
     let mut lockstep = Lockstep::new(BufReader::new(file), expected, &check).map_err(unreadable)?;
-    log::read_any_file(path, &mut lockstep).map_err(|error| bad_log(path, &error))?;
+    let compared = log::read_any_file(path, &mut lockstep);
+    watch.done();
+    compared.map_err(|error| bad_log(path, &error))?;
     let found = lockstep.finish().map_err(unreadable)?;
 
     let mut report = listeners.report(path.display().to_string(), &reading);

@@ -56,8 +56,8 @@ pub struct Recovery {
     pub to_s: Option<f64>,
 }
 
-/// Asked now and then; an error ends the recovery.
-pub type Check<'a> = &'a dyn Fn() -> Result<(), SinkError>;
+/// Told the log time of every message, in ns; an error ends what is being done.
+pub type Check<'a> = &'a dyn Fn(u64) -> Result<(), SinkError>;
 
 /// Writes the good part of a log. `source_name` is what the log is called, without directories; `name` is what errors call
 /// the new one.
@@ -210,7 +210,7 @@ impl LogSink for Survey<'_> {
                 self.channels.insert(channel.id);
             }
             Record::Message(message) => {
-                (self.check)()?;
+                (self.check)(message.log_time_ns)?;
                 self.message(message);
             }
             _ => {}
@@ -291,8 +291,8 @@ impl<W: Write> Copy<'_, W> {
 
 impl<W: Write> LogSink for Copy<'_, W> {
     fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
-        if matches!(record, Record::Message(_)) {
-            (self.check)()?;
+        if let Record::Message(message) = record {
+            (self.check)(message.log_time_ns)?;
         }
         self.put(record).map_err(|error| sink_error(self.name, error))
     }

@@ -3,38 +3,32 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::Cursor;
+use std::process::Command;
 
 use mcap::records::MessageHeader;
 use phalanx::log::{LogSink, MessageRecord, Record, RunInfo, Severity, Writer, read_any};
 use phalanx::scene::{AnyScene, load_any};
 use phalanx::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, run_bodies};
-use phalanx::trace::{Event, Model, Sample, Sink, SinkError, run};
+use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Thinned, run};
 
 pub const FINGER: &str = "scenes/experiment-95.toml";
 pub const DISCS: &str = "scenes/laws/impact.toml";
 
-/// The log of a scene, with so many samples a second.
+/// The log of a scene as the command writes it, with so many samples a second.
 pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
-    let file = scene.rsplit('/').next().expect("a name");
-    match load_any(scene).expect("a scene") {
-        AnyScene::Finger(mut scene) => {
-            scene.log.numeric_hz = numeric_hz;
-            let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
-            let mut writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-            let outcome = run(model, &scene, &mut writer).expect("a run");
-            writer.note(outcome.last.time_s, Severity::Info, "run", "completed").expect("written");
-            writer.finish().expect("finished")
-        }
-        AnyScene::Bodies(mut scene) => {
-            scene.log.numeric_hz = numeric_hz;
-            let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
-            let mut writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-            let outcome = run_bodies(model, &scene, &mut writer).expect("a run");
-            writer.note(outcome.last.time_s, Severity::Info, "run", "completed").expect("written");
-            writer.finish().expect("finished")
-        }
-    }
+    // One directory for each call: tests run beside each other.
+    let directory = tempfile::tempdir().expect("a directory");
+    let file = directory.path().join(scene.rsplit('/').next().expect("a name"));
+    let text = fs::read_to_string(scene).expect("a scene");
+    fs::write(&file, format!("{text}\n[log]\nnumeric_rate = \"{numeric_hz} Hz\"\n")).expect("written");
+    let log = directory.path().join("run.mcap");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
+    let output = command.arg("run").arg(&file).args(["--model", model.name(), "--log"]).arg(&log).output();
+    let output = output.expect("the binary starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    fs::read(&log).expect("the log")
 }
 
 /// The log of a run that a signal ended after so many samples.
@@ -74,16 +68,22 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
         AnyScene::Finger(scene) => {
             let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
             let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-            let mut sink = Until { writer, left: samples, last_s: 0.0 };
-            assert!(run(model, &scene, &mut sink).expect_err("stopped").is_stop());
+            let until = Until { writer, left: samples, last_s: 0.0 };
+            let mut thinned = Thinned::new(scene.log.numeric_hz, until);
+            assert!(run(model, &scene, &mut thinned).expect_err("stopped").is_stop());
+            thinned.end().expect("written");
+            let mut sink = thinned.sink;
             sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
             sink.writer.finish().expect("finished")
         }
         AnyScene::Bodies(scene) => {
             let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
             let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-            let mut sink = Until { writer, left: samples, last_s: 0.0 };
-            assert!(run_bodies(model, &scene, &mut sink).expect_err("stopped").is_stop());
+            let until = Until { writer, left: samples, last_s: 0.0 };
+            let mut thinned = Thinned::new(scene.log.numeric_hz, until);
+            assert!(run_bodies(model, &scene, &mut thinned).expect_err("stopped").is_stop());
+            thinned.end().expect("written");
+            let mut sink = thinned.sink;
             sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
             sink.writer.finish().expect("finished")
         }

@@ -10,6 +10,7 @@
 //! | file | job |
 //! |---|---|
 //! | `bytes` | records of an MCAP file |
+//! | `reading` | what was found, what is lost |
 //! | `record` | those records, and who takes them |
 //! | `wire` | messages of protobuf |
 //! | `channels` | what a channel carries |
@@ -23,13 +24,13 @@ mod assemble;
 mod behind;
 mod bytes;
 mod channels;
+mod reading;
 mod record;
 mod wire;
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mcap::McapError;
 use mcap::records::op;
@@ -39,6 +40,8 @@ use self::assemble::{Assembler, Found};
 pub use self::behind::Behind;
 use self::bytes::{Chunk, Cursor, Malformed};
 pub(super) use self::bytes::{channel, message, metadata, schema};
+use self::reading::is_of_discs;
+pub use self::reading::{Ended, Loss, ReadError, Reading};
 use self::record::Fingers;
 pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Names, Record, SchemaRecord};
 use super::file::partial_name;
@@ -48,107 +51,6 @@ use crate::trace::{Sink, SinkError};
 
 /// No record or chunk of a log is larger, compressed or not: sixty times what phalanx writes.
 pub const LARGEST_RECORD: usize = 16 << 20;
-
-/// What was found in a log.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reading {
-    /// Size of the file.
-    pub bytes: u64,
-    /// Versions, model and settings, see [`metadata`](super::metadata()).
-    pub metadata: BTreeMap<String, String>,
-    /// What a log that was recovered from a damaged one says of that, see [`recover`](super::recover()).
-    pub recovered: Option<BTreeMap<String, String>>,
-    /// Name and text of the attached scene.
-    pub scene: Option<(String, String)>,
-    pub samples: u64,
-    pub events: u64,
-    pub messages: u64,
-    /// Channels that phalanx does not know, and messages on them.
-    pub unknown_channels: u64,
-    pub unknown_messages: u64,
-    pub chunks: u64,
-    /// Times of the first and last sample.
-    pub first_s: Option<f64>,
-    pub last_s: Option<f64>,
-    /// How the run ended, if the log got to say.
-    pub ended: Option<Ended>,
-    /// Empty if the log is whole.
-    pub losses: Vec<Loss>,
-}
-
-impl Reading {
-    pub fn is_whole(&self) -> bool {
-        self.losses.is_empty()
-    }
-
-    /// Whether the log is of a scene of discs.
-    pub fn is_of_discs(&self) -> bool {
-        is_of_discs(&self.metadata)
-    }
-}
-
-fn is_of_discs(metadata: &BTreeMap<String, String>) -> bool {
-    metadata.get("kind").is_some_and(|kind| kind == "bodies")
-}
-
-/// How the run of a log ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ended {
-    pub time_s: f64,
-    /// `None` if it was completed.
-    pub stopped: Option<String>,
-}
-
-impl Ended {
-    fn new(time_s: f64, line: String) -> Self {
-        let stopped = match line.strip_prefix("stopped: ") {
-            Some(reason) => Some(reason.to_string()),
-            None if line == "completed" => None,
-            None => Some(line),
-        };
-        Ended { time_s, stopped }
-    }
-}
-
-/// Something that is not there, or not as it was written.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Loss {
-    /// The file ends before the log does.
-    #[error("the log is truncated: it breaks off at byte {at_byte} of {bytes}{}", up_to(.last_s))]
-    Truncated { at_byte: u64, bytes: u64, last_s: Option<f64> },
-    /// Something is wrong; nothing behind it was used.
-    #[error("the log is damaged at byte {at_byte} of {bytes}: {reason}{}; {behind}", up_to(.last_s))]
-    Damaged { at_byte: u64, bytes: u64, reason: String, last_s: Option<f64>, behind: Behind },
-    /// The samples are not concerned.
-    #[error("the log is damaged at byte {at_byte}: {reason}; its samples are not concerned")]
-    Scene { at_byte: u64, reason: String },
-}
-
-fn up_to(last_s: &Option<f64>) -> String {
-    match last_s {
-        Some(time_s) => format!("; it can be read up to {:.6} ms", time_s * 1e3),
-        None => "; there is no sample before that".to_string(),
-    }
-}
-
-/// Why there is nothing to read.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    #[error("there is no log {path}{hint}")]
-    Missing { path: PathBuf, hint: String },
-    #[error("{path} is {what}; name a log file (.mcap)")]
-    NotAFile { path: PathBuf, what: &'static str },
-    #[error("not an MCAP file: it does not begin as one")]
-    NotMcap,
-    #[error("an MCAP file, but not a log of phalanx: it has no metadata record `{METADATA_NAME}` before its messages")]
-    NotPhalanx,
-    #[error("a log that breaks off before it says what it is of: only {bytes} bytes are there")]
-    Empty { bytes: u64 },
-    #[error("cannot read: {0}")]
-    Io(#[from] io::Error),
-    #[error(transparent)]
-    Sink(#[from] SinkError),
-}
 
 /// Reads the log file of a finger into a sink.
 ///

@@ -5,10 +5,10 @@ use std::io::{self, Read};
 
 use mcap::McapError;
 use mcap::records::op;
-use mcap::sans_io::{LinearReadEvent, LinearReader};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::super::reader::{ChannelRecord, MessageRecord, SchemaRecord, channel, message, metadata, schema};
-use crate::log::METADATA_NAME;
+use crate::log::{LARGEST_RECORD, METADATA_NAME};
 
 /// A schema, owned.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -40,20 +40,14 @@ impl Announced {
         self.schemas.insert(found.id, Schema { name, encoding, data: found.data.to_vec() });
     }
 
-    /// Takes note of a channel; the id and what is new, or nothing if it is as it was.
-    pub fn channel(&mut self, found: &ChannelRecord<'_>) -> Option<&Channel> {
-        let schema = self.schemas.get(&found.schema).cloned().unwrap_or_default();
+    pub fn channel(&mut self, found: &ChannelRecord<'_>) {
         let channel = Channel {
             topic: found.topic.to_string(),
             encoding: found.encoding.to_string(),
             metadata: found.metadata.clone(),
-            schema,
+            schema: self.schemas.get(&found.schema).cloned().unwrap_or_default(),
         };
-        if self.channels.get(&found.id) == Some(&channel) {
-            return None;
-        }
         self.channels.insert(found.id, channel);
-        self.channels.get(&found.id)
     }
 
     pub fn topic(&self, id: u16) -> &str {
@@ -97,7 +91,9 @@ impl<R: Read> Again<R> {
     pub fn new(source: R) -> io::Result<Self> {
         let mut again = Again {
             source,
-            framing: LinearReader::new(),
+            framing: LinearReader::new_with_options(
+                LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD),
+            ),
             announced: Announced::default(),
             metadata: BTreeMap::new(),
             next: None,
@@ -126,9 +122,7 @@ impl<R: Read> Again<R> {
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => match opcode {
                     op::SCHEMA => self.announced.schema(&schema(data).map_err(|error| broken(&error))?),
-                    op::CHANNEL => {
-                        self.announced.channel(&channel(data).map_err(|error| broken(&error))?);
-                    }
+                    op::CHANNEL => self.announced.channel(&channel(data).map_err(|error| broken(&error))?),
                     op::METADATA => {
                         if let Ok((METADATA_NAME, entries)) = metadata(data) {
                             self.metadata = entries;

@@ -23,7 +23,7 @@ pub use self::fields::Leaf;
 use self::tally::Tally;
 pub use self::tally::{Difference, FieldTally};
 use super::reader::{LogSink, Record};
-use super::recovered::Gap;
+use super::recovered::{Check, Gap};
 use crate::trace::SinkError;
 
 /// Messages of one log time that are paired at once: steps of an impact can share one.
@@ -90,12 +90,12 @@ pub struct Lockstep<'a, R> {
     index: u64,
     /// Behind the first difference: messages of the log of one log time.
     group: Option<Vec<Message>>,
-    go_on: &'a dyn Fn() -> Result<(), SinkError>,
+    check: Check<'a>,
 }
 
 impl<'a, R: Read> Lockstep<'a, R> {
-    /// Compares with the log in `source`; `go_on` ends it with an error.
-    pub fn new(source: R, expected: Expected, go_on: &'a dyn Fn() -> Result<(), SinkError>) -> io::Result<Self> {
+    /// Compares with the log in `source`; an error of `check` ends it.
+    pub fn new(source: R, expected: Expected, check: Check<'a>) -> io::Result<Self> {
         Ok(Lockstep {
             again: Again::new(source)?,
             announced: Announced::default(),
@@ -104,7 +104,7 @@ impl<'a, R: Read> Lockstep<'a, R> {
             found: Verification::default(),
             index: 0,
             group: None,
-            go_on,
+            check,
         })
     }
 
@@ -118,14 +118,9 @@ impl<'a, R: Read> Lockstep<'a, R> {
                 self.extra(&message);
             }
         }
-        if self.found.compared > 0 {
-            for channel in self.again.announced.channels.values() {
-                if self.announced.by_topic(&channel.topic).is_none() {
-                    self.found.structure.push(format!("only the new run has the channel {}", channel.topic));
-                }
-            }
-            self.found.structure.sort();
-        }
+        // Channels that come later in the new run than in the log: a recovered one has them from its index.
+        while self.again.take()?.is_some() {}
+        self.structure();
         self.found.channels = self.announced.channels.len() as u64;
         self.found.fields = self.tally.fields;
         Ok(self.found)
@@ -138,12 +133,6 @@ impl<'a, R: Read> Lockstep<'a, R> {
             if entries.get(key) != again.get(key) {
                 self.found.metadata.push((key.clone(), entries.get(key).cloned(), again.get(key).cloned()));
             }
-        }
-    }
-
-    fn note(&mut self, text: String) {
-        if self.found.structure.len() < MOST_NOTES {
-            self.found.structure.push(text);
         }
     }
 
@@ -293,25 +282,40 @@ impl<'a, R: Read> Lockstep<'a, R> {
         self.found.first.get_or_insert(first);
     }
 
-    fn announce(&mut self, found: &Channel) {
-        let topic = &found.topic;
-        let Some(again) = self.again.announced.by_topic(topic) else {
-            return self.note(format!("only the log has the channel {topic}"));
-        };
-        let mut differing = Vec::new();
-        for (what, same) in [
-            ("name of the schema", found.schema.name == again.schema.name),
-            ("encoding of the schema", found.schema.encoding == again.schema.encoding),
-            ("schema", found.schema.data == again.schema.data),
-            ("encoding of the messages", found.encoding == again.encoding),
-            ("metadata", found.metadata == again.metadata),
-        ] {
-            if !same {
-                differing.push(format!("the {what} of the channel {topic} is another one"));
+    /// Compares schemas and channels.
+    fn structure(&mut self) {
+        let mut notes = Vec::new();
+        for found in self.announced.channels.values() {
+            match self.again.announced.by_topic(&found.topic) {
+                Some(again) => notes.extend(apart(found, again)),
+                None => notes.push(format!("only the log has the channel {}", found.topic)),
             }
         }
-        differing.into_iter().for_each(|text| self.note(text));
+        // Of a log without messages the part that names the channels may be lost.
+        if self.index > 0 {
+            for channel in self.again.announced.channels.values() {
+                if self.announced.by_topic(&channel.topic).is_none() {
+                    notes.push(format!("only the new run has the channel {}", channel.topic));
+                }
+            }
+        }
+        notes.sort();
+        notes.truncate(MOST_NOTES);
+        self.found.structure = notes;
     }
+}
+
+/// In what a channel is another one in the new run.
+fn apart(log: &Channel, again: &Channel) -> Vec<String> {
+    let parts = [
+        ("name of the schema", log.schema.name == again.schema.name),
+        ("encoding of the schema", log.schema.encoding == again.schema.encoding),
+        ("schema", log.schema.data == again.schema.data),
+        ("encoding of the messages", log.encoding == again.encoding),
+        ("metadata", log.metadata == again.metadata),
+    ];
+    let differing = parts.into_iter().filter(|(_, same)| !same);
+    differing.map(|(what, _)| format!("the {what} of the channel {} is another one", log.topic)).collect()
 }
 
 impl<R: Read> LogSink for Lockstep<'_, R> {
@@ -320,12 +324,10 @@ impl<R: Read> LogSink for Lockstep<'_, R> {
             Record::Metadata { name: super::METADATA_NAME, entries } => self.metadata(entries),
             Record::Schema(schema) => self.announced.schema(schema),
             Record::Channel(channel) => {
-                if let Some(found) = self.announced.channel(channel).cloned() {
-                    self.announce(&found);
-                }
+                self.announced.channel(channel);
             }
             Record::Message(message) => {
-                (self.go_on)()?;
+                (self.check)(message.log_time_ns)?;
                 let what = "the comparison".to_string();
                 self.message(Message::from(message)).map_err(|source| SinkError { what, source })?;
             }

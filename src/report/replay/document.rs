@@ -57,7 +57,7 @@ pub struct ReplayReport {
     pub last: Option<Final>,
     /// Discs by their names, of a log of discs.
     pub discs: Option<BTreeMap<String, DiscReport>>,
-    /// Peaks are those of the samples, which may miss those between them.
+    /// Peaks are those of the samples, among which the run's own are.
     pub contacts: Option<Touches>,
     /// Null without an object or a scene, or if the log does not reach the end of a completed run.
     pub criteria: Option<Dynamics>,

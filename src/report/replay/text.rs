@@ -8,8 +8,6 @@ use super::super::text::{contacts, duration, dynamics, energies, engine, final_s
 use super::document::{ReplayReport, Touches};
 use super::verify::verification_text;
 
-const CAVEAT: &str = "peaks and depths are those of the samples\n";
-
 /// The whole summary, with a line end.
 pub fn replay_text(report: &ReplayReport) -> String {
     let mut sections = vec![heading(report)];
@@ -20,8 +18,8 @@ pub fn replay_text(report: &ReplayReport) -> String {
         sections.push(bodies::discs(all, end_s));
     }
     match &report.contacts {
-        Some(Touches::Finger(all)) => sections.push(contacts(all) + CAVEAT),
-        Some(Touches::Discs(all)) if !all.is_empty() => sections.push(bodies::contacts(all) + CAVEAT),
+        Some(Touches::Finger(all)) => sections.push(contacts(all)),
+        Some(Touches::Discs(all)) if !all.is_empty() => sections.push(bodies::contacts(all)),
         _ => {}
     }
     match (&report.energy, &report.discs) {

@@ -3,7 +3,9 @@
 use std::io::Cursor;
 
 use phalanx::criteria::{FinalAngles, Tracker};
-use phalanx::log;
+use phalanx::log::{self, Expected, Lockstep, LogSink, Names};
+use phalanx::report::DiscsSummary;
+use phalanx::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use phalanx::trace::{Event, Sample, Sink, SinkError};
 
 /// The consumers that `phalanx replay` has, and a check of what they are given.
@@ -42,4 +44,58 @@ pub fn log(bytes: &[u8]) {
         Err(error) => assert!(!error.to_string().is_empty()),
     }
     let _ = listener.tracker.criteria(true);
+    any(bytes);
+    recovered(bytes);
+}
+
+/// What takes logs of discs.
+#[derive(Default)]
+struct Discs {
+    names: Names,
+    summary: DiscsSummary,
+    latest_s: f64,
+}
+
+impl LogSink for Discs {
+    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
+        self.names = names.clone();
+        self.summary = DiscsSummary::new(names.clone());
+        Ok(())
+    }
+
+    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        assert!(sample.time_s >= self.latest_s);
+        self.latest_s = sample.time_s;
+        assert_eq!((sample.discs.len(), sample.contacts.len()), (self.names.discs.len(), self.names.pairs.len()));
+        self.summary.sample(sample)
+    }
+
+    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        assert!(event.pair < self.names.pairs.len());
+        self.summary.event(event)
+    }
+}
+
+fn any(bytes: &[u8]) {
+    let _ = log::read_any(Cursor::new(bytes), &mut Discs::default());
+    let _ = log::read_pieces(Cursor::new(bytes), &mut Discs::default());
+}
+
+/// What is recovered is whole, nothing of it is lost when it is recovered once more, and it is the beginning of what it was
+/// recovered from.
+fn recovered(bytes: &[u8]) {
+    let recover = |bytes: &[u8]| {
+        let mut out = Vec::new();
+        log::recover(&mut Cursor::new(bytes), "fuzz.mcap", &mut out, "the log", &|_| Ok(())).map(|found| (out, found))
+    };
+    let Ok((out, found)) = recover(bytes) else { return };
+    let reading = log::read_any(Cursor::new(&out), &mut Discs::default()).expect("a log");
+    assert!(reading.is_whole(), "{:?}", reading.losses);
+    assert_eq!(reading.messages, found.messages);
+    let (_, again) = recover(&out).expect("a log");
+    assert_eq!((again.messages, again.gaps), (found.messages, found.gaps));
+    let mut lockstep = Lockstep::new(Cursor::new(&out), Expected::default(), &|_| Ok(())).expect("a log of our own");
+    let _ = log::read_any(Cursor::new(bytes), &mut lockstep);
+    let compared = lockstep.finish().expect("readable");
+    assert!(compared.compared <= found.messages);
 }
