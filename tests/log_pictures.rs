@@ -178,7 +178,8 @@ fn rates_are_kept_and_nothing_is_drawn_where_nothing_moves() {
     let seldom = count(&scene, "/tf");
     scene.log.picture_hz = 5e3;
     let often = count(&scene, "/tf");
-    assert!(seldom < often / 2, "{seldom} of {often}");
+    // It moves for 7 ms; the pictures within its impacts are the same.
+    assert!((20..=28).contains(&(often - seldom)), "{seldom} of {often}");
     scene.duration_s *= 5.0;
     let held = count(&scene, "/tf");
     assert!(held < often + 60, "{held} of {often}: while the object is held, nothing moves");
@@ -210,14 +211,18 @@ fn discs_are_drawn_too() {
     let info = RunInfo { scene: scene.as_ref(), scene_file: "two-free.toml", model: "analytic" };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
     let mut sink = Thinned::new(scene.log.numeric_hz, writer);
-    let outcome = run_bodies(Model::Analytic, &scene, &mut sink).expect("a run");
+    run_bodies(Model::Analytic, &scene, &mut sink).expect("a run");
     sink.end().expect("written");
     let messages = messages(&sink.sink.finish().expect("finished"));
-    let last = transforms(of(&messages, "/tf").last().expect("pictures"));
-    for (frame, (disc, state)) in last.transforms.iter().zip(scene.discs.iter().zip(&outcome.last.discs)) {
+    let last = of(&messages, "/tf").last().expect("pictures");
+    for (frame, disc) in transforms(last).transforms.iter().zip(&scene.discs) {
         assert_eq!(frame.child_frame_id, disc.name);
+        let topic = format!("/disc/{}", disc.name);
+        let state = messages.iter().rfind(|message| message.0 == topic && message.1 == last.1).expect("a sample");
+        // Flat messages of doubles: a key of one byte before each.
+        let number = |field: usize| f64::from_le_bytes(state.2[9 * field + 1..][..8].try_into().expect("a double"));
         let place = frame.translation.expect("a place");
-        assert!((place.x - state.centre_m[0]).hypot(place.y - state.centre_m[1]) < 1e-5);
+        assert_eq!((place.x, place.y), (number(1), number(2)));
     }
     assert_eq!(update(of(&messages, "/scene").next().expect("shapes")).entities.len(), scene.discs.len());
     assert!(of(&messages, "/forces").any(|message| !update(message).entities[0].arrows.is_empty()));

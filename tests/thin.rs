@@ -53,13 +53,18 @@ fn pressed(time_s: f64, normal_n: f64) -> Sample {
     Sample { time_s, proximal, ..Sample::default() }
 }
 
+fn keep(kept: &mut Vec<f64>, sample: &Sample) -> Result<(), SinkError> {
+    kept.push(sample.time_s);
+    Ok(())
+}
+
 fn kept_of(samples: &[Sample], numeric_hz: f64) -> Vec<f64> {
     let mut thin = Thin::new(numeric_hz);
     let mut kept = Vec::new();
     for sample in samples {
-        thin.sample(sample, |sample| Ok::<(), ()>(kept.push(sample.time_s))).expect("kept");
+        thin.sample(sample, |sample| keep(&mut kept, sample)).expect("kept");
     }
-    thin.flush(|sample| Ok::<(), ()>(kept.push(sample.time_s))).expect("kept");
+    thin.flush(|sample| keep(&mut kept, sample)).expect("kept");
     kept
 }
 
@@ -96,9 +101,9 @@ fn the_samples_around_an_event_are_kept() {
     let mut kept = Vec::new();
     for k in 0..32 {
         let sample = pressed(f64::from(k) / 64.0, 0.0);
-        thin.sample(&sample, |sample: &Sample| Ok::<(), ()>(kept.push(sample.time_s))).expect("kept");
+        thin.sample(&sample, |sample| keep(&mut kept, sample)).expect("kept");
         if k == 10 {
-            thin.event(|sample| Ok::<(), ()>(kept.push(sample.time_s))).expect("kept");
+            thin.event(|sample| keep(&mut kept, sample)).expect("kept");
         }
     }
     assert_eq!(kept, [0.0, 10.0 / 64.0, 11.0 / 64.0]);
@@ -118,7 +123,7 @@ fn the_largest_values_of_the_samples_are_those_of_the_run() {
                 }
                 let found = outcome.site(site);
                 let what = format!("{name} {} {}", model.name(), site.name());
-                assert_eq!(depth, found.max_penetration_m, "{what}");
+                assert_eq!(depth, found.max_penetration_m, "{what} {:?}", kept.events);
                 assert_eq!(force, found.peak_normal_n, "{what}");
             }
         }
