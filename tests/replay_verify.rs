@@ -184,6 +184,28 @@ fn an_interrupted_run_is_compared_up_to_the_interrupt() {
     }
 }
 
+/// The same with a signal that comes when it likes.
+#[cfg(unix)]
+#[test]
+fn a_run_that_a_signal_ends_verifies_up_to_there() {
+    let directory = directory("verify_signal");
+    let scene = variant(&directory, "hold.toml", "[log]\nnumeric_rate = \"1 MHz\"");
+    let (log, partial) = (directory.join("run.mcap"), directory.join("run.mcap.partial"));
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_phalanx"));
+    let mut run = command.args(["run", &scene, "--duration", "100 s", "--log"]).arg(&log).spawn().expect("started");
+    let patience = std::time::Instant::now() + std::time::Duration::from_secs(20);
+    while fs::metadata(&partial).map_or(0, |found| found.len()) < 200_000 {
+        assert!(std::time::Instant::now() < patience, "the log does not grow");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let kill = std::process::Command::new("kill").args(["-INT", &run.id().to_string()]).status();
+    assert!(kill.expect("kill is there").success());
+    assert_eq!(run.wait().expect("ends").code(), Some(3));
+    let found = verified(&log, 0);
+    assert_eq!(found["same"], true, "{found:#}");
+    assert!(found["messages_compared"].as_u64() > Some(1000), "{found:#}");
+}
+
 #[test]
 fn a_prefix_that_agrees_is_not_the_whole() {
     let directory = directory("verify_prefix");

@@ -6,7 +6,7 @@ use super::canvas::{
     picture, titled,
 };
 use super::curve::thin;
-use crate::trace::{EventKind, Sample, Site};
+use crate::trace::{EventKind, Site};
 use crate::validate::{Angle, Recording, Validation};
 use plotters::style::RGBColor;
 
@@ -54,16 +54,15 @@ pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> 
 
 /// How far the angles of a run are from those of another.
 pub fn angles_apart(run: &Recording, reference: &Recording, until_s: f64) -> Vec<Apart> {
+    let mut curves = Angle::ALL.map(|angle| Apart { name: angle.name().to_string(), points: Vec::new() });
     let mut cursor = 0;
-    let compared = run.samples.iter().filter(|sample| sample.time_s <= until_s);
-    let pairs: Vec<(Sample, Sample)> = compared
-        .filter_map(|sample| reference.at(sample.time_s, &mut cursor).map(|expected| (*sample, expected)))
-        .collect();
-    let curve = |angle: Angle| Apart {
-        name: angle.name().to_string(),
-        points: pairs.iter().map(|(a, b)| (a.time_s, angle.difference(a, b).abs())).collect(),
-    };
-    Angle::ALL.map(curve).into()
+    for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
+        let Some(expected) = reference.at(sample.time_s, &mut cursor) else { continue };
+        for (curve, angle) in curves.iter_mut().zip(Angle::ALL) {
+            curve.points.push((sample.time_s, angle.difference(sample, &expected).abs()));
+        }
+    }
+    curves.into()
 }
 
 /// Touch-downs of both phalanges.

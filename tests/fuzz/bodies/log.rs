@@ -36,7 +36,10 @@ pub fn log(bytes: &[u8]) {
     let mut listener = Listener { tracker, latest_s: 0.0, samples: 0, events: 0 };
     match log::read(Cursor::new(bytes), &mut listener) {
         Ok(reading) => {
-            assert_eq!((reading.samples, reading.events), (listener.samples, listener.events));
+            // A sink of fingers hears nothing of discs.
+            let heard = (listener.samples, listener.events);
+            let expected = if reading.is_of_discs() { (0, 0) } else { (reading.samples, reading.events) };
+            assert_eq!(heard, expected);
             for loss in &reading.losses {
                 assert!(!loss.to_string().is_empty());
             }
