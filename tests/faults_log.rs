@@ -21,7 +21,7 @@ fn log() -> &'static (Vec<u8>, Items) {
         let run = RunInfo { scene: &scene, scene_file: "experiment-95.toml", model: "analytic" };
         let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
         let outcome = held::run(Model::Analytic, &scene, &mut writer).expect("a run");
-        writer.note(outcome.last.time_s, Severity::Info, "completed").expect("written");
+        writer.note(outcome.last.time_s, Severity::Info, "run", "completed").expect("written");
         let bytes = writer.finish().expect("finished");
         let (reading, items) = read_bytes(&bytes);
         assert!(reading.expect("a log").is_whole() && items.samples() > 2000);

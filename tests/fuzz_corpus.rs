@@ -78,7 +78,7 @@ fn logged(scene: &Scene, model: Model) -> Vec<u8> {
     let info = RunInfo { scene, scene_file: "seed.toml", model: model.name() };
     let mut writer = Writer::new(Vec::new(), "the seed", &info).expect("started");
     run(model, scene, &mut writer).expect("a run");
-    writer.note(scene.duration_s, Severity::Info, "completed").expect("written");
+    writer.note(scene.duration_s, Severity::Info, "run", "completed").expect("written");
     writer.finish().expect("finished")
 }
 

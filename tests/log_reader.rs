@@ -31,7 +31,7 @@ fn written(scene: &Scene, samples: usize) -> (Vec<u8>, Items) {
         writer.event(&event).expect("written");
         items.event(&event).expect("kept");
     }
-    writer.note(1e-6 * samples as f64, Severity::Info, "completed").expect("written");
+    writer.note(1e-6 * samples as f64, Severity::Info, "run", "completed").expect("written");
     (writer.finish().expect("finished"), items)
 }
 
@@ -77,7 +77,7 @@ fn a_log_without_samples_is_a_log() {
     let scene = scene();
     let run = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "engine" };
     let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
-    writer.note(0.0, Severity::Error, "stopped: no way").expect("written");
+    writer.note(0.0, Severity::Error, "run", "stopped: no way").expect("written");
     let (reading, found) = good(&writer.finish().expect("finished"));
     assert!(reading.is_whole() && found.0.is_empty());
     assert_eq!(reading.ended.and_then(|ended| ended.stopped), Some("no way".to_string()));

@@ -45,7 +45,7 @@ fn write(scene: &Scene, records: &[Record]) -> Vec<u8> {
             Record::Event(event) => writer.event(event).expect("written"),
         }
     }
-    writer.note(scene.duration_s, Severity::Info, "done").expect("written");
+    writer.note(scene.duration_s, Severity::Info, "run", "done").expect("written");
     writer.finish().expect("finished")
 }
 

@@ -15,6 +15,8 @@ mod overrides;
 mod progress;
 mod replace;
 mod replay;
+mod replay_against;
+mod replay_pair;
 mod replay_read;
 mod replay_recover;
 mod replay_verify;

@@ -10,7 +10,7 @@ use super::interrupt::Interrupt;
 use super::output::{complain, print};
 use super::replace::{probe, replace};
 use super::replay_read::{Listeners, bad_log, read, tabulate};
-use super::{Failure, Status, replay_recover, replay_verify};
+use super::{Failure, Status, replay_against, replay_recover, replay_verify};
 use crate::log::Reading;
 use crate::report::{ReplayReport, replay_json, replay_text};
 
@@ -18,7 +18,7 @@ use crate::report::{ReplayReport, replay_json, replay_text};
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
-                  run.csv\n  phalanx replay run.mcap.partial --recover run.mcap\n\nA log that is truncated or damaged is read \
+                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --out comparison\n  phalanx replay run.mcap.partial --recover run.mcap\n\nA log that is truncated or damaged is read \
                   up to there. Exit status: 0 the log is whole (with --verify: and the same again); 1 a part of it is lost, or \
                   it differs; 2 bad input; 3 interrupted, or a file could not be written."
 )]
@@ -35,6 +35,15 @@ pub struct ReplayArgs {
     /// the same bytes
     #[arg(long, group = "mode")]
     verify: bool,
+
+    /// Set another log beside it: figures of both with differences, and how far apart they are along the common time. Both
+    /// of fingers or both of discs
+    #[arg(long, value_name = "OTHER.mcap", group = "mode")]
+    against: Option<PathBuf>,
+
+    /// With --against: write the report and pictures there; the directory is made if need be
+    #[arg(long, value_name = "DIR", requires = "against")]
+    pub(super) out: Option<PathBuf>,
 
     /// Write all samples to a file of comma-separated values, one line each, every column with its SI unit; - is standard
     /// output
@@ -55,6 +64,9 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     }
     if let Some(target) = &args.recover {
         return replay_recover::run(args, target, &interrupt);
+    }
+    if let Some(other) = &args.against {
+        return replay_against::run(args, other, &interrupt);
     }
     match &args.csv {
         Some(path) => csv(args, path, &interrupt),

@@ -12,8 +12,8 @@ use crate::criteria::{Criteria, Tracker};
 use crate::log::{self, LARGEST_RECORD, LogSink, Names, ReadError, Reading};
 use crate::report::{CsvHead, DiscsSummary, ReplayReport, Summary, csv_discs, csv_finger};
 use crate::scene::{self, AnyScene, BodiesScene, SceneError};
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
+use crate::trace::{Event, Outcome, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
 pub(super) struct Listeners<'a> {
@@ -50,6 +50,21 @@ impl<'a> Listeners<'a> {
             None => {}
         }
         Ok(listeners)
+    }
+
+    /// What is known of a run of a finger.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.summary.outcome()
+    }
+
+    /// What is known of a run of discs, and what they are called.
+    pub fn discs_outcome(&self) -> (&Names, Option<&BodiesOutcome>) {
+        (&self.discs.names, self.discs.outcome())
+    }
+
+    /// Wipes the line that says how far it has come.
+    pub fn done(&mut self) {
+        self.progress.clear();
     }
 
     /// The summary of what was read.

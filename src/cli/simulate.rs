@@ -10,11 +10,11 @@ use super::progress::Progress;
 use crate::criteria::{Criteria, FinalAngles, Rebound, Rebounds, Tracker};
 use crate::gripper::{Circle, final_posture};
 use crate::integrator;
-use crate::log::{BodiesChannels, FingerChannels, Severity, Writer};
+use crate::log::{Beside, BodiesChannels, Channels, FingerChannels, Severity};
 use crate::report;
 use crate::scene::{BodiesScene, Scene};
 use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
-use crate::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
+use crate::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned};
 
 /// A simulation that is over.
 pub(super) struct Simulated<W, O, F> {
@@ -41,17 +41,20 @@ pub(super) struct Limits<'a> {
 }
 
 /// Simulates a finger.
-pub(super) fn finger<W: Write>(
+pub(super) fn finger<W: Write + Send + 'static>(
     model: Model,
     scene: &Scene,
-    log: Option<Writer<W, FingerChannels>>,
+    log: Option<Beside<W, FingerChannels>>,
     limits: &Limits<'_>,
 ) -> Simulated<W, Outcome, Option<Criteria>> {
     let tracker = final_angles(scene).map(Tracker::new);
-    let mut sinks = Sinks { log, found: tracker, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let sinks = Sinks { log, found: tracker, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
     let start = Instant::now();
-    let result = trace::run(model, scene, &mut sinks);
+    let result = trace::run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
+    let last = thinned.end();
+    let mut sinks = thinned.sink;
     sinks.progress.clear();
     // Whether the grasp is statically stable is for the statics to say; the criteria here are the run's own.
     let found = sinks.found.as_ref().filter(|_| result.is_ok()).map(|tracker| tracker.criteria(true));
@@ -59,28 +62,39 @@ pub(super) fn finger<W: Write>(
         RunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
         RunError::Sink(error) => failed(&error, sinks.last_s),
     });
-    let log = sinks.log.map(|log| close(log, sinks.last_s, result.as_ref().err())).transpose();
+    let close = |mut log: Beside<W, FingerChannels>| {
+        last?;
+        if let Some(criteria) = &found {
+            log.note(sinks.last_s, Severity::Info, "grasp", &verdict(criteria))?;
+        }
+        close(log, sinks.last_s, result.as_ref().err())
+    };
+    let log = sinks.log.map(close).transpose();
     Simulated { result, found, wall_s, log }
 }
 
 /// Simulates discs.
-pub(super) fn bodies<W: Write>(
+pub(super) fn bodies<W: Write + Send + 'static>(
     model: Model,
     scene: &BodiesScene,
-    log: Option<Writer<W, BodiesChannels>>,
+    log: Option<Beside<W, BodiesChannels>>,
     limits: &Limits<'_>,
 ) -> Simulated<W, BodiesOutcome, Vec<Rebound>> {
     let rebounds = Rebounds::new(scene.pairs().len());
-    let mut sinks = Sinks { log, found: rebounds, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let sinks = Sinks { log, found: rebounds, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
     let start = Instant::now();
-    let result = run_bodies(model, scene, &mut sinks);
+    let result = run_bodies(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
+    let last = thinned.end();
+    let mut sinks = thinned.sink;
     sinks.progress.clear();
     let result = result.map_err(|error| match error {
         BodiesRunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
         BodiesRunError::Sink(error) => failed(&error, sinks.last_s),
     });
-    let log = sinks.log.map(|log| close(log, sinks.last_s, result.as_ref().err())).transpose();
+    let close = |log| last.and_then(|()| close(log, sinks.last_s, result.as_ref().err()));
+    let log = sinks.log.map(close).transpose();
     Simulated { result, found: sinks.found.pairs().to_vec(), wall_s, log }
 }
 
@@ -99,13 +113,32 @@ fn failed<O>(error: &SinkError, last_s: f64) -> Broken<O> {
 }
 
 /// Says in the log how the run ended, and finishes it.
-fn close<W: Write, C, O>(mut log: Writer<W, C>, last_s: f64, broken: Option<&Broken<O>>) -> Result<W, SinkError> {
+fn close<W: Write + Send + 'static, C: Channels, O>(
+    mut log: Beside<W, C>,
+    last_s: f64,
+    broken: Option<&Broken<O>>,
+) -> Result<W, SinkError> {
     let (time_s, severity, text) = match broken {
         None => (last_s, Severity::Info, "completed".to_string()),
         Some(Broken { error, .. }) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
     };
-    log.note(time_s, severity, &text)?;
+    log.note(time_s, severity, "run", &text)?;
     log.finish()
+}
+
+/// What the log says of the grasp in the end.
+fn verdict(criteria: &Criteria) -> String {
+    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
+    let class = criteria.class.name();
+    match (criteria.tts_s, criteria.rebound_percent, criteria.t_geo_s) {
+        (Some(tts_s), Some(rebound), _) => {
+            format!("{class}: both phalanges hold for good from {}, rebounds {rebound:.3} %", ms(tts_s))
+        }
+        (_, _, Some(t_geo_s)) => {
+            format!("{class}: in position from {}, but not held by both phalanges in the end", ms(t_geo_s))
+        }
+        _ => format!("{class}: the finger never came into position"),
+    }
 }
 
 /// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
@@ -122,8 +155,8 @@ pub(super) fn final_angles(scene: &Scene) -> Option<FinalAngles> {
 }
 
 /// Everything that listens to a run; `found` is the tracker of criteria or rebounds.
-struct Sinks<'a, W: Write, C, F> {
-    log: Option<Writer<W, C>>,
+struct Sinks<'a, W: Write + Send + 'static, C: Channels, F> {
+    log: Option<Beside<W, C>>,
     found: F,
     /// Time of the latest sample.
     last_s: f64,
@@ -131,7 +164,7 @@ struct Sinks<'a, W: Write, C, F> {
     limits: &'a Limits<'a>,
 }
 
-impl<W: Write> Sink for Sinks<'_, W, FingerChannels, Option<Tracker>> {
+impl<W: Write + Send + 'static> Sink for Sinks<'_, W, FingerChannels, Option<Tracker>> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         Sink::sample(&mut self.progress, sample)?;
@@ -159,7 +192,7 @@ impl<W: Write> Sink for Sinks<'_, W, FingerChannels, Option<Tracker>> {
     }
 }
 
-impl<W: Write> BodiesSink for Sinks<'_, W, BodiesChannels, Rebounds> {
+impl<W: Write + Send + 'static> BodiesSink for Sinks<'_, W, BodiesChannels, Rebounds> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         BodiesSink::sample(&mut self.progress, sample)?;

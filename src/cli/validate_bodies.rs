@@ -12,8 +12,8 @@ use crate::log::{self, Severity};
 use crate::plot;
 use crate::report::{BodiesValidationReport, bodies_series, bodies_validation_json, bodies_validation_text};
 use crate::scene::{BodiesScene, Preset};
-use crate::trace::Model;
 use crate::trace::bodies::{BodiesRunError, run_bodies};
+use crate::trace::{Model, Thinned};
 use crate::validate::{StudyError, Subject, Validation, While};
 
 /// Everything that is in the directory in the end.
@@ -81,8 +81,10 @@ fn record(
 ) -> Result<(), Failure> {
     let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
     let go_on = || interrupt.signal().is_none();
-    let outcome = run_bodies(model, scene, &mut While { sink: &mut log, go_on: &go_on })
-        .map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
-    log.note(outcome.last.time_s, Severity::Info, "completed").map_err(|error| broken(path, error))?;
+    let mut thinned = Thinned::new(scene.log.numeric_hz, While { sink: &mut log, go_on: &go_on });
+    let outcome =
+        run_bodies(model, scene, &mut thinned).map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
+    thinned.end().map_err(|error| broken(path, error))?;
+    log.note(outcome.last.time_s, Severity::Info, "run", "completed").map_err(|error| broken(path, error))?;
     log.keep().map_err(|error| broken(path, error))
 }

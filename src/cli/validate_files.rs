@@ -13,7 +13,7 @@ use crate::log::{self, Severity};
 use crate::plot;
 use crate::report::{ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Preset, Scene};
-use crate::trace::{Model, run};
+use crate::trace::{Model, Thinned, run};
 use crate::validate::{Validation, While};
 
 /// The file that says what the others are; written last.
@@ -96,9 +96,11 @@ pub(super) fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result
 fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
     let go_on = || interrupt.signal().is_none();
-    let outcome = run(model, scene, &mut While { sink: &mut log, go_on: &go_on })
-        .map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
-    log.note(outcome.last.time_s, Severity::Info, "completed").map_err(|error| broken(path, error))?;
+    let mut thinned = Thinned::new(scene.log.numeric_hz, While { sink: &mut log, go_on: &go_on });
+    let outcome =
+        run(model, scene, &mut thinned).map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
+    thinned.end().map_err(|error| broken(path, error))?;
+    log.note(outcome.last.time_s, Severity::Info, "run", "completed").map_err(|error| broken(path, error))?;
     log.keep().map_err(|error| broken(path, error))
 }
 

@@ -14,7 +14,7 @@ use super::native::{self, Native};
 use super::plan::Plan;
 use super::settle::Settled;
 use super::space::Space;
-use super::substeps::{Contact, Unsolved};
+use super::substeps::{Contact, Moment, Unsolved};
 use super::touch::{self, Touch};
 use super::world::World;
 use super::{drive, forces};
@@ -168,6 +168,12 @@ impl<'a> Motion<'a> {
         }
         let native = self.native.iter().find(|native| native.index == index);
         native.map_or((0.0, 0.0), |native| (native.normal / self.last_dt_s, native.tangential / self.last_dt_s))
+    }
+
+    /// Where in the last step a stop or contact pressed hardest, and where it was deepest, if its law was asked in it.
+    pub fn contact_extremes(&self, index: usize) -> Option<[Moment; 2]> {
+        let at = self.space.sites.iter().position(|at| at.touch.index == index)?;
+        Some([*self.contact.peak.get(at)?, *self.contact.deepest.get(at)?])
     }
 
     /// Normal impulse of a stop or contact in the last step, whoever answers there.

@@ -50,6 +50,20 @@ pub enum ChangeKind {
     LetsGo,
 }
 
+/// One site at an instant within a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Time after the start of the step.
+    pub after_s: f64,
+    pub gap: f64,
+    pub gap_rate: f64,
+    pub slip: f64,
+    pub normal: f64,
+    pub tangential: f64,
+    /// Normal impulse of this step up to here.
+    pub impulse: f64,
+}
+
 /// What contact did in one step.
 #[derive(Clone, Debug, Default)]
 pub struct Contact {
@@ -60,9 +74,9 @@ pub struct Contact {
     pub force: Vec<f64>,
     pub gap: Vec<f64>,
     pub rate: Vec<f64>,
-    /// Largest normal force and penetration of each site.
-    pub peak: Vec<f64>,
-    pub deepest: Vec<f64>,
+    /// Where the normal force of each site is largest, and where its penetration.
+    pub peak: Vec<Moment>,
+    pub deepest: Vec<Moment>,
     /// Work on the bodies.
     pub work: f64,
     pub changes: Vec<Change>,
@@ -127,7 +141,7 @@ impl Contact {
                         h *= (0.9 * ratio).clamp(0.1, 0.7);
                         continue;
                     }
-                    self.accept(space, h, left);
+                    self.accept(space, now, h, left);
                     now += h;
                     if self.look(space, now) {
                         h = h.min(self.first_crossing(space, dt));
@@ -172,7 +186,7 @@ impl Contact {
         self.buffers.base_gap.resize(space.sites.len(), 0.0);
         for list in [&mut self.peak, &mut self.deepest] {
             list.clear();
-            list.resize(space.sites.len(), 0.0);
+            list.resize(space.sites.len(), Moment::default());
         }
         self.changes.clear();
         (self.work, self.substeps, self.iterations, self.repeated) = (0.0, 0, 0, 0);
@@ -272,7 +286,7 @@ impl Contact {
     }
 
     /// Takes over a sub-step: state, impulses, work and extremes.
-    fn accept(&mut self, space: &Space, h: f64, left: f64) {
+    fn accept(&mut self, space: &Space, now: f64, h: f64, left: f64) {
         let Buffers { total, double, first, second, first_force, base_gap, .. } = &mut self.buffers;
         let second_force = &self.work_space.force;
         // ∫ (end − s) F ds over the whole step grows by what has been and by what is coming.
@@ -285,9 +299,29 @@ impl Contact {
         }
         for (index, site) in space.sites.iter().enumerate() {
             let n = site.normal;
-            self.gap[index] = base_gap[index] + GAMMA * h * second[n];
-            self.peak[index] = self.peak[index].max(first_force[n]).max(second_force[n]);
-            self.deepest[index] = self.deepest[index].max(-self.gap[index]);
+            let gap_before = std::mem::replace(&mut self.gap[index], base_gap[index] + GAMMA * h * second[n]);
+            let moment = |after_s, gap, rate: &[f64], force: &[f64], impulse| Moment {
+                after_s,
+                gap,
+                gap_rate: rate[n],
+                slip: site.tangent.map_or(0.0, |t| rate[t]),
+                normal: force[n],
+                tangential: site.tangent.map_or(0.0, |t| force[t]),
+                impulse,
+            };
+            let impulse = h * ((1.0 - GAMMA) * first_force[n] + GAMMA * second_force[n]);
+            let (peak, deepest) = (&mut self.peak[index], &mut self.deepest[index]);
+            if first_force[n] > peak.normal {
+                let (implicit, given) = (GAMMA * h, total[n] - impulse + GAMMA * h * first_force[n]);
+                *peak = moment(now + implicit, gap_before + implicit * first[n], first, first_force, given);
+            }
+            let end = moment(now + h, self.gap[index], second, second_force, total[n]);
+            if end.normal > peak.normal {
+                *peak = end;
+            }
+            if end.gap < deepest.gap {
+                *deepest = end;
+            }
         }
         self.rate.copy_from_slice(second);
         self.force.copy_from_slice(second_force);

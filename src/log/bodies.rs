@@ -7,16 +7,21 @@ use mcap::McapError;
 use super::core::{ChannelId, Core, Severity};
 use super::finger::change_text;
 use super::messages::{Contact, Disc, Energy, Impact};
+use super::pictures::Pictures;
 use super::writer::{Channels, Writer};
+use crate::drawing;
 use crate::scene::BodiesScene;
 use crate::trace::SinkError;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, DiscState};
 
 /// One channel for every disc, two for every pair.
 pub struct BodiesChannels {
     discs: Vec<ChannelId>,
     pairs: Vec<PairChannels>,
     energy: ChannelId,
+    pictures: Option<Pictures>,
+    /// Where its bodies are.
+    scene: BodiesScene,
 }
 
 struct PairChannels {
@@ -25,7 +30,11 @@ struct PairChannels {
     impact: ChannelId,
 }
 
-impl Channels<BodiesScene> for BodiesChannels {
+impl Channels for BodiesChannels {
+    type Scene = BodiesScene;
+    type Sample = BodiesSample;
+    type Event = BodiesEvent;
+
     fn register<W: Write>(core: &mut Core<W>, scene: &BodiesScene) -> Result<Self, McapError> {
         let mut discs = Vec::with_capacity(scene.discs.len());
         for disc in &scene.discs {
@@ -38,43 +47,51 @@ impl Channels<BodiesScene> for BodiesChannels {
             let impact = core.channel::<Impact>(&format!("/impact/{name}"))?;
             pairs.push(PairChannels { name, contact, impact });
         }
-        Ok(BodiesChannels { discs, pairs, energy: core.channel::<Energy>("/energy")? })
+        let energy = core.channel::<Energy>("/energy")?;
+        let at_start = scene.discs.iter().map(|disc| DiscState { centre_m: disc.centre_m, ..DiscState::default() });
+        let poses = drawing::disc_poses(scene, &BodiesSample { discs: at_start.collect(), ..BodiesSample::default() });
+        let pictures = Pictures::register(core, &drawing::discs(scene), &poses, scene.log.picture_hz)?;
+        Ok(BodiesChannels { discs, pairs, energy, pictures, scene: scene.clone() })
     }
-}
 
-impl<W: Write> Writer<W, BodiesChannels> {
-    fn put_sample(&mut self, sample: &BodiesSample) -> Result<(), McapError> {
-        let (core, channels) = (&mut self.core, &self.channels);
+    fn sample<W: Write>(&mut self, core: &mut Core<W>, sample: &BodiesSample) -> Result<(), McapError> {
         let log_time = core.tick(sample.time_s);
-        for (channel, disc) in channels.discs.iter().zip(&sample.discs) {
+        for (channel, disc) in self.discs.iter().zip(&sample.discs) {
             core.put(*channel, log_time, &Disc::new(sample.time_s, disc))?;
         }
-        for (pair, contact) in channels.pairs.iter().zip(&sample.contacts) {
+        for (pair, contact) in self.pairs.iter().zip(&sample.contacts) {
             core.put(pair.contact, log_time, &Contact::new(sample.time_s, contact))?;
         }
-        core.put(channels.energy, log_time, &Energy::new(sample.time_s, &sample.energy))?;
-        core.close_full_chunk()
+        core.put(self.energy, log_time, &Energy::new(sample.time_s, &sample.energy))?;
+        match &mut self.pictures {
+            Some(pictures) => {
+                let poses = || drawing::disc_poses(&self.scene, sample);
+                pictures.sample(core, sample.time_s, poses, sample.contacts.iter())
+            }
+            None => Ok(()),
+        }
     }
 
-    fn put_event(&mut self, event: &BodiesEvent) -> Result<(), McapError> {
-        let (core, pair) = (&mut self.core, &self.channels.pairs[event.pair]);
+    fn event<W: Write>(&mut self, core: &mut Core<W>, lines: ChannelId, event: &BodiesEvent) -> Result<(), McapError> {
+        let pair = &self.pairs[event.pair];
         let log_time = core.tick(event.time_s);
         core.put(pair.impact, log_time, &Impact::from(event))?;
         let figures = [event.approach_m_s, event.impulse_n_s];
         let text = change_text(&pair.name, event.kind, event.time_s, figures, ["m/s", "N·s"]);
-        core.line(self.events, event.time_s, Severity::Info, &pair.name, &text)?;
-        core.close_full_chunk()
+        core.line(lines, event.time_s, Severity::Info, &pair.name, &text)
     }
 }
 
 impl<W: Write> BodiesSink for Writer<W, BodiesChannels> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        let written = self.put_sample(sample);
-        self.named(written)
+        self.take(sample)
+    }
+
+    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.take(sample)
     }
 
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        let written = self.put_event(event);
-        self.named(written)
+        self.take_event(event)
     }
 }

@@ -11,14 +11,11 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
+use super::beside::FileWriter;
 use super::core::Feed;
-use super::finger::FingerChannels;
 use super::metadata::{Logged, RunInfo};
 use super::writer::Writer;
 use crate::trace::SinkError;
-
-/// A log that goes to a file; [`Writer::keep`] puts it in its place.
-pub type FileWriter<C = FingerChannels> = Writer<LogFile, C>;
 
 /// Why a log could not be started.
 #[derive(Debug, thiserror::Error)]
@@ -143,13 +140,6 @@ impl Write for LogFile {
     }
 }
 
-impl<C> Writer<LogFile, C> {
-    /// Finishes the log and puts it in its place.
-    pub fn keep(self) -> Result<(), SinkError> {
-        self.finish()?.keep()
-    }
-}
-
 /// Starts a log in a file, see [`LogFile::open`].
 ///
 /// # Errors
@@ -169,7 +159,8 @@ pub fn create_with_feed<S: Logged>(
 ) -> Result<FileWriter<S::Channels>, LogError> {
     let file = path.map_or(Ok(LogFile::nowhere()), LogFile::open)?;
     let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
-    Writer::with_feed(file, &name, run, feed).map_err(|error| {
+    let started = Writer::with_feed(file, &name, run, feed).and_then(|writer| FileWriter::start(writer, &name));
+    started.map_err(|error| {
         // Not even the beginning of a log: nobody has a use for it.
         if let Some(partial) = partial {
             let _ = fs::remove_file(partial);

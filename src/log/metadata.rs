@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use super::bodies::BodiesChannels;
 use super::finger::FingerChannels;
 use super::writer::Channels;
-use crate::scene::{BodiesScene, Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::scene::{
+    BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
+};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
@@ -20,11 +22,9 @@ const ENGINE: &str = "engine";
 const RAPIER_VERSION: &str = "0.36.1";
 
 /// A kind of scene as far as a log has to know it.
-pub trait Logged {
+pub trait Logged: Sized {
     /// Its channels.
-    type Channels: Channels<Self>
-    where
-        Self: Sized;
+    type Channels: Channels<Scene = Self>;
 
     fn about(&self) -> About<'_>;
 }
@@ -37,7 +37,7 @@ pub struct About<'a> {
     pub name: &'a str,
     pub source: &'a str,
     pub duration_s: f64,
-    pub numeric_hz: f64,
+    pub rates: LogRates,
     pub integrator: &'a Integrator,
     pub engine: &'a Engine,
 }
@@ -51,7 +51,7 @@ impl Logged for Scene {
             name: &self.name,
             source: &self.source,
             duration_s: self.duration_s,
-            numeric_hz: self.log.numeric_hz,
+            rates: self.log,
             integrator: &self.integrator,
             engine: &self.engine,
         }
@@ -67,7 +67,7 @@ impl Logged for BodiesScene {
             name: &self.name,
             source: &self.source,
             duration_s: self.duration_s,
-            numeric_hz: self.log.numeric_hz,
+            rates: self.log,
             integrator: &self.integrator,
             engine: &self.engine,
         }
@@ -89,7 +89,7 @@ pub struct RunInfo<'a, S = Scene> {
 /// The attached scene is the file as written; where the command line overrode it, these settings are the ones that
 /// held. Numbers are printed in the shortest form that reads back to the same double.
 pub fn metadata<S: Logged>(run: &RunInfo<'_, S>) -> BTreeMap<String, String> {
-    let About { kind, name, duration_s, numeric_hz, integrator: integration, engine: stepping, .. } = run.scene.about();
+    let About { kind, name, duration_s, rates, integrator: integration, engine: stepping, .. } = run.scene.about();
     let mut entries = vec![
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
@@ -98,7 +98,8 @@ pub fn metadata<S: Logged>(run: &RunInfo<'_, S>) -> BTreeMap<String, String> {
         ("scene", name.to_string()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{duration_s:?}")),
-        ("log_numeric_hz", format!("{numeric_hz:?}")),
+        ("log_numeric_hz", format!("{:?}", rates.numeric_hz)),
+        ("log_picture_hz", format!("{:?}", rates.picture_hz)),
     ];
     match run.model {
         ENGINE => entries.extend(engine(stepping)),

@@ -32,21 +32,24 @@
 //! only by a whole one. Every chunk is written whole and flushed, so a killed run leaves a partial log that reads up to
 //! its last chunk.
 
+mod beside;
 mod bodies;
 mod core;
 mod file;
 mod finger;
 mod messages;
 mod metadata;
+mod pictures;
 mod reader;
 mod recovered;
 mod settings;
 mod verify;
 mod writer;
 
+pub use beside::{Beside, FileWriter};
 pub use bodies::BodiesChannels;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
-pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
+pub use file::{LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{

@@ -78,7 +78,10 @@ impl Settings {
 pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, SettingsError> {
     let mut entries = Entries { metadata, used: ABOUT.to_vec() };
     let duration_s = entries.positive("duration_s")?;
-    let log = LogRates { numeric_hz: entries.positive("log_numeric_hz")? };
+    let log = LogRates {
+        numeric_hz: entries.positive("log_numeric_hz")?,
+        picture_hz: entries.not_negative("log_picture_hz")?,
+    };
     let solver = match entries.word("model", [Model::Analytic, Model::Engine], Model::name)? {
         Model::Analytic => Solver::Analytic(integrator(&mut entries)?),
         Model::Engine => Solver::Engine(engine(&mut entries)?),

@@ -1,37 +1,48 @@
-//! Both models of a scene of discs over time: gaps, forces and energies.
+//! Two runs of discs over time: gaps, forces and energies.
 
 use plotters::style::RGBColor;
 
 use super::canvas::{AMBER, BLUE, DrawError, GREEN, GREY, ORANGE, PURPLE};
-use super::overlay::{Panel, Quantity, Runs, draw_all};
+use super::overlay::{MODELS, Panel, Quantity, Runs, draw_all};
 use crate::scene::BodiesScene;
 use crate::trace::ContactSample;
 use crate::trace::bodies::BodiesSample;
-use crate::validate::Validation;
+use crate::validate::{BodiesRecording, Validation};
 
 const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
 
-/// The picture; pairs that never touch are left out of it where others do.
+/// The picture of a validation; pairs that never touch are left out of it where others do.
 pub fn bodies_overlay(scene: &BodiesScene, found: &Validation<BodiesScene>) -> Result<String, DrawError> {
-    let runs = Runs {
-        analytic: &found.reference.samples,
-        engine: &found.engine.samples,
-        time_s: |sample: &BodiesSample| sample.time_s,
-        end_s: found.reference.outcome.last.time_s,
-    };
-    draw_all(&scene.name, &panels(scene, found), &runs)
+    let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
+    let title = format!("{}: analytic model and engine", scene.name);
+    let end_s = found.reference.outcome.last.time_s;
+    bodies_overlay_of(title, MODELS, &names, [&found.reference, &found.engine], end_s)
 }
 
-fn panels(scene: &BodiesScene, found: &Validation<BodiesScene>) -> Vec<Panel<'static, BodiesSample>> {
+/// The picture of any two runs with pairs of these names.
+pub fn bodies_overlay_of(
+    title: String,
+    labels: [&str; 2],
+    pairs: &[String],
+    [first, second]: [&BodiesRecording; 2],
+    end_s: f64,
+) -> Result<String, DrawError> {
+    let panels = panels(pairs, [first, second]);
+    let (first, second) = (&first.samples, &second.samples);
+    draw_all(&panels, &Runs { title, labels, first, second, time_s: |sample: &BodiesSample| sample.time_s, end_s })
+}
+
+fn panels(names: &[String], runs: [&BodiesRecording; 2]) -> Vec<Panel<'static, BodiesSample>> {
     let mut panels = Vec::new();
-    let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
-    let touching = |&pair: &usize| {
-        [&found.reference.outcome, &found.engine.outcome].iter().any(|outcome| outcome.pairs[pair].first_s.is_some())
-    };
+    let touching =
+        |&pair: &usize| runs.iter().any(|run| run.outcome.pairs.get(pair).is_some_and(|pair| pair.first_s.is_some()));
     let mut shown: Vec<usize> = (0..names.len()).filter(touching).collect();
     if shown.is_empty() {
         shown = (0..names.len()).collect();
     }
+    let rubs = |run: &BodiesRecording| {
+        run.samples.iter().any(|sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0))
+    };
     let of_pairs = |label, value: fn(&ContactSample) -> f64| {
         let quantity = |(place, &pair): (usize, &usize)| Quantity {
             name: names[pair].clone(),
@@ -43,7 +54,7 @@ fn panels(scene: &BodiesScene, found: &Validation<BodiesScene>) -> Vec<Panel<'st
     if !shown.is_empty() {
         panels.push(of_pairs("gap, mm", |contact| contact.gap_m * 1e3));
         panels.push(of_pairs("normal force, N", |contact| contact.normal_n));
-        if scene.contact.friction.is_some() {
+        if runs.into_iter().any(rubs) {
             panels.push(of_pairs("friction force, N", |contact| contact.tangential_n));
         }
     }

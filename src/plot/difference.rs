@@ -1,12 +1,13 @@
-//! The difference of the joint angles over time, with the touch-downs.
+//! The difference of two runs over time, with the touch-downs.
 
 use super::axis::Axis;
 use super::canvas::{
-    BLACK, BLUE, DrawError, Entry, GREEN, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture, titled,
+    AMBER, BLACK, BLUE, DrawError, Entry, GREEN, GREY, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend, line,
+    picture, titled,
 };
 use super::curve::thin;
 use crate::trace::{EventKind, Sample, Site};
-use crate::validate::{Angle, Validation};
+use crate::validate::{Angle, Recording, Validation};
 use plotters::style::RGBColor;
 
 const HEIGHT: u32 = 560;
@@ -15,49 +16,100 @@ const DECADES: f64 = 8.0;
 /// More touch-downs than this would hide the curves.
 const MOST_TOUCHES: usize = 60;
 
-/// The picture, of the run with the scene's own torque.
+/// A curve of differences: its name, and (time in s, difference).
+pub struct Apart {
+    pub name: String,
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Touch-downs at one place.
+pub struct Touches {
+    pub name: String,
+    pub times_s: Vec<f64>,
+}
+
+/// What is on a picture of differences.
+pub struct Differences<'a> {
+    pub title: String,
+    /// What is drawn, with its unit.
+    pub label: &'a str,
+    pub curves: Vec<Apart>,
+    pub touches: Vec<Touches>,
+    pub bound: Option<f64>,
+    pub until_s: f64,
+}
+
+/// The picture of a validation, of the run with the scene's own torque.
 pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> {
+    let until_s = found.bounds.until_s;
+    difference_of(&Differences {
+        title: format!("{scene}: difference of the joint angles over time"),
+        label: "|engine − analytic|, rad",
+        curves: angles_apart(&found.engine, &found.reference, until_s),
+        touches: touches(&found.reference, until_s),
+        bound: Some(found.bounds.angle_rad),
+        until_s,
+    })
+}
+
+/// How far the angles of a run are from those of another.
+pub fn angles_apart(run: &Recording, reference: &Recording, until_s: f64) -> Vec<Apart> {
     let mut cursor = 0;
-    let compared = found.engine.samples.iter().filter(|sample| sample.time_s <= found.bounds.until_s);
+    let compared = run.samples.iter().filter(|sample| sample.time_s <= until_s);
     let pairs: Vec<(Sample, Sample)> = compared
-        .filter_map(|sample| found.reference.at(sample.time_s, &mut cursor).map(|expected| (*sample, expected)))
+        .filter_map(|sample| reference.at(sample.time_s, &mut cursor).map(|expected| (*sample, expected)))
         .collect();
-    let distance = |angle: Angle, (engine, analytic): &(Sample, Sample)| angle.difference(engine, analytic).abs();
-    let all = pairs.iter().flat_map(|pair| Angle::ALL.map(|angle| distance(angle, pair)));
-    let y = Axis::decades("|engine − analytic|, rad", all.chain([found.bounds.angle_rad]), DECADES);
-    let x = Axis::linear("time, ms", [0.0, found.bounds.until_s * 1e3]);
+    let curve = |angle: Angle| Apart {
+        name: angle.name().to_string(),
+        points: pairs.iter().map(|(a, b)| (a.time_s, angle.difference(a, b).abs())).collect(),
+    };
+    Angle::ALL.map(curve).into()
+}
+
+/// Touch-downs of both phalanges.
+pub fn touches(run: &Recording, until_s: f64) -> Vec<Touches> {
+    let at = |site: Site| Touches {
+        name: site.name().to_string(),
+        times_s: run
+            .events
+            .iter()
+            .filter(|event| event.site == site && event.kind == EventKind::TouchDown && event.time_s <= until_s)
+            .map(|event| event.time_s)
+            .collect(),
+    };
+    [Site::Proximal, Site::Distal].map(at).into()
+}
+
+/// The picture: differences on a logarithmic axis over time.
+pub fn difference_of(found: &Differences<'_>) -> Result<String, DrawError> {
+    let all = found.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
+    let y = Axis::decades(found.label, all.chain(found.bound), DECADES);
+    let x = Axis::linear("time, ms", [0.0, found.until_s * 1e3]);
     picture(HEIGHT, |area| {
-        let rest = titled(area, &format!("{scene}: difference of the joint angles over time"))?;
+        let rest = titled(area, &found.title)?;
         let (left, right) = rest.split_horizontally(WIDTH - LEGEND - 10);
         let mut chart = frame(&left, &x, &y, true)?;
         let mut entries = Vec::new();
-        for (site, colour) in [(Site::Proximal, GREY), (Site::Distal, BLACK)] {
-            let touches: Vec<f64> = found
-                .reference
-                .events
-                .iter()
-                .filter(|event| event.site == site && event.kind == EventKind::TouchDown)
-                .map(|event| event.time_s)
-                .filter(|&time_s| time_s <= found.bounds.until_s)
-                .take(MOST_TOUCHES)
-                .collect();
-            for t in touches.iter().map(|time_s| time_s * 1e3) {
+        for (place, colour) in found.touches.iter().zip([GREY, BLACK].into_iter().cycle()) {
+            for t in place.times_s.iter().take(MOST_TOUCHES).map(|time_s| time_s * 1e3) {
                 line(&mut chart, vec![(t, y.from), (t, y.to)], Mark::Line { width: 1 }, colour)?;
             }
-            if !touches.is_empty() {
-                entries.push(Entry::new(Mark::Line { width: 1 }, colour, &format!("touch-down {}", site.name())));
+            if !place.times_s.is_empty() {
+                entries.push(Entry::new(Mark::Line { width: 1 }, colour, &format!("touch-down {}", place.name)));
             }
         }
-        let at_bound = y.place(found.bounds.angle_rad);
-        line(&mut chart, vec![(x.from, at_bound), (x.to, at_bound)], Mark::Pale { width: 4 }, BLACK)?;
-        entries.push(Entry::new(Mark::Pale { width: 4 }, BLACK, "bound of the scene"));
-        for (angle, colour) in Angle::ALL.into_iter().zip(COLOURS) {
-            let points = pairs.iter().map(|pair| (pair.0.time_s * 1e3, y.place(distance(angle, pair))));
+        if let Some(bound) = found.bound {
+            let at_bound = y.place(bound);
+            line(&mut chart, vec![(x.from, at_bound), (x.to, at_bound)], Mark::Pale { width: 4 }, BLACK)?;
+            entries.push(Entry::new(Mark::Pale { width: 4 }, BLACK, "bound of the scene"));
+        }
+        for (curve, colour) in found.curves.iter().zip(COLOURS.into_iter().cycle()) {
+            let points = curve.points.iter().map(|&(time_s, value)| (time_s * 1e3, y.place(value)));
             line(&mut chart, thin(points.collect()), Mark::Line { width: 2 }, colour)?;
-            entries.push(Entry::new(Mark::Line { width: 2 }, colour, angle.name()));
+            entries.push(Entry::new(Mark::Line { width: 2 }, colour, &curve.name));
         }
         legend(&right, &entries)
     })
 }
 
-const COLOURS: [RGBColor; 3] = [BLUE, ORANGE, GREEN];
+const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];

@@ -6,11 +6,11 @@
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
 //! | `curve` | lines of as many points as a picture can show |
 //! | `speed_error` | wall time against error, every setting that was tried |
-//! | `overlay` | both models over time |
+//! | `overlay` | two runs over time |
 //! | `bodies` | the same of a scene of discs |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
-//! | `difference` | difference of the joint angles over time |
+//! | `difference` | difference of two runs over time |
 
 mod axis;
 mod bodies;
@@ -22,10 +22,10 @@ mod speed_error;
 mod stability;
 mod step_size;
 
-pub use bodies::bodies_overlay;
+pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
-pub use difference::difference;
-pub use overlay::overlay;
+pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
+pub use overlay::{overlay, overlay_of};
 pub use speed_error::{bodies_speed_error, speed_error};
 pub use stability::stability;
 pub use step_size::step_size;

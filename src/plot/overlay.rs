@@ -1,4 +1,4 @@
-//! Both models over time, one panel above the other: the analytic curve wide and pale, the engine's thin upon it.
+//! Two runs over time, one panel above the other: the curve of the first wide and pale, that of the second thin upon it.
 
 use super::axis::Axis;
 use super::canvas::{
@@ -7,13 +7,13 @@ use super::canvas::{
 };
 use super::curve::over_time;
 use crate::trace::Sample;
-use crate::validate::{Validation, turned};
+use crate::validate::{Recording, Validation, turned};
 use plotters::style::RGBColor;
 
 const PANEL: u32 = 230;
 const FOOT: u32 = 40;
-const ANALYTIC: Mark = Mark::Pale { width: 6 };
-const ENGINE: Mark = Mark::Line { width: 1 };
+const FIRST: Mark = Mark::Pale { width: 6 };
+const SECOND: Mark = Mark::Line { width: 1 };
 
 /// One quantity of a panel.
 pub(super) struct Quantity<'a, S> {
@@ -29,37 +29,51 @@ pub(super) struct Panel<'a, S> {
     pub quantities: Vec<Quantity<'a, S>>,
 }
 
-/// The samples of both models, and where a sample has its time.
+/// Two runs: what they are called, their samples, and where a sample has its time.
 pub(super) struct Runs<'a, S> {
-    pub analytic: &'a [S],
-    pub engine: &'a [S],
+    pub title: String,
+    pub labels: [&'a str; 2],
+    pub first: &'a [S],
+    pub second: &'a [S],
     pub time_s: fn(&S) -> f64,
     pub end_s: f64,
 }
 
-/// The picture, of the runs with the scene's own torque.
+/// What the two models of a validation are called.
+pub(super) const MODELS: [&str; 2] = ["analytic (reference)", "engine"];
+
+/// The picture of a validation, of the runs with the scene's own torque.
 pub fn overlay(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let runs = Runs {
-        analytic: &found.reference.samples,
-        engine: &found.engine.samples,
-        time_s: |sample: &Sample| sample.time_s,
-        end_s: found.reference.outcome.last.time_s,
-    };
-    draw_all(scene, &panels(found), &runs)
+    let title = format!("{scene}: analytic model and engine");
+    let end_s = found.reference.outcome.last.time_s;
+    overlay_of(title, MODELS, [&found.reference, &found.engine], end_s)
+}
+
+/// The picture of any two runs of fingers.
+pub fn overlay_of(
+    title: String,
+    labels: [&str; 2],
+    [first, second]: [&Recording; 2],
+    end_s: f64,
+) -> Result<String, DrawError> {
+    let touches = |run: &Recording| run.outcome.last.proximal.gap_m.is_finite();
+    let panels = panels(touches(first) || touches(second));
+    let (first, second) = (&first.samples, &second.samples);
+    draw_all(&panels, &Runs { title, labels, first, second, time_s: |sample: &Sample| sample.time_s, end_s })
 }
 
 /// All panels of a picture.
-pub(super) fn draw_all<S>(scene: &str, panels: &[Panel<'_, S>], runs: &Runs<'_, S>) -> Result<String, DrawError> {
+pub(super) fn draw_all<S>(panels: &[Panel<'_, S>], runs: &Runs<'_, S>) -> Result<String, DrawError> {
     let x = Axis::linear("time, ms", [0.0, runs.end_s * 1e3]);
     picture(PANEL * panels.len() as u32 + FOOT + 40, |area| {
-        let mut rest = titled(area, &format!("{scene}: analytic model and engine"))?;
+        let mut rest = titled(area, &runs.title)?;
         let last = panels.len() - 1;
         for (index, panel) in panels.iter().enumerate() {
             let (own, below) = rest.split_vertically(if index == last { PANEL + FOOT } else { PANEL });
             let mut entries = Vec::new();
             if index == 0 {
-                entries.push(Entry::new(ANALYTIC, BLACK, "analytic (reference)"));
-                entries.push(Entry::new(ENGINE, BLACK, "engine"));
+                entries.push(Entry::new(FIRST, BLACK, runs.labels[0]));
+                entries.push(Entry::new(SECOND, BLACK, runs.labels[1]));
             }
             draw(&own, panel, runs, &x, index == last, entries)?;
             rest = below;
@@ -76,7 +90,7 @@ fn draw<S>(
     foot: bool,
     mut entries: Vec<Entry>,
 ) -> Result<(), DrawError> {
-    let both = || runs.analytic.iter().chain(runs.engine);
+    let both = || runs.first.iter().chain(runs.second);
     let values = panel.quantities.iter().flat_map(|quantity| both().map(&quantity.value));
     let y = match panel.log {
         true => Axis::decades(panel.label, values, 7.0),
@@ -88,11 +102,11 @@ fn draw<S>(
         over_time(samples.iter().map(|sample| ((runs.time_s)(sample), value(sample))), &y)
     };
     for Quantity { name, colour, value } in &panel.quantities {
-        line(&mut chart, points(runs.analytic, value), ANALYTIC, *colour)?;
+        line(&mut chart, points(runs.first, value), FIRST, *colour)?;
         entries.push(Entry::new(Mark::Line { width: 2 }, *colour, name));
     }
     for Quantity { colour, value, .. } in &panel.quantities {
-        line(&mut chart, points(runs.engine, value), ENGINE, dark(*colour))?;
+        line(&mut chart, points(runs.second, value), SECOND, dark(*colour))?;
     }
     legend(&right, &entries)
 }
@@ -104,7 +118,7 @@ fn dark(colour: RGBColor) -> RGBColor {
 }
 
 /// Joints and energies always; contacts where the scene has an object.
-fn panels(found: &Validation) -> Vec<Panel<'static, Sample>> {
+fn panels(object: bool) -> Vec<Panel<'static, Sample>> {
     let quantity = |name: &str, colour, value: fn(&Sample) -> f64| Quantity {
         name: name.to_string(),
         colour,
@@ -130,7 +144,7 @@ fn panels(found: &Validation) -> Vec<Panel<'static, Sample>> {
             ],
         },
     ];
-    if found.reference.outcome.last.proximal.gap_m.is_finite() {
+    if object {
         panels.push(Panel {
             label: "normal force, N",
             log: true,

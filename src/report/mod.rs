@@ -16,9 +16,9 @@ pub use document::{
     WorkReport,
 };
 pub use replay::{
-    CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, GapReport, Lost, RecoveryReport, ReplayReport,
-    Summary, Touches, VerificationReport, csv_discs, csv_finger, recovery_json, recovery_text, replay_json,
-    replay_text,
+    AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
+    GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
+    against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};

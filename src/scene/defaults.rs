@@ -16,6 +16,7 @@ pub const V_DYNAMIC_M_S: f64 = 0.2;
 /// q_0: how far before the proximal contact the finger starts, in degrees.
 pub const OFFSET_DEG: f64 = 25.0;
 pub const NUMERIC_RATE_HZ: f64 = 10e3;
+pub const PICTURE_RATE_HZ: f64 = 5e3;
 pub const MAX_STEPS: u64 = 10_000_000;
 pub const ENGINE_TOLERANCE_M: f64 = 1e-7;
 pub const ENGINE_MAX_STEP_S: f64 = 6e-5;

@@ -242,4 +242,6 @@ pub struct Bounds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogRates {
     pub numeric_hz: f64,
+    /// How often it gets a picture for 3-D views; 0 for none.
+    pub picture_hz: f64,
 }

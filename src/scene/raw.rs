@@ -386,4 +386,8 @@ pub struct RawLog {
     /// Samples a second of simulated time; impacts are logged at every step besides.
     #[schemars(extend("default" = "10 kHz"))]
     pub numeric_rate: Entry<Frequency>,
+    /// Pictures (frames, force arrows) a second of simulated time for 3-D views; they are drawn at samples, so no more often
+    /// than these. 0: none.
+    #[schemars(extend("default" = "5 kHz"))]
+    pub picture_rate: Entry<Frequency>,
 }

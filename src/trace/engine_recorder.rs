@@ -2,9 +2,10 @@
 
 use super::engine_reading::{Start, forces, sample};
 use super::grid::Grid;
+use super::moments::Moments;
 use super::tracked::{Told, Tracked};
 use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
-use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Motion};
+use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Moment, Motion};
 use crate::scene::Scene;
 
 pub(super) struct EngineRecorder<'a, S: Sink> {
@@ -15,6 +16,7 @@ pub(super) struct EngineRecorder<'a, S: Sink> {
     sites: [Tracked; 3],
     last: Sample,
     emitted_s: f64,
+    moments: Moments,
     work: Work,
     loop_gap_m: f64,
 }
@@ -30,6 +32,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             start,
             sites: [Tracked::default(); 3],
             emitted_s: 0.0,
+            moments: Moments::default(),
             work: Work::default(),
             loop_gap_m: motion.linkage.gap(),
         }
@@ -38,7 +41,9 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
     /// Contacts that are there from the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
-            self.change(engine::site(motion.plan, touch.index), ChangeKind::Meets, 0.0, 0.0, 0.0)?;
+            let site = engine::site(motion.plan, touch.index);
+            self.change(site, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
+            self.sites[site as usize].summary.deepen(-touch.gap);
         }
         let first = self.last;
         self.sink.sample(&first)
@@ -55,15 +60,18 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         let impulses = Site::ALL.map(|site| self.sites[site as usize].impulse + impulse(motion, site));
         let now = sample(motion, &self.start, &impulses);
         self.meet_between_steps(motion, end_s - dt)?;
+        self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
             let site = engine::site(motion.plan, motion.space.sites[site].touch.index);
             let time_s = end_s - dt + after_s;
+            self.pass_extremes(&now, dt, after_s)?;
             if kind == ChangeKind::Meets && !self.sites[site as usize].touching {
                 self.pass_touch(motion, &now, site, time_s)?;
             }
             self.change(site, kind, time_s, closing, impulse)?;
         }
+        self.pass_extremes(&now, dt, dt)?;
         for site in Site::ALL {
             self.close_step(motion, site, end_s)?;
         }
@@ -84,6 +92,49 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         Ok(())
     }
 
+    /// Finds where in the step a site is deeper, or presses harder, than ever before.
+    fn find_extremes(&mut self, motion: &Motion) {
+        self.moments.clear();
+        for site in Site::ALL {
+            let Some(index) = engine::index_of(motion.plan, site) else { continue };
+            let within = motion.contact_extremes(index);
+            let depth = motion.touches.iter().find(|touch| touch.index == index).map_or(0.0, |touch| -touch.gap);
+            let summary = &mut self.sites[site as usize].summary;
+            self.moments.take(site as usize, summary, within, motion.last_dt_s, [forces(motion, site).0, depth]);
+        }
+        self.moments.sort();
+    }
+
+    /// Samples at the extremes of a step of length `dt` that come before `after_s`.
+    fn pass_extremes(&mut self, now: &Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
+        while let Some((site, moment)) = self.moments.before(after_s) {
+            let time_s = now.time_s - dt + moment.after_s;
+            let mut sample = between(&self.last, now, time_s);
+            self.put_moment(&mut sample, site, &moment);
+            while let Some((other, at_once)) = self.moments.along(moment.after_s) {
+                self.put_moment(&mut sample, other, &at_once);
+            }
+            if time_s > self.emitted_s && time_s < now.time_s {
+                self.emit_grid(now, time_s)?;
+                self.sink.extreme(&sample)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn put_moment(&self, sample: &mut Sample, site: usize, moment: &Moment) {
+        let impulse = self.sites[site].impulse;
+        match Site::ALL[site] {
+            Site::Proximal => sample.proximal.at(moment, impulse),
+            Site::Distal => sample.distal.at(moment, impulse),
+            Site::Limit => {
+                let limit = &mut sample.limit;
+                (limit.gap_rad, limit.gap_rate_rad_s) = (moment.gap, moment.gap_rate);
+                (limit.torque_n_m, limit.impulse_n_m_s) = (moment.normal, impulse + moment.impulse);
+            }
+        }
+    }
+
     /// A sample at a touch within the step: up to here the site has had no impulse and the bodies have moved freely, from
     /// here on not.
     fn pass_touch(&mut self, motion: &Motion, now: &Sample, site: Site, time_s: f64) -> Result<(), SinkError> {
@@ -102,7 +153,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
                 (touch.limit.torque_n_m, touch.limit.impulse_n_m_s) = (0.0, self.last.limit.impulse_n_m_s);
             }
         }
-        self.emit_grid(&touch)?;
+        self.emit_grid(&touch, time_s)?;
         self.emitted_s = time_s;
         self.sink.sample(&touch)?;
         // Whatever comes until the end of the step comes at the rates after the impact.
@@ -116,27 +167,21 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         Ok(())
     }
 
-    /// Sums and extremes of one site over the step, and changes that fell between two steps.
+    /// Impulse of one site over the step, and changes that fell between two steps.
     fn close_step(&mut self, motion: &Motion, site: Site, end_s: f64) -> Result<(), SinkError> {
         let Some(index) = engine::index_of(motion.plan, site) else { return Ok(()) };
-        let found = motion.space.sites.iter().position(|at| at.touch.index == index);
-        let (force, mut peak, mut deepest) = (forces(motion, site).0, 0.0, 0.0_f64);
-        if let Some(at) = found {
-            (peak, deepest) = (motion.contact.peak[at], motion.contact.deepest[at]);
-        } else if let Some(native) = motion.native.iter().find(|native| native.index == index) {
-            peak = force;
-            if force > 0.0 && !self.sites[site as usize].touching {
-                let closing = native.closing;
-                self.change(site, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
-            }
-        }
-        if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {
-            deepest = deepest.max(-touch.gap);
-            let tracked = &mut self.sites[site as usize];
-            tracked.touching &= !touch.is_apart() || force > 0.0;
+        let force = forces(motion, site).0;
+        if let Some(native) = motion.native.iter().find(|native| native.index == index)
+            && force > 0.0
+            && !self.sites[site as usize].touching
+        {
+            self.change(site, ChangeKind::Meets, end_s - motion.last_dt_s, native.closing, 0.0)?;
         }
         let tracked = &mut self.sites[site as usize];
-        tracked.add_step(peak, deepest, impulse(motion, site));
+        if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {
+            tracked.touching &= !touch.is_apart() || force > 0.0;
+        }
+        tracked.add_step(impulse(motion, site));
         match tracked.unnoticed(force) {
             Some(kind) => self.change(site, kind, end_s, 0.0, 0.0),
             None => Ok(()),
@@ -166,21 +211,24 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.sink.event(&Event { time_s, site, kind, approach_speed: approach, impulse })
     }
 
-    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short or the run
-    /// is over.
+    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie
+    /// there, or the run is over.
     fn emit(&mut self, now: &Sample, dt: f64) -> Result<(), SinkError> {
-        self.emit_grid(now)?;
+        self.emit_grid(now, now.time_s)?;
         self.last = *now;
         if self.grid.takes_end(now.time_s, dt) || now.time_s >= self.end_s {
             self.emitted_s = now.time_s;
-            self.sink.sample(now)?;
+            self.sink.sample(now)
+        } else if self.moments.at_end {
+            self.sink.extreme(now)
+        } else {
+            Ok(())
         }
-        Ok(())
     }
 
-    /// The grid points between the last sample and `end`, that one left out.
-    fn emit_grid(&mut self, end: &Sample) -> Result<(), SinkError> {
-        while let Some(t) = self.grid.before(end.time_s) {
+    /// The grid points before `until_s`, between the last sample and `end`.
+    fn emit_grid(&mut self, end: &Sample, until_s: f64) -> Result<(), SinkError> {
+        while let Some(t) = self.grid.before(until_s) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {
                 break;

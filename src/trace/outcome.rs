@@ -16,6 +16,22 @@ pub struct SiteSummary {
     pub impulse_n_s: f64,
 }
 
+impl SiteSummary {
+    /// Takes a penetration; true if it is the largest so far.
+    pub(super) fn deepen(&mut self, delta_m: f64) -> bool {
+        let deeper = delta_m > self.max_penetration_m;
+        self.max_penetration_m = self.max_penetration_m.max(delta_m);
+        deeper
+    }
+
+    /// Takes a normal force; true if it is the largest so far.
+    pub(super) fn press(&mut self, normal_n: f64) -> bool {
+        let harder = normal_n > self.peak_normal_n;
+        self.peak_normal_n = self.peak_normal_n.max(normal_n);
+        harder
+    }
+}
+
 /// What a run cost. Counters of the model that has no such thing stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {

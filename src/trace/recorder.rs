@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::reading::sample;
-use super::search::{SEARCH_FROM, bisect, parabola_peak};
+use super::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
 use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work};
 use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteState, Snapshot};
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
@@ -24,6 +24,7 @@ pub(super) struct Recorder<'a, S: Sink> {
     at_end: Snapshot,
     last: Sample,
     emitted_s: f64,
+    marks: Marks,
     error: Option<SinkError>,
 }
 
@@ -43,6 +44,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
             last: sample(model, 0.0, &start, &at_start, &at_start.energies),
             at_end: at_start,
             emitted_s: 0.0,
+            marks: Marks::default(),
             error: None,
         }
     }
@@ -81,7 +83,8 @@ impl<'a, S: Sink> Recorder<'a, S> {
         self.sink.sample(sample)
     }
 
-    /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
+    /// Samples of one step: the grid points and extremes inside it, and its end where steps are short, extremes lie there, or
+    /// the run is over.
     fn emit_step(
         &mut self,
         step: &Step<2, QUADRATURES>,
@@ -97,22 +100,50 @@ impl<'a, S: Sink> Recorder<'a, S> {
                 break;
             }
             let theta = (t - step.t0) / step.h;
+            self.emit_marks(step, mode, tools, theta)?;
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
-                let snapshot = self.model.snapshot(state.q, state.v, mode);
-                self.emit(&sample(self.model, t, &state, &snapshot, &self.start_energy))?;
+                let sample = self.at_state(t, &state, mode);
+                self.emit(&sample)?;
             }
         }
+        self.emit_marks(step, mode, tools, 1.0)?;
+        let last = self.last;
         if self.grid.takes_end(end, step.h) || end >= self.end_s {
-            let last = self.last;
             self.emit(&last)
+        } else if self.marks.at_end {
+            self.sink.extreme(&last)
         } else {
             Ok(())
         }
     }
 
-    /// Largest force and penetration within one step.
+    /// Samples at the extremes of the step that come before `theta`.
+    fn emit_marks(
+        &mut self,
+        step: &Step<2, QUADRATURES>,
+        mode: &Mode,
+        tools: &mut dyn StepTools<2, QUADRATURES>,
+        theta: f64,
+    ) -> Result<(), SinkError> {
+        while let Some(mark) = self.marks.before(theta) {
+            let t = step.t0 + mark * step.h;
+            if t > self.emitted_s && t < step.t1 {
+                let extreme = self.at_state(t, &tools.resolve(mark), mode);
+                self.sink.extreme(&extreme)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn at_state(&self, t: f64, state: &Point, mode: &Mode) -> Sample {
+        let snapshot = self.model.snapshot(state.q, state.v, mode);
+        sample(self.model, t, state, &snapshot, &self.start_energy)
+    }
+
+    /// Largest force and penetration within one step, and where.
     fn search_peaks(&mut self, end: &Snapshot, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) {
+        self.marks.clear();
         for site in Site::ALL {
             let index = site as usize;
             if !matches!(mode[index], SiteState::Active | SiteState::Natural) {
@@ -122,21 +153,28 @@ impl<'a, S: Sink> Recorder<'a, S> {
             let read = |state: &Point| model.reading(state.q, state.v, site, mode[index]);
             let (Some(start), Some(end)) = (self.at_end.sites[index], end.sites[index]) else { continue };
             let summary = &mut self.sites[index];
-            summary.max_penetration_m = summary.max_penetration_m.max(start.delta).max(end.delta);
+            summary.deepen(start.delta);
+            if summary.deepen(end.delta) {
+                self.marks.push(1.0);
+            }
             if start.delta_rate > 0.0 && end.delta_rate < 0.0 {
                 let deepest = bisect(|theta| read(&tools.interpolate(theta)).map_or(0.0, |r| r.delta_rate));
-                let delta = read(&tools.interpolate(deepest)).map_or(0.0, |r| r.delta);
-                summary.max_penetration_m = summary.max_penetration_m.max(delta);
+                if summary.deepen(read(&tools.resolve(deepest)).map_or(0.0, |r| r.delta)) {
+                    self.marks.push(deepest);
+                }
             }
             let highest = start.normal.max(end.normal);
             if highest > SEARCH_FROM * summary.peak_normal_n {
                 let force = |theta: f64, tools: &mut dyn StepTools<2, QUADRATURES>| {
                     read(&tools.resolve(theta)).map_or(0.0, |r| r.normal)
                 };
-                let peak = parabola_peak(start.normal, end.normal, |theta| force(theta, tools));
-                summary.peak_normal_n = summary.peak_normal_n.max(peak);
+                let (theta, peak) = parabola_peak(start.normal, end.normal, |theta| force(theta, tools));
+                if summary.press(peak) {
+                    self.marks.push(theta);
+                }
             }
         }
+        self.marks.sort();
     }
 }
 

@@ -16,6 +16,14 @@ pub trait Sink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
     fn event(&mut self, event: &Event) -> Result<(), SinkError>;
 
+    /// A sample within a step, or at the end of a long one, at which a force or a penetration is larger than ever before.
+    ///
+    /// For those who keep a run: with it the largest values among the samples are those of the run. Everyone else has
+    /// a run step by step, and no use for it.
+    fn extreme(&mut self, _sample: &Sample) -> Result<(), SinkError> {
+        Ok(())
+    }
+
     /// Whether the run may go on: asked at least once a step of either model, because samples can be far apart. After a
     /// `false` the run ends as [`Reason::Stopped`](crate::integrator::Reason::Stopped).
     fn proceed(&self) -> bool {

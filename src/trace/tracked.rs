@@ -56,13 +56,10 @@ impl Tracked {
         Some(told)
     }
 
-    /// Sums and extremes of a step: the largest force and penetration in it, and its impulse.
-    pub fn add_step(&mut self, peak: f64, deepest: f64, impulse: f64) {
+    /// Adds the impulse of a step.
+    pub fn add_step(&mut self, impulse: f64) {
         self.impulse += impulse;
-        let summary = &mut self.summary;
-        summary.impulse_n_s = self.impulse;
-        summary.peak_normal_n = summary.peak_normal_n.max(peak);
-        summary.max_penetration_m = summary.max_penetration_m.max(deepest);
+        self.summary.impulse_n_s = self.impulse;
     }
 
     /// The change that fell between two steps: a force that is there at the end of one, and was not, or the other way round.

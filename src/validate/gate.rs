@@ -17,6 +17,10 @@ impl<S: Sink> Sink for While<'_, S> {
         self.sink.sample(sample)
     }
 
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.extreme(sample)
+    }
+
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.sink.event(event)
     }
@@ -29,6 +33,10 @@ impl<S: Sink> Sink for While<'_, S> {
 impl<S: BodiesSink> BodiesSink for While<'_, S> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.sink.sample(sample)
+    }
+
+    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.sink.extreme(sample)
     }
 
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {

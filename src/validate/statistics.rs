@@ -117,7 +117,7 @@ fn errors(a: &Spread, b: &Spread, runs: usize) -> f64 {
 /// The figures of one run from the time on from which it is compared by them.
 fn tally(model: Model, scene: &Scene, go_on: GoOn) -> Result<[f64; 6], RunError> {
     let mut tally = Tally { from_s: scene.bounds.until_s, ..Tally::default() };
-    let sampled = Scene { log: LogRates { numeric_hz: SAMPLES_HZ }, ..scene.clone() };
+    let sampled = Scene { log: LogRates { numeric_hz: SAMPLES_HZ, ..scene.log }, ..scene.clone() };
     let outcome = run(model, &sampled, &mut While { sink: &mut tally, go_on })?;
     Ok(tally.figures(&outcome))
 }

@@ -108,7 +108,7 @@ impl Subject for Scene {
     }
 
     fn with_numeric_hz(&self, numeric_hz: f64) -> Self {
-        Scene { log: LogRates { numeric_hz }, ..self.clone() }
+        Scene { log: LogRates { numeric_hz, ..self.log }, ..self.clone() }
     }
 
     fn member(&self, index: usize) -> Self {

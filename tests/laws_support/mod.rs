@@ -65,7 +65,7 @@ pub fn scene(discs: Vec<NamedDisc>, normal: NormalLaw, friction: Option<Friction
             peak_force: 1e-2,
             until_s: duration_s,
         },
-        log: LogRates { numeric_hz: 1e4 },
+        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant};
-use phalanx::log::{self, Logged, Reading, RunInfo, Severity, Writer};
+use phalanx::log::{self, Channels, Logged, Reading, RunInfo, Severity, Writer};
 use phalanx::scene::{AnyScene, BodiesScene, Engine, Scene, Stepping, parse_any};
 use phalanx::trace::bodies::{BodiesRunError, BodiesSample, DiscState};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError};
@@ -202,9 +202,9 @@ fn after(failure: Option<&Failure>) -> String {
 }
 
 /// Ends a log as the command line does.
-fn finish<C>(mut writer: Writer<Vec<u8>, C>, time_s: f64, failure: Option<&Failure>) -> Vec<u8> {
+fn finish<C: Channels>(mut writer: Writer<Vec<u8>, C>, time_s: f64, failure: Option<&Failure>) -> Vec<u8> {
     let line = failure.map_or("completed".to_string(), |failure| format!("stopped: {failure}"));
-    writer.note(time_s, Severity::Info, &line).expect("written");
+    writer.note(time_s, Severity::Info, "run", &line).expect("written");
     writer.finish().expect("finished")
 }
 

@@ -23,7 +23,7 @@ pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
             let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
             let mut writer = Writer::new(Vec::new(), "the log", &info).expect("started");
             let outcome = run(model, &scene, &mut writer).expect("a run");
-            writer.note(outcome.last.time_s, Severity::Info, "completed").expect("written");
+            writer.note(outcome.last.time_s, Severity::Info, "run", "completed").expect("written");
             writer.finish().expect("finished")
         }
         AnyScene::Bodies(mut scene) => {
@@ -31,7 +31,7 @@ pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
             let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
             let mut writer = Writer::new(Vec::new(), "the log", &info).expect("started");
             let outcome = run_bodies(model, &scene, &mut writer).expect("a run");
-            writer.note(outcome.last.time_s, Severity::Info, "completed").expect("written");
+            writer.note(outcome.last.time_s, Severity::Info, "run", "completed").expect("written");
             writer.finish().expect("finished")
         }
     }
@@ -76,7 +76,7 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
             let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
             let mut sink = Until { writer, left: samples, last_s: 0.0 };
             assert!(run(model, &scene, &mut sink).expect_err("stopped").is_stop());
-            sink.writer.note(sink.last_s, Severity::Error, reason).expect("written");
+            sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
             sink.writer.finish().expect("finished")
         }
         AnyScene::Bodies(scene) => {
@@ -84,7 +84,7 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
             let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
             let mut sink = Until { writer, left: samples, last_s: 0.0 };
             assert!(run_bodies(model, &scene, &mut sink).expect_err("stopped").is_stop());
-            sink.writer.note(sink.last_s, Severity::Error, reason).expect("written");
+            sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
             sink.writer.finish().expect("finished")
         }
     }

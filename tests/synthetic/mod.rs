@@ -56,7 +56,7 @@ pub fn scene() -> Scene {
         },
         engine: Engine::DEFAULT,
         bounds: Bounds::over(20e-3),
-        log: LogRates { numeric_hz: 1e4 },
+        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }
 

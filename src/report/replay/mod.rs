@@ -1,5 +1,6 @@
 //! What a log is reported as.
 
+mod against;
 mod csv;
 mod document;
 mod recover;
@@ -7,6 +8,7 @@ mod summary;
 mod text;
 mod verify;
 
+pub use against::{AgainstReport, ApartReport, FigureReport, WordReport, against_json, against_text, side_by_side};
 pub use csv::{CsvHead, csv_discs, csv_finger};
 pub use document::{Lost, ReplayReport, Touches};
 pub use recover::{GapReport, RecoveryReport, recovery_json, recovery_text};

@@ -16,7 +16,7 @@ pub use bodies::bodies;
 
 use std::path::Path;
 
-use super::check::{Checker, POSITIVE};
+use super::check::{Checker, NOT_NEGATIVE, POSITIVE};
 use super::defaults;
 use super::entry::Entry;
 use super::error::Problem;
@@ -110,7 +110,8 @@ fn heading(
 
 fn log(c: &mut Checker<'_>, raw: &RawLog) -> LogRates {
     let numeric_hz = c.number_or("log.numeric_rate", &raw.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ);
-    LogRates { numeric_hz }
+    let picture_hz = c.number_or("log.picture_rate", &raw.picture_rate, NOT_NEGATIVE, defaults::PICTURE_RATE_HZ);
+    LogRates { numeric_hz, picture_hz }
 }
 
 /// The file's name without its extension.

@@ -77,4 +77,5 @@ pub fn engine(out: &mut Out, engine: &Engine) {
 pub fn log(out: &mut Out, log: LogRates) {
     out.section("log");
     out.quantity("numeric_rate", log.numeric_hz, Dimension::Frequency);
+    out.quantity("picture_rate", log.picture_hz, Dimension::Frequency);
 }

@@ -5,6 +5,7 @@ use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
 use crate::engine::{Change, ChangeKind, Motion};
 use crate::scene::BodiesScene;
 use crate::trace::grid::Grid;
+use crate::trace::moments::Moments;
 use crate::trace::tracked::{Told, Tracked};
 use crate::trace::{SinkError, Work};
 
@@ -16,6 +17,7 @@ pub(super) struct EngineRecorder<'a, S: BodiesSink> {
     pairs: Vec<Tracked>,
     last: BodiesSample,
     emitted_s: f64,
+    moments: Moments,
     work: Work,
 }
 
@@ -31,6 +33,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
             start,
             pairs: vec![Tracked::default(); count],
             emitted_s: 0.0,
+            moments: Moments::default(),
             work: Work::default(),
         }
     }
@@ -39,7 +42,9 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
             self.change(touch.index, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
-            self.pairs[touch.index].add_step(self.last.contacts[touch.index].normal_n, -touch.gap, 0.0);
+            let summary = &mut self.pairs[touch.index].summary;
+            summary.deepen(-touch.gap);
+            summary.press(self.last.contacts[touch.index].normal_n);
         }
         self.sink.sample(&self.last)
     }
@@ -66,19 +71,51 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
                 self.change(at.touch.index, ChangeKind::Meets, end_s - dt, closing, 0.0)?;
             }
         }
+        self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
             let pair = motion.space.sites[site].touch.index;
             let time_s = end_s - dt + after_s;
+            self.pass_extremes(&now, dt, after_s)?;
             if kind == ChangeKind::Meets && !self.pairs[pair].touching {
                 self.pass_touch(motion, &now, pair, time_s, closing)?;
             }
             self.change(pair, kind, time_s, closing, impulse)?;
         }
+        self.pass_extremes(&now, dt, dt)?;
         for pair in 0..self.pairs.len() {
             self.close_step(motion, pair, end_s)?;
         }
         self.emit(now, dt)
+    }
+
+    /// Finds where in the step a pair is deeper, or presses harder, than ever before.
+    fn find_extremes(&mut self, motion: &Motion) {
+        self.moments.clear();
+        for (pair, tracked) in self.pairs.iter_mut().enumerate() {
+            let within = motion.contact_extremes(pair);
+            let depth = motion.touches.iter().find(|touch| touch.index == pair).map_or(0.0, |touch| -touch.gap);
+            let end = [motion.forces(pair).0, depth];
+            self.moments.take(pair, &mut tracked.summary, within, motion.last_dt_s, end);
+        }
+        self.moments.sort();
+    }
+
+    /// Samples at the extremes of a step of length `dt` that come before `after_s`.
+    fn pass_extremes(&mut self, now: &BodiesSample, dt: f64, after_s: f64) -> Result<(), SinkError> {
+        while let Some((pair, moment)) = self.moments.before(after_s) {
+            let time_s = now.time_s - dt + moment.after_s;
+            let mut sample = between(&self.last, now, time_s);
+            sample.contacts[pair].at(&moment, self.pairs[pair].impulse);
+            while let Some((other, at_once)) = self.moments.along(moment.after_s) {
+                sample.contacts[other].at(&at_once, self.pairs[other].impulse);
+            }
+            if time_s > self.emitted_s && time_s < now.time_s {
+                self.emit_grid(now, time_s)?;
+                self.sink.extreme(&sample)?;
+            }
+        }
+        Ok(())
     }
 
     /// A sample at a touch within the step: up to here the pair has had no impulse and the discs have moved freely, from
@@ -114,7 +151,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         let contact = &mut touch.contacts[pair];
         contact.not_yet_pressed(&self.last.contacts[pair]);
         (contact.gap_m, contact.gap_rate_m_s) = (0.0, -closing);
-        self.emit_grid(&touch)?;
+        self.emit_grid(&touch, time_s)?;
         self.emitted_s = time_s;
         self.sink.sample(&touch)?;
         // Whatever comes until the end of the step comes at the rates after the impact.
@@ -125,24 +162,20 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         Ok(())
     }
 
-    /// Sums and extremes of one pair over the step, and changes that fell between two steps.
+    /// Impulse of one pair over the step, and changes that fell between two steps.
     fn close_step(&mut self, motion: &Motion, pair: usize, end_s: f64) -> Result<(), SinkError> {
-        let (force, mut peak, mut deepest) = (motion.forces(pair).0, 0.0, 0.0_f64);
-        if let Some(at) = motion.space.sites.iter().position(|at| at.touch.index == pair) {
-            (peak, deepest) = (motion.contact.peak[at], motion.contact.deepest[at]);
-        } else if let Some(native) = motion.native.iter().find(|native| native.index == pair) {
-            peak = force;
-            if force > 0.0 && !self.pairs[pair].touching {
-                let closing = native.closing;
-                self.change(pair, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
-            }
+        let force = motion.forces(pair).0;
+        if let Some(native) = motion.native.iter().find(|native| native.index == pair)
+            && force > 0.0
+            && !self.pairs[pair].touching
+        {
+            self.change(pair, ChangeKind::Meets, end_s - motion.last_dt_s, native.closing, 0.0)?;
         }
         let tracked = &mut self.pairs[pair];
         if let Some(touch) = motion.touches.iter().find(|touch| touch.index == pair) {
-            deepest = deepest.max(-touch.gap);
             tracked.touching &= !touch.is_apart() || force > 0.0;
         }
-        tracked.add_step(peak, deepest, motion.normal_impulse(pair));
+        tracked.add_step(motion.normal_impulse(pair));
         match tracked.unnoticed(force) {
             Some(kind) => self.change(pair, kind, end_s, 0.0, 0.0),
             None => Ok(()),
@@ -170,22 +203,25 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         self.sink.event(&BodiesEvent { time_s, pair, kind, approach_m_s: approach, impulse_n_s: impulse })
     }
 
-    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short or the run
-    /// is over.
+    /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie
+    /// there, or the run is over.
     fn emit(&mut self, now: BodiesSample, dt: f64) -> Result<(), SinkError> {
-        self.emit_grid(&now)?;
+        self.emit_grid(&now, now.time_s)?;
         self.last = now;
         let time_s = self.last.time_s;
         if self.grid.takes_end(time_s, dt) || time_s >= self.scene.duration_s {
             self.emitted_s = time_s;
-            self.sink.sample(&self.last)?;
+            self.sink.sample(&self.last)
+        } else if self.moments.at_end {
+            self.sink.extreme(&self.last)
+        } else {
+            Ok(())
         }
-        Ok(())
     }
 
-    /// The grid points between the last sample and `end`, that one left out.
-    fn emit_grid(&mut self, end: &BodiesSample) -> Result<(), SinkError> {
-        while let Some(t) = self.grid.before(end.time_s) {
+    /// The grid points before `until_s`, between the last sample and `end`.
+    fn emit_grid(&mut self, end: &BodiesSample, until_s: f64) -> Result<(), SinkError> {
+        while let Some(t) = self.grid.before(until_s) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {
                 break;

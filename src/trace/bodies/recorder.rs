@@ -6,7 +6,7 @@ use crate::analytic::discs::{DiscEnergies, DiscMode, Discs, PAIRS, PairReading, 
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::BodiesScene;
 use crate::trace::grid::Grid;
-use crate::trace::search::{SEARCH_FROM, bisect, parabola_peak};
+use crate::trace::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
 use crate::trace::{ContactSample, Energy, EventKind, SinkError, SiteSummary, Work};
 
 pub(super) struct Recorder<'a, S: BodiesSink, const N: usize, const M: usize> {
@@ -23,6 +23,7 @@ pub(super) struct Recorder<'a, S: BodiesSink, const N: usize, const M: usize> {
     at_end: Vec<PairReading>,
     last: BodiesSample,
     emitted_s: f64,
+    marks: Marks,
     error: Option<SinkError>,
 }
 
@@ -42,6 +43,7 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
             at_end: readings(model, &start, &mode),
             last: sample(model, scene, 0.0, &start, &mode, &start_energy),
             emitted_s: 0.0,
+            marks: Marks::default(),
             error: None,
         }
     }
@@ -72,7 +74,8 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
         Ok(BodiesOutcome { last: self.last, pairs: self.pairs, work })
     }
 
-    /// Samples of one step: the grid points inside it, and its end where steps are short or the run is over.
+    /// Samples of one step: the grid points and extremes inside it, and its end where steps are short, extremes lie there, or
+    /// the run is over.
     fn emit_step(
         &mut self,
         step: &Step<N, QUADRATURES>,
@@ -88,21 +91,48 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
                 break;
             }
             let theta = (t - step.t0) / step.h;
+            self.emit_marks(step, mode, tools, theta)?;
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
                 self.emitted_s = t;
-                self.sink.sample(&sample(self.model, self.scene, t, &state, mode, &self.start_energy))?;
+                self.sink.sample(&self.at_state(t, &state, mode))?;
             }
         }
+        self.emit_marks(step, mode, tools, 1.0)?;
         if self.grid.takes_end(end, step.h) || end >= end_s {
             self.emitted_s = end;
-            self.sink.sample(&self.last)?;
+            self.sink.sample(&self.last)
+        } else if self.marks.at_end {
+            self.sink.extreme(&self.last)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Samples at the extremes of the step that come before `theta`.
+    fn emit_marks(
+        &mut self,
+        step: &Step<N, QUADRATURES>,
+        mode: &DiscMode,
+        tools: &mut dyn StepTools<N, QUADRATURES>,
+        theta: f64,
+    ) -> Result<(), SinkError> {
+        while let Some(mark) = self.marks.before(theta) {
+            let t = step.t0 + mark * step.h;
+            if t > self.emitted_s && t < step.t1 {
+                self.sink.extreme(&self.at_state(t, &tools.resolve(mark), mode))?;
+            }
         }
         Ok(())
     }
 
-    /// Largest force and penetration within one step.
+    fn at_state(&self, t: f64, state: &State<N, QUADRATURES>, mode: &DiscMode) -> BodiesSample {
+        sample(self.model, self.scene, t, state, mode, &self.start_energy)
+    }
+
+    /// Largest force and penetration within one step, and where.
     fn search_peaks(&mut self, end: &[PairReading], mode: &DiscMode, tools: &mut dyn StepTools<N, QUADRATURES>) {
+        self.marks.clear();
         for pair in 0..self.pairs.len() {
             if !matches!(mode[pair], SiteState::Active | SiteState::Natural) {
                 continue;
@@ -111,19 +141,26 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
             let read = |state: &State<N, QUADRATURES>| model.reading(&state.q, &state.v, pair, mode[pair]);
             let (start, end) = (&self.at_end[pair], &end[pair]);
             let summary = &mut self.pairs[pair];
-            summary.max_penetration_m = summary.max_penetration_m.max(start.delta).max(end.delta);
+            summary.deepen(start.delta);
+            if summary.deepen(end.delta) {
+                self.marks.push(1.0);
+            }
             if start.delta_rate > 0.0 && end.delta_rate < 0.0 {
                 let deepest = bisect(|theta| read(&tools.interpolate(theta)).delta_rate);
-                let delta = read(&tools.interpolate(deepest)).delta;
-                summary.max_penetration_m = summary.max_penetration_m.max(delta);
+                if summary.deepen(read(&tools.resolve(deepest)).delta) {
+                    self.marks.push(deepest);
+                }
             }
             let highest = start.normal_force.max(end.normal_force);
             if highest > SEARCH_FROM * summary.peak_normal_n {
                 let force = |theta: f64| read(&tools.resolve(theta)).normal_force;
-                let peak = parabola_peak(start.normal_force, end.normal_force, force);
-                summary.peak_normal_n = summary.peak_normal_n.max(peak);
+                let (theta, peak) = parabola_peak(start.normal_force, end.normal_force, force);
+                if summary.press(peak) {
+                    self.marks.push(theta);
+                }
             }
         }
+        self.marks.sort();
     }
 }
 

@@ -8,6 +8,14 @@ pub trait BodiesSink {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError>;
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError>;
 
+    /// A sample within a step, or at the end of a long one, at which a force or a penetration is larger than ever before.
+    ///
+    /// For those who keep a run: with it the largest values among the samples are those of the run. Everyone else has
+    /// a run step by step, and no use for it.
+    fn extreme(&mut self, _sample: &BodiesSample) -> Result<(), SinkError> {
+        Ok(())
+    }
+
     /// Whether the run may go on, as [`Sink::proceed`](crate::trace::Sink::proceed).
     fn proceed(&self) -> bool {
         true

@@ -45,7 +45,7 @@ impl Subject for BodiesScene {
     }
 
     fn with_numeric_hz(&self, numeric_hz: f64) -> Self {
-        BodiesScene { log: LogRates { numeric_hz }, ..self.clone() }
+        BodiesScene { log: LogRates { numeric_hz, ..self.log }, ..self.clone() }
     }
 
     /// Everything that moves, and gravity, a little faster.

@@ -71,5 +71,5 @@ fn short_engine(engine: &Engine) -> Engine {
 }
 
 fn coarse(log: LogRates, duration_s: f64) -> LogRates {
-    LogRates { numeric_hz: log.numeric_hz.min(SAMPLES / duration_s) }
+    LogRates { numeric_hz: log.numeric_hz.min(SAMPLES / duration_s), ..log }
 }

@@ -1,0 +1,267 @@
+//! `phalanx replay --against`: two logs side by side, with differences and pictures.
+
+use std::io;
+use std::path::Path;
+
+use super::interrupt::Interrupt;
+use super::output::print;
+use super::replay::{ReplayArgs, head, losses};
+use super::replay_pair::{common, notes};
+use super::replay_read::{Listeners, bad_log};
+use super::validate_files::{broken, directory, save};
+use super::{Failure, Status};
+use crate::log::{self, LogSink, Names, Reading};
+use crate::plot::{self, Apart, Differences, Touches};
+use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, side_by_side};
+use crate::scene::Bounds;
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
+use crate::validate::{Angle, BodiesComparison, BodiesRecording, Recording, compare};
+
+/// Figures that are held of each log at most: 160 MB. A sample of a finger has 42.
+const MOST_FIGURES: usize = 20_000_000;
+
+/// Everything that is in the directory in the end.
+const FILES: [&str; 4] = ["report.txt", "report.json", "overlay.svg", "difference.svg"];
+
+/// A log that is held whole.
+pub(super) struct Side<'a> {
+    pub listeners: Listeners<'a>,
+    pub reading: Reading,
+    pub finger: Recording,
+    pub discs: BodiesRecording,
+    pub names: Names,
+    figures: usize,
+    too_long: bool,
+}
+
+/// Runs the command.
+pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
+    let paths = [args.log.as_path(), other];
+    let kinds = [head(paths[0])?.is_of_discs(), head(paths[1])?.is_of_discs()];
+    if kinds[0] != kinds[1] {
+        let kind = |discs: bool| if discs { "discs" } else { "a finger" };
+        return Err(Failure::bad_input(format!(
+            "{} is a log of {}, and {} one of {}: these have nothing in common; give two logs of one kind",
+            paths[0].display(),
+            kind(kinds[0]),
+            paths[1].display(),
+            kind(kinds[1])
+        )));
+    }
+    if let Some(out) = &args.out {
+        directory(out)?;
+    }
+    let mut sides = [Side::read(paths[0], interrupt)?, Side::read(paths[1], interrupt)?];
+    let logs = [0, 1].map(|k| sides[k].listeners.report(paths[k].display().to_string(), &sides[k].reading));
+    let labels = labels(paths, &logs);
+    let mut notes = notes(&sides, &labels);
+    let compared_to_s = sides.iter().filter_map(|side| side.reading.last_s).fold(f64::INFINITY, f64::min);
+    let compared_to_s = if compared_to_s.is_finite() { compared_to_s } else { 0.0 };
+    let (apart, pictures) = match kinds[0] {
+        false => fingers(&sides, &labels, &logs, compared_to_s),
+        true => {
+            notes.extend(common(&mut sides, &labels));
+            discs(&sides, &labels, &logs, compared_to_s)
+        }
+    };
+    let (figures, words) = side_by_side(&logs);
+    let kind = if kinds[0] { "bodies" } else { "finger" };
+    let mut report =
+        AgainstReport { kind, labels, logs, compared_to_s, notes, figures, words, apart, directory: None, files: None };
+    if let Some(out) = &args.out {
+        report.directory = Some(out.display().to_string());
+        report.files = Some(FILES.map(String::from).to_vec());
+        for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
+            let path = out.join(file);
+            save(&path, &picture.map_err(|error| broken(&path, error))?)?;
+        }
+        save(&out.join("report.txt"), &against_text(&report))?;
+        save(&out.join("report.json"), &against_json(&report))?;
+    }
+    print(&match args.json {
+        true => against_json(&report),
+        false => against_text(&report),
+    })?;
+    let statuses = [0, 1].map(|k| losses(paths[k], &sides[k].reading));
+    Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
+}
+
+impl<'a> Side<'a> {
+    fn read(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
+        let mut side = Side {
+            listeners: Listeners::new(path, interrupt)?,
+            reading: Reading::default(),
+            finger: Recording::default(),
+            discs: BodiesRecording::default(),
+            names: Names::default(),
+            figures: 0,
+            too_long: false,
+        };
+        let reading = log::read_any_file(path, &mut side);
+        side.listeners.done();
+        side.reading = match reading {
+            Err(_) if side.too_long => {
+                return Err(Failure::bad_input(format!(
+                    "{} is too long to be compared: both logs are held in memory, {MOST_FIGURES} figures of each (476,000 \
+                     samples of a finger); log at a lower rate, or compare the tables that --csv writes",
+                    path.display()
+                )));
+            }
+            reading => reading.map_err(|error| bad_log(path, &error))?,
+        };
+        if let Some(outcome) = side.listeners.outcome() {
+            side.finger.outcome = *outcome;
+        }
+        if let (_, Some(outcome)) = side.listeners.discs_outcome() {
+            side.discs.outcome = outcome.clone();
+        }
+        Ok(side)
+    }
+
+    fn hold(&mut self, figures: usize) -> Result<(), SinkError> {
+        self.figures += figures;
+        self.too_long = self.figures > MOST_FIGURES;
+        match self.too_long {
+            true => Err(SinkError { what: "so long a log to memory".to_string(), source: io::ErrorKind::Other.into() }),
+            false => Ok(()),
+        }
+    }
+}
+
+impl LogSink for Side<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.hold(size_of::<Sample>() / size_of::<f64>())?;
+        self.finger.sample(sample)?;
+        self.listeners.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.hold(8)?;
+        self.finger.event(event)?;
+        self.listeners.event(event)
+    }
+
+    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
+        self.names = names.clone();
+        self.listeners.names(names)
+    }
+
+    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.hold(16 + 6 * sample.discs.len() + 10 * sample.contacts.len())?;
+        self.discs.sample(sample)?;
+        self.listeners.discs(sample)
+    }
+
+    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.hold(8)?;
+        self.discs.event(event)?;
+        self.listeners.discs_event(event)
+    }
+}
+
+/// What the logs are called: by their models, or else their files, as far as that tells them apart.
+fn labels(paths: [&Path; 2], logs: &[ReplayReport; 2]) -> [String; 2] {
+    let models = logs.each_ref().map(|log| log.model.clone());
+    let names = paths.map(|path| path.file_name().map(|name| name.to_string_lossy().into_owned()));
+    match (models, names) {
+        ([Some(a), Some(b)], _) if a != b && a.len().max(b.len()) < 20 => [a, b],
+        (_, [Some(a), Some(b)]) if a != b && a.chars().count().max(b.chars().count()) <= 24 => [a, b],
+        _ => ["first".to_string(), "second".to_string()],
+    }
+}
+
+type Pictures = (Result<String, plot::DrawError>, Result<String, plot::DrawError>);
+
+fn title(logs: &[ReplayReport; 2], labels: &[String; 2]) -> String {
+    let scene = |log: &ReplayReport| log.scene.clone().unwrap_or_else(|| "unknown scene".to_string());
+    let [first, second] = [scene(&logs[0]), scene(&logs[1])];
+    let [a, b] = labels;
+    if first == second { format!("{first}: {a} and {b}") } else { format!("{first} ({a}) and {second} ({b})") }
+}
+
+/// Angles along the way, and the pictures. The run with more samples is the one that is interpolated in.
+fn fingers(
+    sides: &[Side<'_>; 2],
+    labels: &[String; 2],
+    logs: &[ReplayReport; 2],
+    until_s: f64,
+) -> (Vec<ApartReport>, Pictures) {
+    let [first, second] = sides.each_ref().map(|side| &side.finger);
+    let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
+    let found = compare(run, dense, &Bounds { until_s, ..Bounds::over(until_s) });
+    let apart = Angle::ALL.into_iter().enumerate().map(|(k, angle)| ApartReport {
+        quantity: format!("{}_rad", angle.name()),
+        max: found.angle_max_rad[k],
+        max_at_s: found.angle_max_at_s[k],
+        rms: found.angle_rms_rad[k],
+        end: found.angle_end_rad[k],
+    });
+    let apart = if run.samples.is_empty() { Vec::new() } else { apart.collect() };
+    let names = labels.each_ref().map(String::as_str);
+    let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
+    let overlay = plot::overlay_of(title(logs, labels), names, [first, second], end_s);
+    let difference = plot::difference_of(&Differences {
+        title: format!("{}: joint angles apart", title(logs, labels)),
+        label: "|difference|, rad",
+        curves: plot::angles_apart(run, dense, until_s),
+        touches: plot::touches(first, until_s),
+        bound: None,
+        until_s,
+    });
+    (apart, (overlay, difference))
+}
+
+/// The same of discs that both logs have.
+fn discs(
+    sides: &[Side<'_>; 2],
+    labels: &[String; 2],
+    logs: &[ReplayReport; 2],
+    until_s: f64,
+) -> (Vec<ApartReport>, Pictures) {
+    let names = &sides[0].names;
+    let [first, second] = sides.each_ref().map(|side| &side.discs);
+    let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
+    let mut comparison = BodiesComparison::new(dense);
+    let mut curves: Vec<Apart> =
+        names.discs.iter().map(|name| Apart { name: name.clone(), points: Vec::new() }).collect();
+    let mut cursor = 0;
+    for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
+        comparison.sample(sample).expect("comparing writes nothing");
+        let Some(other) = dense.at(sample.time_s, &mut cursor) else { continue };
+        for ((curve, a), b) in curves.iter_mut().zip(&sample.discs).zip(&other.discs) {
+            let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
+            curve.points.push((sample.time_s, x.hypot(y)));
+        }
+    }
+    let found = comparison.finish(&run.outcome);
+    let apart = names.discs.iter().enumerate().map(|(k, name)| ApartReport {
+        quantity: format!("{name}_centre_m"),
+        max: found.position_max_m[k],
+        max_at_s: found.position_max_at_s[k],
+        rms: found.position_rms_m[k],
+        end: found.position_end_m[k],
+    });
+    let apart = if run.samples.is_empty() { Vec::new() } else { apart.collect() };
+    let touches = names.pairs.iter().enumerate().map(|(pair, name)| Touches {
+        name: name.clone(),
+        times_s: first
+            .events
+            .iter()
+            .filter(|event| event.pair == pair && event.kind == EventKind::TouchDown && event.time_s <= until_s)
+            .map(|event| event.time_s)
+            .collect(),
+    });
+    let difference = plot::difference_of(&Differences {
+        title: format!("{}: centres apart", title(logs, labels)),
+        label: "distance, m",
+        curves,
+        touches: touches.collect(),
+        bound: None,
+        until_s,
+    });
+    let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
+    let words = labels.each_ref().map(String::as_str);
+    let overlay = plot::bodies_overlay_of(title(logs, labels), words, &names.pairs, [first, second], end_s);
+    (apart, (overlay, difference))
+}

@@ -1,0 +1,157 @@
+//! A log file that is written beside the simulation, on a thread of its own: encoding and compressing takes a good part of
+//! the time of a run. What is written, and in which order, does not depend on either thread's pace.
+
+use std::io::{self, Write};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant as Clock};
+
+use super::bodies::BodiesChannels;
+use super::core::Severity;
+use super::file::LogFile;
+use super::finger::FingerChannels;
+use super::writer::{Channels, Writer};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::{Event, Sample, Sink, SinkError};
+
+/// Entries that are handed over at once…
+const BATCH: usize = 64;
+/// …or after this time: a log can be read while it grows.
+const PATIENCE: Duration = Duration::from_millis(100);
+/// Batches that may wait; then the simulation does.
+const WAITING: usize = 16;
+
+/// A log that goes to a file.
+pub type FileWriter<C = FingerChannels> = Beside<LogFile, C>;
+
+/// A log that is written on a thread of its own.
+///
+/// An error comes out of a later call, or of [`Beside::finish`]. Dropping one finishes the log too, but swallows errors.
+pub struct Beside<W: Write + Send + 'static, C: Channels> {
+    /// `None` once the thread has been told to end.
+    sender: Option<SyncSender<Vec<Entry<C>>>>,
+    thread: Option<JoinHandle<Result<Writer<W, C>, SinkError>>>,
+    batch: Vec<Entry<C>>,
+    handed_over: Clock,
+}
+
+enum Entry<C: Channels> {
+    Sample(C::Sample),
+    Event(C::Event),
+    Note { time_s: f64, severity: Severity, source: &'static str, text: String },
+}
+
+impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
+    /// Hands a started log to a thread of its own; `name` is what errors call it.
+    pub fn start(mut writer: Writer<W, C>, name: &str) -> Result<Self, SinkError> {
+        let (sender, receiver) = sync_channel::<Vec<Entry<C>>>(WAITING);
+        let work = move || {
+            for batch in receiver {
+                for entry in batch {
+                    match entry {
+                        Entry::Sample(sample) => writer.take(&sample)?,
+                        Entry::Event(event) => writer.take_event(&event)?,
+                        Entry::Note { time_s, severity, source, text } => {
+                            writer.note(time_s, severity, source, &text)?;
+                        }
+                    }
+                }
+            }
+            Ok(writer)
+        };
+        let thread = Builder::new().name("log".to_string()).spawn(work);
+        let thread = thread.map_err(|source| SinkError { what: name.to_string(), source })?;
+        Ok(Beside {
+            sender: Some(sender),
+            thread: Some(thread),
+            batch: Vec::with_capacity(BATCH),
+            handed_over: Clock::now(),
+        })
+    }
+
+    /// Writes a line to `/events`, for instance how the run ended; `source` is what it is about.
+    pub fn note(&mut self, time_s: f64, severity: Severity, source: &'static str, text: &str) -> Result<(), SinkError> {
+        self.take(Entry::Note { time_s, severity, source, text: text.to_string() })
+    }
+
+    /// Finishes the log (last chunk, index, footer), flushes it, and hands back what it was written to.
+    pub fn finish(mut self) -> Result<W, SinkError> {
+        self.end()?.finish()
+    }
+
+    fn take(&mut self, entry: Entry<C>) -> Result<(), SinkError> {
+        self.batch.push(entry);
+        if self.batch.len() >= BATCH || self.handed_over.elapsed() >= PATIENCE {
+            self.hand_over()?;
+        }
+        Ok(())
+    }
+
+    fn hand_over(&mut self) -> Result<(), SinkError> {
+        self.handed_over = Clock::now();
+        let batch = std::mem::replace(&mut self.batch, Vec::with_capacity(BATCH));
+        match &self.sender {
+            Some(sender) if sender.send(batch).is_ok() => Ok(()),
+            // The thread has ended before its time: it says why.
+            _ => self.end().map(drop),
+        }
+    }
+
+    /// Waits until everything is written.
+    fn end(&mut self) -> Result<Writer<W, C>, SinkError> {
+        if let Some(sender) = self.sender.take() {
+            let _ = sender.send(std::mem::take(&mut self.batch));
+        }
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            None => Err(SinkError {
+                what: "the log".to_string(),
+                source: io::Error::other("an earlier part of it could not be written"),
+            }),
+        }
+    }
+}
+
+impl<C: Channels> FileWriter<C> {
+    /// Finishes the log and puts it in its place.
+    pub fn keep(self) -> Result<(), SinkError> {
+        self.finish()?.keep()
+    }
+}
+
+impl<W: Write + Send + 'static, C: Channels> Drop for Beside<W, C> {
+    fn drop(&mut self) {
+        if self.thread.is_some() {
+            let _ = self.end();
+        }
+    }
+}
+
+impl<W: Write + Send + 'static> Sink for Beside<W, FingerChannels> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.take(Entry::Sample(*sample))
+    }
+
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.take(Entry::Sample(*sample))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.take(Entry::Event(*event))
+    }
+}
+
+impl<W: Write + Send + 'static> BodiesSink for Beside<W, BodiesChannels> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.take(Entry::Sample(sample.clone()))
+    }
+
+    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.take(Entry::Sample(sample.clone()))
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.take(Entry::Event(*event))
+    }
+}

@@ -1,0 +1,217 @@
+//! What of a run is kept: the even grid of samples, and every step of the integrator within an impact.
+//!
+//! Models give more: every step that is shorter than the grid's interval, of which free flight and settled contacts need
+//! none. The criteria of `phalanx run` are found on what is kept, so that a log says of its run what the run said itself.
+
+use super::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use super::{ContactSample, Event, Sample, Sink, SinkError};
+
+/// An impact lasts as long as some force changes by more than this part of itself in an interval of the grid…
+const CHANGE: f64 = 0.1;
+/// …and this part of an interval longer, so that it does not end where the force is largest.
+const LINGER: f64 = 0.25;
+
+/// A sample as far as thinning has to know it.
+pub trait Instant: Clone + PartialEq {
+    fn time_s(&self) -> f64;
+    /// Places of contact.
+    fn places(&self) -> usize;
+    /// Force (N; limit: N·m) and penetration (m; rad) of one place.
+    fn pressed(&self, place: usize) -> (f64, f64);
+    /// Takes over another sample of the same shape, keeping what it has allocated.
+    fn copy_from(&mut self, other: &Self);
+}
+
+impl Instant for Sample {
+    fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    fn places(&self) -> usize {
+        3
+    }
+
+    fn pressed(&self, place: usize) -> (f64, f64) {
+        let of = |contact: &ContactSample| (contact.normal_n, -contact.gap_m);
+        match place {
+            0 => of(&self.proximal),
+            1 => of(&self.distal),
+            _ => (self.limit.torque_n_m, -self.limit.gap_rad),
+        }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        *self = *other;
+    }
+}
+
+impl Instant for BodiesSample {
+    fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    fn places(&self) -> usize {
+        self.contacts.len()
+    }
+
+    fn pressed(&self, place: usize) -> (f64, f64) {
+        let contact = &self.contacts[place];
+        (contact.normal_n, -contact.gap_m)
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.clone_from(other);
+    }
+}
+
+/// Picks samples out of a stream; at most two of one given.
+///
+/// Kept are: the first and the last; those on the grid; all within an impact, the one before it, and the one after an
+/// event; and each at which a force or a penetration has a maximum larger than any kept before.
+#[derive(Clone, Debug)]
+pub struct Thin<S> {
+    interval_s: f64,
+    /// End of the impact.
+    until_s: f64,
+    latest: Option<S>,
+    /// Whether `latest` has been kept.
+    is_kept: bool,
+    after_event: bool,
+    /// Largest force and penetration kept of each place.
+    kept: Vec<(f64, f64)>,
+}
+
+impl<S: Instant> Thin<S> {
+    /// Thins to `numeric_hz` samples a second.
+    pub fn new(numeric_hz: f64) -> Self {
+        Thin {
+            interval_s: 1.0 / numeric_hz,
+            until_s: f64::NEG_INFINITY,
+            latest: None,
+            is_kept: true,
+            after_event: true,
+            kept: Vec::new(),
+        }
+    }
+
+    /// Takes a sample; hands to `keep` what is to be kept, in order of time.
+    pub fn sample<E>(&mut self, sample: &S, mut keep: impl FnMut(&S) -> Result<(), E>) -> Result<(), E> {
+        let first = self.latest.is_none();
+        if first {
+            self.kept = vec![(0.0, 0.0); sample.places()];
+        }
+        let now_s = sample.time_s();
+        // An extreme at the end of a step comes again before an event there.
+        if self.latest.as_ref().is_some_and(|latest| latest.time_s() == now_s && latest == sample) {
+            return Ok(());
+        }
+        let (mut changes, mut falls) = (false, false);
+        if let Some(before) = &self.latest {
+            for (place, kept) in self.kept.iter().enumerate() {
+                let ((f0, d0), (f1, d1)) = (before.pressed(place), sample.pressed(place));
+                let rate = (f1 - f0).abs() * self.interval_s;
+                changes |= rate > CHANGE * f0.max(f1) * (now_s - before.time_s());
+                falls |= (f0 > kept.0 && f1 < f0) || (d0 > kept.1 && d1 < d0);
+            }
+        }
+        if changes {
+            self.until_s = now_s + LINGER * self.interval_s;
+        }
+        if changes || falls {
+            self.flush(&mut keep)?;
+        }
+        let on_grid = (now_s / self.interval_s).round() * self.interval_s == now_s;
+        match &mut self.latest {
+            Some(latest) => latest.copy_from(sample),
+            None => self.latest = Some(sample.clone()),
+        }
+        self.is_kept = false;
+        if first || on_grid || self.after_event || now_s <= self.until_s { self.flush(keep) } else { Ok(()) }
+    }
+
+    /// Before an event: the latest sample is kept, for rates can jump behind it, and so will be the next.
+    pub fn event<E>(&mut self, keep: impl FnMut(&S) -> Result<(), E>) -> Result<(), E> {
+        self.flush(keep)?;
+        self.after_event = true;
+        Ok(())
+    }
+
+    /// Keeps the latest sample: at the end of a run.
+    pub fn flush<E>(&mut self, mut keep: impl FnMut(&S) -> Result<(), E>) -> Result<(), E> {
+        let Some(latest) = self.latest.as_ref().filter(|_| !self.is_kept) else {
+            return Ok(());
+        };
+        for (place, kept) in self.kept.iter_mut().enumerate() {
+            let (force, depth) = latest.pressed(place);
+            *kept = (kept.0.max(force), kept.1.max(depth));
+        }
+        (self.is_kept, self.after_event) = (true, false);
+        keep(latest)
+    }
+}
+
+/// A sink that passes on what [`Thin`] keeps.
+#[derive(Clone, Debug)]
+pub struct Thinned<I, S> {
+    thin: Thin<I>,
+    pub sink: S,
+}
+
+impl<I: Instant, S> Thinned<I, S> {
+    /// Thins to `numeric_hz` samples a second.
+    pub fn new(numeric_hz: f64, sink: S) -> Self {
+        Thinned { thin: Thin::new(numeric_hz), sink }
+    }
+}
+
+impl<S: Sink> Thinned<Sample, S> {
+    /// Passes on the last sample, when the run is over.
+    pub fn end(&mut self) -> Result<(), SinkError> {
+        self.thin.flush(|kept| self.sink.sample(kept))
+    }
+}
+
+impl<S: BodiesSink> Thinned<BodiesSample, S> {
+    /// Passes on the last sample, when the run is over.
+    pub fn end(&mut self) -> Result<(), SinkError> {
+        self.thin.flush(|kept| self.sink.sample(kept))
+    }
+}
+
+impl<S: Sink> Sink for Thinned<Sample, S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.thin.sample(sample, |kept| self.sink.sample(kept))
+    }
+
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.thin.sample(sample, |kept| self.sink.sample(kept))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.thin.event(|kept| self.sink.sample(kept))?;
+        self.sink.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        self.sink.proceed()
+    }
+}
+
+impl<S: BodiesSink> BodiesSink for Thinned<BodiesSample, S> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.thin.sample(sample, |kept| self.sink.sample(kept))
+    }
+
+    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.thin.sample(sample, |kept| self.sink.sample(kept))
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.thin.event(|kept| self.sink.sample(kept))?;
+        self.sink.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        self.sink.proceed()
+    }
+}
