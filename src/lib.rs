@@ -47,6 +47,7 @@ pub mod law;
 pub mod live;
 pub mod log;
 pub mod numeric;
+pub mod page;
 pub mod plot;
 pub mod report;
 pub mod scene;

@@ -191,7 +191,7 @@ fn a_free_swing_has_no_contacts_and_no_criteria() {
     let summary = Summary::read(&bytes).expect("readable").expect("indexed");
     let mut topics: Vec<&str> = summary.channels.values().map(|channel| channel.topic.as_str()).collect();
     topics.sort_unstable();
-    assert_eq!(topics, ["/energy", "/events", "/state"]);
+    assert_eq!(topics, ["/energy", "/events", "/scene", "/state", "/tf", "/tf_static"]);
 }
 
 #[test]

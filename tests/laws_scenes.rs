@@ -307,7 +307,11 @@ fn logs_have_every_disc_pair_and_event_and_the_scene() {
         "/disc/struck",
         "/energy",
         "/events",
+        "/forces",
         &format!("/impact/{pair}"),
+        "/scene",
+        "/tf",
+        "/tf_static",
     ];
     assert_eq!(topics, expected);
     // A touch-down, a lift-off, and how it ended.

@@ -149,6 +149,17 @@ fn everything_is_written() {
     for name in ["speed-error.svg", "overlay.svg", "difference.svg"] {
         well_formed(&fs::read_to_string(out.join(name)).expect("a picture"), name);
     }
+    let page = fs::read_to_string(out.join("page.html")).expect("a page");
+    for part in [
+        "<title>experiment-95</title>",
+        "Summary: analytic",
+        "Summary: engine",
+        "Speed against error",
+        "within all bounds",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.len() < 1_500_000, "{} bytes", page.len());
     let table = fs::read_to_string(out.join("series.csv")).expect("a table");
     let mut lines = table.lines();
     let head = lines.next().expect("a head");

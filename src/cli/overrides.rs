@@ -4,7 +4,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::Failure;
-use crate::scene::{BodiesScene, Construction, Engine, Integrator, Preset, Scene, Stepping};
+use crate::scene::{BodiesScene, Construction, Engine, Integrator, LogRates, Preset, Scene, Stepping};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
 
@@ -65,6 +65,15 @@ pub struct Overrides {
     /// Length of the run with its unit, such as "30 ms", instead of that of the scene
     #[arg(long, value_name = "TIME", value_parser = duration)]
     duration: Option<f64>,
+
+    /// Samples a second of simulated time in the log, such as "20 kHz", instead of that of the scene; impacts are logged
+    /// at every step besides
+    #[arg(long, value_name = "FREQUENCY", value_parser = numeric_rate)]
+    numeric_rate: Option<f64>,
+
+    /// Pictures a second of simulated time in the log, such as "1 kHz" ("0 Hz": none), instead of that of the scene
+    #[arg(long, value_name = "FREQUENCY", value_parser = picture_rate)]
+    picture_rate: Option<f64>,
 }
 
 impl Overrides {
@@ -73,7 +82,7 @@ impl Overrides {
     /// # Errors
     /// A flag of the model that does not run.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
-        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s)
+        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s, &mut scene.log)
     }
 
     /// Puts the flags into a scene of discs.
@@ -87,7 +96,7 @@ impl Overrides {
                  moves freely in the engine",
             ));
         }
-        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s)
+        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s, &mut scene.log)
     }
 
     fn put(
@@ -96,6 +105,7 @@ impl Overrides {
         integrator: &mut Integrator,
         engine: &mut Engine,
         scene_duration_s: &mut f64,
+        log: &mut LogRates,
     ) -> Result<(), Failure> {
         self.refuse_idle(model)?;
         if let Some(preset) = self.preset {
@@ -123,6 +133,12 @@ impl Overrides {
         }
         if let Some(duration_s) = self.duration {
             *scene_duration_s = duration_s;
+        }
+        if let Some(numeric_hz) = self.numeric_rate {
+            log.numeric_hz = numeric_hz;
+        }
+        if let Some(picture_hz) = self.picture_rate {
+            log.picture_hz = picture_hz;
         }
         Ok(())
     }
@@ -176,6 +192,20 @@ fn duration(text: &str) -> Result<f64, String> {
 
 fn step(text: &str) -> Result<f64, String> {
     positive(text, Dimension::Time, "a step must be longer than 0; expected a time such as \"1 us\"")
+}
+
+fn numeric_rate(text: &str) -> Result<f64, String> {
+    positive(text, Dimension::Frequency, "a rate must be more than 0; expected a frequency such as \"10 kHz\"")
+}
+
+fn picture_rate(text: &str) -> Result<f64, String> {
+    match units::parse(text, Dimension::Frequency) {
+        Ok(value) if value >= 0.0 => Ok(value),
+        Ok(_) => {
+            Err("a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none".to_string())
+        }
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 fn opening(text: &str) -> Result<f64, String> {

@@ -102,13 +102,13 @@ fn simulate_again(scene: &AnyScene, settings: &Settings, limits: &Limits<'_>) ->
             let info = RunInfo { scene: scene.as_ref(), scene_file, model: model.name() };
             let writer =
                 Writer::new(file, AGAIN, &info).and_then(|writer| Beside::start(writer, AGAIN)).map_err(failed)?;
-            ended(simulate::finger(model, scene, Some(writer), limits))
+            ended(simulate::finger(model, scene, Some(writer), limits, &mut ()))
         }
         AnyScene::Bodies(scene) => {
             let info = RunInfo { scene: scene.as_ref(), scene_file, model: model.name() };
             let writer =
                 Writer::new(file, AGAIN, &info).and_then(|writer| Beside::start(writer, AGAIN)).map_err(failed)?;
-            ended(simulate::bodies(model, scene, Some(writer), limits))
+            ended(simulate::bodies(model, scene, Some(writer), limits, &mut ()))
         }
     };
     if let Some(signal) = limits.interrupt.signal() {

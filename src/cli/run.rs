@@ -62,7 +62,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
-    let Simulated { result, found, wall_s, log } = simulate::finger(args.model, &scene, log, &limits);
+    let Simulated { result, found, wall_s, log } = simulate::finger(args.model, &scene, log, &limits, &mut ());
     let model = args.model.name();
     let mut report = match result {
         Ok(outcome) => RunReport::completed(&scene, model, wall_s, &outcome, found),

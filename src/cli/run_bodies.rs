@@ -16,7 +16,7 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
-    let Simulated { result, found, wall_s, log } = simulate::bodies(args.model, &scene, log, &limits);
+    let Simulated { result, found, wall_s, log } = simulate::bodies(args.model, &scene, log, &limits, &mut ());
     let (outcome, error) = match result {
         Ok(outcome) => (Some(outcome), None),
         Err(Broken { error, so_far }) => (so_far, Some(error)),

@@ -46,9 +46,11 @@ pub(super) fn finger<W: Write + Send + 'static>(
     scene: &Scene,
     log: Option<Beside<W, FingerChannels>>,
     limits: &Limits<'_>,
+    also: &mut impl Sink,
 ) -> Simulated<W, Outcome, Option<Criteria>> {
     let tracker = final_angles(scene).map(Tracker::new);
-    let sinks = Sinks { log, found: tracker, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let progress = progress(scene.duration_s, limits);
+    let sinks = Sinks { log, found: tracker, last_s: 0.0, progress, limits, also };
     let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
     let start = Instant::now();
     let result = trace::run(model, scene, &mut thinned);
@@ -79,9 +81,11 @@ pub(super) fn bodies<W: Write + Send + 'static>(
     scene: &BodiesScene,
     log: Option<Beside<W, BodiesChannels>>,
     limits: &Limits<'_>,
+    also: &mut impl BodiesSink,
 ) -> Simulated<W, BodiesOutcome, Vec<Rebound>> {
     let rebounds = Rebounds::new(scene.pairs().len());
-    let sinks = Sinks { log, found: rebounds, last_s: 0.0, progress: progress(scene.duration_s, limits), limits };
+    let progress = progress(scene.duration_s, limits);
+    let sinks = Sinks { log, found: rebounds, last_s: 0.0, progress, limits, also };
     let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
     let start = Instant::now();
     let result = run_bodies(model, scene, &mut thinned);
@@ -155,22 +159,25 @@ pub(super) fn final_angles(scene: &Scene) -> Option<FinalAngles> {
 }
 
 /// Everything that listens to a run; `found` is the tracker of criteria or rebounds.
-struct Sinks<'a, W: Write + Send + 'static, C: Channels, F> {
+struct Sinks<'a, W: Write + Send + 'static, C: Channels, F, A> {
     log: Option<Beside<W, C>>,
     found: F,
     /// Time of the latest sample.
     last_s: f64,
     progress: Progress,
     limits: &'a Limits<'a>,
+    /// Whoever else wants what the log gets.
+    also: &'a mut A,
 }
 
-impl<W: Write + Send + 'static> Sink for Sinks<'_, W, FingerChannels, Option<Tracker>> {
+impl<W: Write + Send + 'static, A: Sink> Sink for Sinks<'_, W, FingerChannels, Option<Tracker>, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         Sink::sample(&mut self.progress, sample)?;
         if let Some(tracker) = &mut self.found {
             tracker.sample(sample)?;
         }
+        self.also.sample(sample)?;
         match &mut self.log {
             Some(log) => log.sample(sample),
             None => Ok(()),
@@ -181,6 +188,7 @@ impl<W: Write + Send + 'static> Sink for Sinks<'_, W, FingerChannels, Option<Tra
         if let Some(tracker) = &mut self.found {
             tracker.event(event)?;
         }
+        self.also.event(event)?;
         match &mut self.log {
             Some(log) => log.event(event),
             None => Ok(()),
@@ -192,11 +200,12 @@ impl<W: Write + Send + 'static> Sink for Sinks<'_, W, FingerChannels, Option<Tra
     }
 }
 
-impl<W: Write + Send + 'static> BodiesSink for Sinks<'_, W, BodiesChannels, Rebounds> {
+impl<W: Write + Send + 'static, A: BodiesSink> BodiesSink for Sinks<'_, W, BodiesChannels, Rebounds, A> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         BodiesSink::sample(&mut self.progress, sample)?;
         self.found.sample(sample)?;
+        self.also.sample(sample)?;
         match &mut self.log {
             Some(log) => log.sample(sample),
             None => Ok(()),
@@ -205,6 +214,7 @@ impl<W: Write + Send + 'static> BodiesSink for Sinks<'_, W, BodiesChannels, Rebo
 
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
         self.found.event(event)?;
+        self.also.event(event)?;
         match &mut self.log {
             Some(log) => log.event(event),
             None => Ok(()),

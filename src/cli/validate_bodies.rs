@@ -5,20 +5,24 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::run::{info, unstarted};
+use super::simulate::{self, Limits};
 use super::validate::{ValidateArgs, stopped, watched};
-use super::validate_files::{broken, directory, save, table, unfinished};
+use super::validate_files::{PAGE, directory, finished, pictures, save, show, table};
 use super::{Failure, Status};
-use crate::log::{self, Severity};
+use crate::log;
+use crate::page::{Film, Reel};
 use crate::plot;
-use crate::report::{BodiesValidationReport, bodies_series, bodies_validation_json, bodies_validation_text};
+use crate::report::{
+    BodiesReport, BodiesValidationReport, bodies_series, bodies_text, bodies_validation_json, bodies_validation_text,
+};
 use crate::scene::{BodiesScene, Preset};
-use crate::trace::bodies::{BodiesRunError, run_bodies};
-use crate::trace::{Model, Thinned};
-use crate::validate::{StudyError, Subject, Validation, While};
+use crate::trace::Model;
+use crate::trace::bodies::BodiesRunError;
+use crate::validate::{StudyError, Subject, Validation};
 
 /// Everything that is in the directory in the end.
-const FILES: [&str; 7] =
-    ["report.txt", "report.json", "series.csv", "speed-error.svg", "overlay.svg", "analytic.mcap", "engine.mcap"];
+const FILES: [&str; 8] =
+    ["report.txt", "report.json", PAGE, "series.csv", "speed-error.svg", "overlay.svg", "analytic.mcap", "engine.mcap"];
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs, scene: &BodiesScene) -> Result<Status, Failure> {
@@ -53,38 +57,41 @@ fn write(
     report: &mut BodiesValidationReport,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    for (file, picture) in [
-        ("speed-error.svg", plot::bodies_speed_error(&scene.name, found)),
-        ("overlay.svg", plot::bodies_overlay(scene, found)),
-    ] {
-        let path = out.join(file);
-        save(&path, &picture.map_err(|error| broken(&path, error))?)?;
-    }
+    let pictures = pictures(
+        out,
+        [
+            ("speed-error.svg", "Speed against error", plot::bodies_speed_error(&scene.name, found)),
+            ("overlay.svg", "Both models over time", plot::bodies_overlay(scene, found)),
+        ],
+    )?;
     table(&out.join("series.csv"), |mut file| bodies_series(&mut file, scene, [&found.reference, &found.engine]))?;
     let reference = scene.with_integrator(scene.integrator.with_preset(Preset::Reference));
-    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?;
-    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?;
+    let runs = vec![
+        record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?,
+        record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
+    ];
 
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    save(&out.join("report.txt"), &bodies_validation_text(report))?;
+    let text = bodies_validation_text(report);
+    show(out, &scene.name, &scene.description, runs, &text, pictures)?;
+    save(&out.join("report.txt"), &text)?;
     save(&out.join("report.json"), &bodies_validation_json(report))
 }
 
-/// Logs one model, sample rate and all as `phalanx run` does.
+/// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
 fn record(
     model: Model,
     scene: &BodiesScene,
     scene_file: &Path,
     path: &Path,
     interrupt: &Interrupt,
-) -> Result<(), Failure> {
-    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
-    let go_on = || interrupt.signal().is_none();
-    let mut thinned = Thinned::new(scene.log.numeric_hz, While { sink: &mut log, go_on: &go_on });
-    let outcome =
-        run_bodies(model, scene, &mut thinned).map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
-    thinned.end().map_err(|error| broken(path, error))?;
-    log.note(outcome.last.time_s, Severity::Info, "run", "completed").map_err(|error| broken(path, error))?;
-    log.keep().map_err(|error| broken(path, error))
+) -> Result<Film, Failure> {
+    let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
+    let mut reel = Reel::default();
+    let limits = Limits { interrupt, until_s: f64::INFINITY };
+    let run = simulate::bodies(model, scene, Some(log), &limits, &mut reel);
+    let outcome = finished(path, interrupt, run.result, run.log)?;
+    let summary = BodiesReport::new(scene, model, run.wall_s, Some(&outcome), &run.found, None);
+    Ok(reel.film(model.name(), scene, &bodies_text(&summary)))
 }

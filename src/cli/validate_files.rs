@@ -9,20 +9,26 @@ use super::Failure;
 use super::interrupt::Interrupt;
 use super::replace::{probe, replace};
 use super::run::{info, unstarted};
-use crate::log::{self, Severity};
+use super::simulate::{self, Broken, Limits};
+use crate::log::{self, LogFile};
+use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
-use crate::report::{ValidationReport, series, validation_json, validation_text};
+use crate::report::{self, RunReport, ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Preset, Scene};
-use crate::trace::{Model, Thinned, run};
-use crate::validate::{Validation, While};
+use crate::trace::{Model, SinkError};
+use crate::validate::Validation;
 
 /// The file that says what the others are; written last.
 const REPORT: &str = "report.txt";
 
+/// Both models in motion, laid over each other.
+pub(super) const PAGE: &str = "page.html";
+
 /// Everything that is in the directory in the end.
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     REPORT,
     "report.json",
+    PAGE,
     "series.csv",
     "speed-error.svg",
     "overlay.svg",
@@ -61,25 +67,64 @@ pub fn write(
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let name = &scene.name;
-    for (file, picture) in [
-        ("speed-error.svg", plot::speed_error(name, found)),
-        ("overlay.svg", plot::overlay(name, found)),
-        ("difference.svg", plot::difference(name, found)),
-    ] {
-        let path = out.join(file);
-        save(&path, &picture.map_err(|error| broken(&path, error))?)?;
-    }
+    let pictures = pictures(
+        out,
+        [
+            ("speed-error.svg", "Speed against error", plot::speed_error(name, found)),
+            ("overlay.svg", "Both models over time", plot::overlay(name, found)),
+            ("difference.svg", "Difference over time", plot::difference(name, found)),
+        ],
+    )?;
     table(&out.join("series.csv"), |mut file| {
         series(&mut file, &found.reference, &found.engine, scene.log.numeric_hz)
     })?;
     let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
-    record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?;
-    record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?;
+    let runs = vec![
+        record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?,
+        record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
+    ];
 
     report.directory = Some(out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    save(&out.join(REPORT), &validation_text(report))?;
+    let text = validation_text(report);
+    show(out, name, &scene.description, runs, &text, pictures)?;
+    save(&out.join(REPORT), &text)?;
     save(&out.join("report.json"), &validation_json(report))
+}
+
+/// Writes pictures, each a file with a title; returns them for the page.
+pub(super) fn pictures<const N: usize>(
+    out: &Path,
+    drawn: [(&str, &str, Result<String, plot::DrawError>); N],
+) -> Result<Vec<Picture>, Failure> {
+    let save_one = |(file, title, picture): (&str, &str, Result<String, plot::DrawError>)| {
+        let path = out.join(file);
+        let svg = picture.map_err(|error| broken(&path, error))?;
+        save(&path, &svg)?;
+        Ok(Picture { title: title.to_string(), svg })
+    };
+    drawn.into_iter().map(save_one).collect()
+}
+
+/// Writes the page of a validation: its runs, its report, and the first of its pictures (the others are plots of the same
+/// runs, which the page draws itself).
+pub(super) fn show(
+    out: &Path,
+    name: &str,
+    description: &str,
+    runs: Vec<Film>,
+    report: &str,
+    mut pictures: Vec<Picture>,
+) -> Result<(), Failure> {
+    pictures.truncate(1);
+    let text = page(&Page {
+        title: name.to_string(),
+        description: description.to_string(),
+        runs,
+        notes: vec![Note { title: "Validation".to_string(), text: report.to_string() }],
+        pictures,
+    });
+    save(&out.join(PAGE), &text)
 }
 
 pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
@@ -92,31 +137,40 @@ pub(super) fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result
     written.map_err(|error| broken(path, error))
 }
 
-/// Logs one model, sample rate and all as `phalanx run` does.
-fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
-    let mut log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
-    let go_on = || interrupt.signal().is_none();
-    let mut thinned = Thinned::new(scene.log.numeric_hz, While { sink: &mut log, go_on: &go_on });
-    let outcome =
-        run(model, scene, &mut thinned).map_err(|error| unfinished(path, interrupt, error.is_stop(), error))?;
-    thinned.end().map_err(|error| broken(path, error))?;
-    log.note(outcome.last.time_s, Severity::Info, "run", "completed").map_err(|error| broken(path, error))?;
-    log.keep().map_err(|error| broken(path, error))
+/// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
+fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<Film, Failure> {
+    let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
+    let mut reel = Reel::default();
+    let limits = Limits { interrupt, until_s: f64::INFINITY };
+    let run = simulate::finger(model, scene, Some(log), &limits, &mut reel);
+    let outcome = finished(path, interrupt, run.result, run.log)?;
+    let summary = RunReport::completed(scene, model.name(), run.wall_s, &outcome, run.found);
+    Ok(reel.film(model.name(), scene, &report::text(&summary)))
 }
 
-/// Why a log of a validation was not finished: a signal came, or it could not be written.
-pub(super) fn unfinished(path: &Path, interrupt: &Interrupt, stopped: bool, error: impl Display) -> Failure {
-    match interrupt.signal().filter(|_| stopped) {
-        Some(signal) => {
+/// Keeps the log of a run that was completed; why not, if a signal came or the log could not be written.
+pub(super) fn finished<O>(
+    path: &Path,
+    interrupt: &Interrupt,
+    result: Result<O, Broken<O>>,
+    log: Result<Option<LogFile>, SinkError>,
+) -> Result<O, Failure> {
+    match (result, interrupt.signal()) {
+        (Ok(outcome), _) => {
+            let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
+            kept.map_err(|error| broken(path, error))?;
+            Ok(outcome)
+        }
+        (Err(_), Some(signal)) => {
             // Its place is untouched, and half a log of a validation is of no use.
             let _ = fs::remove_file(log::partial_name(path));
-            Failure::incomplete(format!(
+            Err(Failure::incomplete(format!(
                 "the validation was interrupted by {signal} while it wrote its files: {} and the reports are as they were \
                  before",
                 path.display()
-            ))
+            )))
         }
-        None => broken(path, error),
+        (Err(Broken { error, .. }), None) => Err(broken(path, error.reason)),
     }
 }
 

@@ -8,7 +8,10 @@
 //! | `/energy` | [`Energy`] | energies, works and their balance |
 //! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
 //! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
-//! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
+//! | `/events` | `foxglove.Log` | the same events as text, when both phalanges hold the object, and how the run ended |
+//! | `/tf_static`, `/tf` | `foxglove.FrameTransforms` | where bodies are that stay, once, and those that move |
+//! | `/scene` | `foxglove.SceneUpdate` | the shapes of all bodies in their frames, once |
+//! | `/forces` | `foxglove.SceneUpdate` | contact points and force arrows; only with an object |
 //!
 //! The log of a scene of discs has other names, and the same messages where they fit:
 //!
@@ -19,6 +22,12 @@
 //! | `/energy` | [`Energy`] | energies, works and their balance; the motor's work is that on driven discs |
 //! | `/impact/PAIR` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
 //! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
+//! | `/tf_static`, `/tf`, `/scene`, `/forces` | | pictures, as above |
+//!
+//! **How much.** Numbers come on an even grid (`numeric_rate`) and, within an impact, at every step of the integrator
+//! ([`Thin`](crate::trace::Thin) says what an impact is); besides, at the deepest point and the largest force of every
+//! contact, so that a log has the same extremes as its run. Pictures come on a grid of their own (`picture_rate`), and
+//! within an impact whenever an arrow has changed by a twentieth of the longest one; where nothing has moved there is none.
 //!
 //! **Clock.** One clock, from 0 at the start of the simulation: log time = publish time = the message's stamp rounded to
 //! the nanosecond, and never going back. Steps within an impact can be shorter than a nanosecond; such neighbours share
@@ -30,7 +39,19 @@
 //!
 //! **Crashes.** A log grows as `NAME.mcap.partial` and takes its name when it is finished, so an older log is replaced
 //! only by a whole one. Every chunk is written whole and flushed, so a killed run leaves a partial log that reads up to
-//! its last chunk.
+//! its last chunk. Chunks begin small and grow with the log, to 256 KiB.
+//!
+//! **Cost.** Files are encoded, compressed and written on a thread of their own ([`Beside`]); `cargo bench --bench log_cost`
+//! measures what a log adds to a run.
+//!
+//! | file | job |
+//! |---|---|
+//! | `core`, `writer`, `beside`, `file` | the MCAP file: chunks and clock; what goes in; the thread; its place on the disk |
+//! | `finger`, `bodies`, `messages` | channels of either kind of scene, and their messages |
+//! | `pictures` | frames, shapes and arrows for 3-D views |
+//! | `metadata`, `settings` | the settings of a run, written and read back |
+//! | `reader` | a log back to samples and events, whatever has happened to it |
+//! | `recovered`, `verify` | the good part of a damaged log; two logs message by message |
 
 mod beside;
 mod bodies;

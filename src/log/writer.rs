@@ -48,13 +48,14 @@ impl<W: Write, C: Channels> Writer<W, C> {
     }
 
     /// The same, with every message handed to a feed as well.
-    pub fn with_feed<S: Logged<Channels = C>>(
+    pub fn with_feed<S>(
         out: W,
         name: &str,
         run: &RunInfo<'_, S>,
         feed: Option<Box<dyn Feed>>,
     ) -> Result<Self, SinkError>
     where
+        S: Logged<Channels = C>,
         C: Channels<Scene = S>,
     {
         let start = || {

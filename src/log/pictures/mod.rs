@@ -32,7 +32,8 @@ const INVISIBLE: f64 = 1e-5;
 /// The channels, and what the last picture showed.
 pub struct Pictures {
     transforms_id: ChannelId,
-    forces_id: ChannelId,
+    /// `None` where nothing can touch.
+    forces_id: Option<ChannelId>,
     interval_s: f64,
     /// When the next picture of the grid is due.
     next_s: f64,
@@ -61,7 +62,8 @@ impl Pictures {
         let fixed_id = core.channel::<FrameTransforms>("/tf_static")?;
         let transforms_id = core.channel::<FrameTransforms>("/tf")?;
         let shapes_id = core.channel::<SceneUpdate>("/scene")?;
-        let forces_id = core.channel::<SceneUpdate>("/forces")?;
+        let touching = !drawing.contacts.is_empty();
+        let forces_id = touching.then(|| core.channel::<SceneUpdate>("/forces")).transpose()?;
 
         let log_time = core.tick(0.0);
         let bodies = || drawing.bodies.iter().zip(start);
@@ -118,9 +120,10 @@ impl Pictures {
             shapes.entities.iter_mut().for_each(|entity| entity.timestamp = Some(stamp(log_time)));
             core.put(shapes_id, log_time, &shapes)?;
         }
-        if !started || self.arrows.change(contacts.clone()) > INVISIBLE || (moved && self.arrows.any()) {
-            let forces = self.arrows.draw(contacts, stamp(log_time));
-            core.put(self.forces_id, log_time, forces)?;
+        if let Some(forces_id) = self.forces_id
+            && (!started || self.arrows.change(contacts.clone()) > INVISIBLE || (moved && self.arrows.any()))
+        {
+            core.put(forces_id, log_time, self.arrows.draw(contacts, stamp(log_time)))?;
         }
         Ok(())
     }

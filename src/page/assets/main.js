@@ -1,0 +1,195 @@
+// Puts the page together and draws it when something has changed.
+
+const STATEMENT = "Between two samples the page draws a straight line.";
+
+function main() {
+  const film = loaded();
+  const app = { film, dirty: true };
+  let span = [film.start, film.end];
+
+  app.range = () => span;
+  app.changed = () => { app.dirty = true; };
+  app.clock = new Clock(film, () => {
+    keepInWindow();
+    app.changed();
+  });
+  app.stage = new Stage(film, byId("stage"));
+
+  // The window of the time axis goes along with the cursor.
+  function keepInWindow() {
+    const [from, to] = span;
+    const { time } = app.clock;
+    if (time >= from && time <= to) return;
+    const wide = to - from;
+    app.window(time < from ? time - 0.1 * wide : time - 0.9 * wide, time < from ? time + 0.9 * wide : time + 0.1 * wide);
+  }
+
+  app.window = (from, to) => {
+    const least = 1e-7 * (film.end - film.start);
+    const wide = Math.min(Math.max(to - from, least), film.end - film.start);
+    const start = Math.min(Math.max(from, film.start), film.end - wide);
+    span = [start, start + wide];
+    app.changed();
+  };
+  app.zoomTime = (factor, about = app.clock.time) => {
+    const [from, to] = span;
+    const at = Math.min(Math.max(about, from), to);
+    app.window(at - (at - from) * factor, at + (to - at) * factor);
+  };
+  app.moveTime = (part) => {
+    const [from, to] = span;
+    const by = part * (to - from);
+    app.window(from + by, to + by);
+  };
+  app.windowEvent = () => {
+    const moment = app.clock.nearest(app.events.nearest(app.clock.time));
+    if (!moment) return;
+    const { time, length } = moment;
+    app.window(time - 0.6 * length, time + 2.4 * length);
+    app.seek(time);
+  };
+
+  app.seek = (time) => app.clock.seek(time);
+  app.pause = () => app.clock.pause();
+  app.toggle = () => (app.clock.playing ? app.clock.pause() : app.clock.play());
+  app.step = (way) => {
+    app.pause();
+    app.seek(neighbour(film.runs, app.clock.time, way));
+  };
+  app.jump = (way) => {
+    const event = app.events.next(app.clock.time, way);
+    app.pause();
+    app.seek(event ? event.time_s : way > 0 ? film.end : film.start);
+  };
+  app.setNotch = (notch) => {
+    app.clock.notch = Math.min(Math.max(Math.round(notch), 0), NOTCHES - 1);
+    app.clock.auto = false;
+    app.changed();
+  };
+  app.faster = (by) => app.setNotch((app.clock.auto ? Math.round(3 * Math.log10(app.clock.speed / SLOWEST)) : app.clock.notch) + by);
+  app.setAuto = (auto) => {
+    app.clock.auto = auto;
+    app.changed();
+  };
+  app.show = (index, visible) => {
+    film.runs[index].visible = visible;
+    app.changed();
+  };
+  app.follow = (name) => {
+    app.stage.camera.followContact(name);
+    app.changed();
+  };
+  app.nextView = () => {
+    const views = [null, ...app.stage.camera.deepest.keys()];
+    app.follow(views[(views.indexOf(app.stage.camera.follow) + 1) % views.length]);
+  };
+  app.zoom = (factor) => {
+    app.stage.camera.zoomBy(factor);
+    app.changed();
+  };
+  app.fit = () => {
+    app.stage.camera.fit();
+    app.changed();
+  };
+  app.setArrows = (kind) => {
+    app.stage.arrowsToScale = kind === "linear";
+    app.changed();
+  };
+
+  app.theme = (name) => {
+    document.documentElement.dataset.theme = name;
+    byId("theme").setAttribute("aria-pressed", name === "dark");
+    forgetColours();
+    app.changed();
+  };
+  app.toggleTheme = () => app.theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  app.theme(dark.matches ? "dark" : "light");
+  dark.addEventListener("change", () => app.theme(dark.matches ? "dark" : "light"));
+
+  app.plots = new Plots(film, byId("plots"), app);
+  app.plots.zoomTime = app.zoomTime;
+  app.plots.moveTime = app.moveTime;
+  app.events = new Events(film, byId("events"), app.seek);
+  const refreshControls = controls(app);
+  keyboard(app);
+  about(film);
+
+  app.render = () => {
+    if (!app.dirty) return;
+    app.dirty = false;
+    const { time } = app.clock;
+    app.stage.draw(time);
+    app.plots.draw(time);
+    app.readings = app.plots.read(time);
+    app.events.show(time);
+    refreshControls();
+  };
+  new ResizeObserver(app.changed).observe(document.body);
+  new ResizeObserver(app.changed).observe(app.stage.canvas);
+  let before = null;
+  const frame = (now) => {
+    // A tab that was in the background does not jump.
+    if (before !== null) app.clock.pass(Math.min((now - before) / 1000, 0.1));
+    before = now;
+    app.render();
+    requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+  window.phalanx = forTests(app);
+}
+
+// How samples became what is seen.
+function about(film) {
+  const parts = film.runs.map((run) => (run.samples < run.recorded
+    ? `${run.label}: ${run.samples} of ${run.recorded} samples, thinned out to fit a page; extremes, peaks and the surroundings of events were kept.`
+    : `${run.label}: all ${run.samples} samples.`));
+  put("source", [...parts, STATEMENT].join(" "));
+  const second = film.runs[1] ? ` ${film.runs[0].label} is filled and its curves are wide and pale; ${film.runs[1].label} is dashed.` : "";
+  put("legend-help", "Force arrows act on the phalanx or disc, from the contact point. Their length grows with the logarithm of the force unless the arrows are to scale; then the longest are cut off." + second);
+}
+
+// What a test may look at, and the controls as functions. Nothing here changes the samples.
+function forTests(app) {
+  const { clock, stage, film } = app;
+  const state = () => {
+    app.render();
+    const [from, to] = app.range();
+    return {
+      time_s: clock.time,
+      playing: clock.playing,
+      auto: clock.auto,
+      speed: clock.speed,
+      window_s: [from, to],
+      view: { centre_m: [...stage.camera.centre], px_per_m: stage.camera.scale, follow: stage.camera.follow },
+      runs: stage.drawn.map(({ run, place, bodies, contacts, arrows }) => ({
+        label: run.label,
+        sample: place.i,
+        bodies,
+        contacts,
+        arrows,
+        readings: app.readings[run.index],
+      })),
+    };
+  };
+  return Object.freeze({
+    state,
+    span_s: Object.freeze([film.start, film.end]),
+    play: () => clock.play(),
+    pause: app.pause,
+    seek: app.seek,
+    step: app.step,
+    jump: app.jump,
+    setSpeed: (speed) => app.setNotch(Math.round(3 * Math.log10(speed / SLOWEST))),
+    setAuto: app.setAuto,
+    setArrows: app.setArrows,
+    show: app.show,
+    follow: app.follow,
+    zoom: app.zoom,
+    fit: app.fit,
+    window: app.window,
+    theme: app.theme,
+  });
+}
+
+main();

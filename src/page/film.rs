@@ -1,0 +1,212 @@
+//! Everything the page knows of a run: what is drawn, what is plotted, and when something happens.
+
+use super::thin::{MOST_SAMPLES, kept};
+use crate::drawing::{Drawing, Pose, Shape};
+use crate::trace::{ContactSample, EventKind};
+
+/// A run as the page shows it. Every list of values has one for each time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// What tells it from the other run: its model, or the variant.
+    pub label: String,
+    /// In columns of one width.
+    pub summary: String,
+    /// Samples of the run before it was thinned out.
+    pub recorded: usize,
+    /// In order; two may share one.
+    pub times_s: Vec<f64>,
+    pub bodies: Vec<Body>,
+    pub contacts: Vec<Touch>,
+    pub panels: Vec<Panel>,
+    pub marks: Vec<Mark>,
+    /// Length of a force arrow where arrows are to scale, and the longest.
+    pub arrow_m_per_n: f64,
+    pub longest_arrow_m: f64,
+    /// Lower left and upper right corner of what is to be seen.
+    pub extent_m: [[f64; 2]; 2],
+}
+
+/// A body and where its frame is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    pub name: String,
+    /// Kind of body, for its colour: `driver`, `object`, …
+    pub part: &'static str,
+    pub fixed: bool,
+    pub shapes: Vec<Shape>,
+    pub x_m: Vec<f64>,
+    pub y_m: Vec<f64>,
+    pub angle_rad: Vec<f64>,
+}
+
+/// A place of contact: as [`ContactSample`] has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touch {
+    pub name: String,
+    pub gap_m: Vec<f64>,
+    pub normal_n: Vec<f64>,
+    pub tangential_n: Vec<f64>,
+    pub point_x_m: Vec<f64>,
+    pub point_y_m: Vec<f64>,
+    pub normal_x: Vec<f64>,
+    pub normal_y: Vec<f64>,
+}
+
+/// Curves that share an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    pub title: String,
+    /// SI unit of its values, such as `rad`, `N`, `m`, `J`.
+    pub unit: &'static str,
+    /// What it is first shown on; the reader may switch.
+    pub scale: Scale,
+    pub series: Vec<Series>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    Linear,
+    /// Linear about 0, logarithmic beyond: shows 8 N beside 8 kN, and their signs.
+    Logarithmic,
+}
+
+/// One curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    pub name: String,
+    pub values: Vec<f64>,
+}
+
+/// Something that happens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    pub time_s: f64,
+    /// Where: a contact, or the joint limit.
+    pub place: String,
+    /// What.
+    pub kind: &'static str,
+    /// A figure that says how much, with its SI unit; `None` where there is none.
+    pub figure: Option<(f64, &'static str)>,
+}
+
+/// A curve before it has values: its name, and how a sample has it.
+pub(super) type Curve<'a, S> = (String, Box<dyn Fn(&S) -> f64 + 'a>);
+
+/// A panel before it has values; left out where it has no curves.
+pub(super) struct Plan<'a, S> {
+    pub title: &'static str,
+    pub unit: &'static str,
+    pub scale: Scale,
+    pub curves: Vec<Curve<'a, S>>,
+}
+
+/// Where the bodies of a sample are.
+pub(super) type Poses<'a, S> = Box<dyn Fn(&S) -> Vec<Pose> + 'a>;
+
+/// How a sample has a contact.
+pub(super) type Contact<'a, S> = Box<dyn Fn(&S) -> ContactSample + 'a>;
+
+/// What a kind of samples has to show.
+pub(super) struct Shown<'a, S> {
+    pub label: &'a str,
+    pub summary: &'a str,
+    pub drawing: Drawing,
+    pub samples: &'a [S],
+    pub time_s: fn(&S) -> f64,
+    pub poses: Poses<'a, S>,
+    /// Contacts that are drawn, by their names.
+    pub contacts: Vec<(String, Contact<'a, S>)>,
+    pub panels: Vec<Plan<'a, S>>,
+    pub marks: Vec<Mark>,
+}
+
+/// Samples → film, thinned out where they are too many.
+pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
+    let times: Vec<f64> = shown.samples.iter().map(shown.time_s).collect();
+    let keep = match times.len() <= MOST_SAMPLES {
+        true => (0..times.len()).collect(),
+        false => thinned(&shown, &times),
+    };
+    let samples: Vec<&S> = keep.iter().map(|&index| &shown.samples[index]).collect();
+    let column = |value: &dyn Fn(&S) -> f64| samples.iter().map(|sample| value(sample)).collect::<Vec<f64>>();
+
+    let poses: Vec<Vec<Pose>> = samples.iter().map(|sample| (shown.poses)(sample)).collect();
+    let place = |index: usize, value: fn(&Pose) -> f64| poses.iter().map(|all| value(&all[index])).collect();
+    let body = |(index, body): (usize, crate::drawing::Body)| Body {
+        name: body.name,
+        part: part(body.part),
+        fixed: body.fixed,
+        shapes: body.shapes,
+        x_m: place(index, |pose| pose.position_m[0]),
+        y_m: place(index, |pose| pose.position_m[1]),
+        angle_rad: place(index, |pose| pose.angle_rad),
+    };
+    let touch = |(name, contact): &(String, Contact<'_, S>)| Touch {
+        name: name.clone(),
+        gap_m: column(&|sample| contact(sample).gap_m),
+        normal_n: column(&|sample| contact(sample).normal_n),
+        tangential_n: column(&|sample| contact(sample).tangential_n),
+        point_x_m: column(&|sample| contact(sample).point_m[0]),
+        point_y_m: column(&|sample| contact(sample).point_m[1]),
+        normal_x: column(&|sample| contact(sample).normal[0]),
+        normal_y: column(&|sample| contact(sample).normal[1]),
+    };
+    let series = |(name, value): &Curve<'_, S>| Series { name: name.clone(), values: column(value.as_ref()) };
+    let panel = |plan: &Plan<'_, S>| Panel {
+        title: plan.title.to_string(),
+        unit: plan.unit,
+        scale: plan.scale,
+        series: plan.curves.iter().map(series).collect(),
+    };
+    Film {
+        label: shown.label.to_string(),
+        summary: shown.summary.to_string(),
+        recorded: times.len(),
+        times_s: keep.iter().map(|&index| times[index]).collect(),
+        contacts: shown.contacts.iter().map(touch).collect(),
+        panels: shown.panels.iter().filter(|plan| !plan.curves.is_empty()).map(panel).collect(),
+        marks: shown.marks,
+        arrow_m_per_n: shown.drawing.arrow_m_per_n,
+        longest_arrow_m: shown.drawing.longest_arrow_m,
+        extent_m: shown.drawing.extent_m,
+        bodies: shown.drawing.bodies.into_iter().enumerate().map(body).collect(),
+    }
+}
+
+fn thinned<S>(shown: &Shown<'_, S>, times: &[f64]) -> Vec<usize> {
+    let curves = shown.panels.iter().flat_map(|plan| &plan.curves);
+    let values: Vec<Vec<f64>> = curves.map(|(_, value)| shown.samples.iter().map(value).collect()).collect();
+    let force = |sample: &S| shown.contacts.iter().map(|(_, contact)| contact(sample).normal_n).sum();
+    let weight: Vec<f64> = shown.samples.iter().map(force).collect();
+    let events: Vec<f64> = shown.marks.iter().map(|mark| mark.time_s).collect();
+    kept(times, &events, &values, &weight, MOST_SAMPLES)
+}
+
+fn part(part: crate::drawing::Part) -> &'static str {
+    use crate::drawing::Part;
+    match part {
+        Part::Driver => "driver",
+        Part::Coupler => "coupler",
+        Part::Proximal => "proximal",
+        Part::Distal => "distal",
+        Part::Object => "object",
+        Part::Palm => "palm",
+        Part::Disc => "disc",
+    }
+}
+
+/// An event of either kind of scene; `figures` are its closing speed and its impulse, `units` theirs.
+pub(super) fn mark(
+    time_s: f64,
+    place: &str,
+    kind: EventKind,
+    [speed, impulse]: [f64; 2],
+    [speed_unit, impulse_unit]: [&'static str; 2],
+) -> Mark {
+    let (kind, figure) = match kind {
+        EventKind::TouchDown => ("touch-down", Some((speed, speed_unit))),
+        EventKind::LiftOff => ("lift-off", Some((impulse, impulse_unit))),
+        EventKind::Reload => ("pressed again", None),
+    };
+    Mark { time_s, place: place.to_string(), kind, figure }
+}

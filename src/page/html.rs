@@ -1,0 +1,139 @@
+//! The file: assets, texts and data put together, everything foreign escaped.
+
+use std::fmt::Write;
+
+use super::{Page, data};
+
+const TEMPLATE: &str = include_str!("assets/page.html");
+const STYLES: [&str; 3] =
+    [include_str!("assets/theme.css"), include_str!("assets/layout.css"), include_str!("assets/pictures.css")];
+/// In the order of their dependence; they share one scope.
+const SCRIPTS: [&str; 14] = [
+    include_str!("assets/format.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/reading.js"),
+    include_str!("assets/clock.js"),
+    include_str!("assets/axis.js"),
+    include_str!("assets/canvas.js"),
+    include_str!("assets/camera.js"),
+    include_str!("assets/shapes.js"),
+    include_str!("assets/stage.js"),
+    include_str!("assets/plots.js"),
+    include_str!("assets/events.js"),
+    include_str!("assets/controls.js"),
+    include_str!("assets/keys.js"),
+    include_str!("assets/main.js"),
+];
+
+/// The whole file. The same page gives the same bytes.
+pub fn page(page: &Page) -> String {
+    let data = in_script(&data::json(&page.runs));
+    // Scripts of the page carry it; what else might pass for one does not, and is not run.
+    let nonce = format!("{:08x}", crc32fast::hash(data.as_bytes()));
+    let script = format!("(() => {{\n\"use strict\";\n{}}})();\n", SCRIPTS.concat());
+    let fields = [
+        ("nonce", nonce),
+        ("title", escaped(&page.title)),
+        ("description", description(&page.description)),
+        ("style", STYLES.concat()),
+        ("summaries", summaries(page)),
+        ("notes", notes(page)),
+        ("pictures", pictures(page)),
+        ("data", data),
+        ("script", script),
+    ];
+    filled(TEMPLATE, &fields)
+}
+
+/// The template with every `{{name}}` in it replaced; what is put in is not looked at again.
+fn filled(template: &str, fields: &[(&str, String)]) -> String {
+    let mut parts = template.split("{{");
+    let mut text = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").expect("every mark of the template is closed");
+        let (_, value) = fields.iter().find(|field| field.0 == name).expect("every mark of the template has a field");
+        text.push_str(value);
+        text.push_str(rest);
+    }
+    text
+}
+
+/// Text between tags or in an attribute with quotes.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            // HTML knows no such character, and a parser would put something else there.
+            '\0' => out.push('\u{fffd}'),
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+/// JSON within a script element: nothing in it may look like the end of the element or the start of a comment.
+fn in_script(json: &str) -> String {
+    json.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
+}
+
+fn description(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("<p class=\"description\">{}</p>", escaped(text)) }
+}
+
+/// What each run says of itself.
+fn summaries(page: &Page) -> String {
+    let mut text = String::new();
+    for film in page.runs.iter().filter(|film| !film.summary.is_empty()) {
+        section(&mut text, &format!("Summary: {}", film.label), &film.summary);
+    }
+    text
+}
+
+fn notes(page: &Page) -> String {
+    let mut text = String::new();
+    for note in &page.notes {
+        section(&mut text, &note.title, &note.text);
+    }
+    text
+}
+
+/// A text in columns of one width; wide tables scroll within, by keyboard too.
+fn section(out: &mut String, title: &str, body: &str) {
+    let (title, body) = (escaped(title), escaped(body));
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<section class=\"text\"><h2>{title}</h2><pre tabindex=\"0\" role=\"region\" aria-label=\"{title}\">{body}</pre></section>"
+    );
+}
+
+fn pictures(page: &Page) -> String {
+    let mut text = String::new();
+    for picture in &page.pictures {
+        let title = escaped(&picture.title);
+        let _ = writeln!(
+            text,
+            "<section class=\"picture\"><h2>{title}</h2><div class=\"sheet\" tabindex=\"0\" role=\"img\" aria-label=\"{title}\">{}</div></section>",
+            picture.svg
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_foreign_is_read_as_markup_or_as_a_mark_of_the_template() {
+        assert_eq!(escaped("<b a=\"1\" c='2'>&\0"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;\u{fffd}");
+        assert_eq!(in_script("</script><!--&"), "\\u003c/script\\u003e\\u003c!--\\u0026");
+        let fields = [("a", "{{b}} {{".to_string()), ("b", "2".to_string())];
+        assert_eq!(filled("1 {{a}} {{b}}.", &fields), "1 {{b}} {{ 2.");
+    }
+}

@@ -1,0 +1,61 @@
+//! One self-contained HTML file of a run, or of two laid over each other: the moving bodies, plots, events, summaries.
+//!
+//! The file opens without a network and asks for none: styles, scripts and samples are in it, and its content security
+//! policy forbids the rest. Whatever comes from a scene is escaped or quoted, so a name is a name, whatever it looks like.
+//!
+//! Samples are those of the run (of its log), to the bit: each column is a little-endian `Float64Array` in base64. A run
+//! of more than [`MOST_SAMPLES`] is thinned out, extremes and the surroundings of events kept, and the page says so.
+//! Between two samples the page draws a straight line.
+//!
+//! | file | job |
+//! |---|---|
+//! | `film` | everything the page knows of a run, from samples of either kind |
+//! | `finger`, `discs` | the plots, contacts and events of each kind |
+//! | `reel` | a sink that keeps a run for a film, in bounded memory |
+//! | `thin` | which samples stay where there are too many |
+//! | `data` | films → JSON with base64 columns |
+//! | `html` | JSON, texts and pictures → the file, with the `assets` |
+
+mod data;
+mod discs;
+mod film;
+mod finger;
+mod html;
+mod reel;
+mod thin;
+
+pub use discs::discs_film;
+pub use film::{Body, Film, Mark, Panel, Scale, Series, Touch};
+pub use finger::finger_film;
+pub use html::page;
+pub use reel::Reel;
+pub use thin::MOST_SAMPLES;
+
+/// What a page shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Page {
+    /// Heading, and title of the window: the name of the scene.
+    pub title: String,
+    /// What the scene is for, in the user's words; empty if nothing was said.
+    pub description: String,
+    /// One run, or two drawn over each other.
+    pub runs: Vec<Film>,
+    /// Texts in columns of one width, such as a report.
+    pub notes: Vec<Note>,
+    pub pictures: Vec<Picture>,
+}
+
+/// A text with its heading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Note {
+    pub title: String,
+    pub text: String,
+}
+
+/// A picture of [`plot`](crate::plot): its colours on white are turned into those of the page, light or dark.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    pub title: String,
+    /// A whole SVG document.
+    pub svg: String,
+}

@@ -1,0 +1,471 @@
+// Headless Chromium opens the page of a validation from the disk, works it as a reader would, and what it draws is held
+// against the logs beside it, which @mcap/core and protobufjs read. Screenshots go to target/page-screenshots.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, describe, it } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+import { McapStreamReader } from "@mcap/core";
+import { decompress } from "fzstd";
+import { chromium } from "playwright-core";
+import protobuf from "protobufjs";
+import "protobufjs/ext/descriptor.js";
+
+const PROJECT = fileURLToPath(new URL("../../", import.meta.url));
+const PHALANX = process.env.PHALANX ?? path.join(PROJECT, "target/debug/phalanx");
+const CHROMIUM = execFileSync("sh", ["-c", 'command -v "$0"', process.env.CHROMIUM || "chromium"], { encoding: "utf8" }).trim();
+const SCREENSHOTS = path.join(PROJECT, "target/page-screenshots");
+const DIRECTORY = mkdtempSync(path.join(tmpdir(), "phalanx-page-"));
+const QUIET = ["--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
+let browser;
+before(async () => {
+  mkdirSync(SCREENSHOTS, { recursive: true });
+  browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", ...QUIET] });
+});
+after(async () => {
+  await browser?.close();
+  rmSync(DIRECTORY, { recursive: true });
+});
+
+/** Validates a scene; the directory with its page and its logs. */
+function validated(scene, name) {
+  const out = path.join(DIRECTORY, name);
+  execFileSync(PHALANX, ["validate", scene, "--quick", "--out", out], { stdio: ["ignore", "ignore", "inherit"] });
+  return out;
+}
+
+/** The decoded messages of a log by topic. */
+function messages(log) {
+  const reader = new McapStreamReader({ decompressHandlers: { zstd: (data, size) => decompress(data, new Uint8Array(Number(size))) } });
+  reader.append(readFileSync(log));
+  const [channels, types, topics] = [new Map(), new Map(), {}];
+  for (let record; (record = reader.nextRecord()) !== undefined; ) {
+    if (record.type === "Schema") {
+      types.set(record.id, protobuf.Root.fromDescriptor(record.data, { keepCase: true }).lookupType(record.name));
+    } else if (record.type === "Channel") {
+      channels.set(record.id, record);
+    } else if (record.type === "Message") {
+      const { topic, schemaId } = channels.get(record.channelId);
+      (topics[topic] ??= []).push(types.get(schemaId).decode(record.data));
+    }
+  }
+  return topics;
+}
+
+/** The last message of a topic at exactly a time. */
+const at = (topic, time) => topic.findLast((message) => message.timestamp === time);
+
+/** A page in a browser that fails on anything it complains of or asks for. */
+async function opened(file, { width = 1280, height = 800, scheme = "light", ...more } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(error.stack));
+  page.on("request", (request) => {
+    if (request.url() !== pathToFileURL(file).href && !request.url().startsWith("data:")) complaints.push(request.url());
+  });
+  await page.goto(pathToFileURL(file).href);
+  return {
+    page,
+    complaints,
+    state: () => page.evaluate(() => window.phalanx.state()),
+    call: (name, ...args) => page.evaluate(([name, args]) => window.phalanx[name](...args), [name, args]),
+    async close() {
+      await context.close();
+      assert.deepEqual(complaints, []);
+    },
+  };
+}
+
+const near = (found, expected, relative, what) =>
+  assert.ok(Math.abs(found - expected) <= relative * Math.abs(expected) + 1e-300, `${what}: ${found}, not ${expected}`);
+
+/** "98.459 kN" → 98459. */
+function figure(text) {
+  const [, number, unit] = text.replace("−", "-").replace("−", "-").match(/^(-?[\d.]+(?:e-?\d+)?)\s?(.*)$/) ?? assert.fail(text);
+  if (unit === "°") return (Number(number) * Math.PI) / 180;
+  const prefix = { p: 1e-12, n: 1e-9, µ: 1e-6, m: 1e-3, k: 1e3, M: 1e6 };
+  const bare = ["N", "m", "J", "N·m", "m/s", "rad/s"];
+  return Number(number) * (bare.includes(unit) ? 1 : prefix[unit[0]] ?? assert.fail(text));
+}
+
+/** The table of a plot as it stands on the page: texts by series and run. */
+const table = (page, title) =>
+  page.evaluate((title) => {
+    const plot = [...document.querySelectorAll(".plot")].find((each) => each.getAttribute("aria-label") === title);
+    const rows = [...plot.querySelectorAll("tbody tr")];
+    return Object.fromEntries(rows.map((row) => [row.querySelector("th").textContent, [...row.querySelectorAll("td")].map((cell) => cell.textContent)]));
+  }, title);
+
+describe("the page of a closing in both models", () => {
+  let file, logs;
+  before(() => {
+    const out = validated(path.join(PROJECT, "scenes/experiment-95.toml"), "closing");
+    file = path.join(out, "page.html");
+    logs = ["analytic", "engine"].map((model) => messages(path.join(out, `${model}.mcap`)));
+  });
+
+  it("is small", () => assert.ok(statSync(file).size < 1.5e6, `${statSync(file).size} bytes`));
+
+  it("draws the poses, contacts and arrows of the log, to the bit", async () => {
+    const { state, call, close } = await opened(file);
+    const [analytic, engine] = logs;
+    const { time: first } = { time: engine["/state"][0].timestamp };
+    assert.equal((await state()).time_s, first);
+    // Every 40th sample of the engine, which is whole on the page; of the reference, the ends and the peaks, which stay.
+    const times = engine["/state"].filter((_, index) => index % 40 === 0).map((message) => message.timestamp);
+    const peaks = ["proximal", "distal"].map((name) => {
+      const contact = analytic[`/contact/${name}`];
+      return contact.reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
+    });
+    const ends = [analytic["/state"][0].timestamp, analytic["/state"].at(-1).timestamp];
+    let arrows = 0;
+    for (const [index, log, when] of [[0, analytic, [...ends, ...peaks]], [1, engine, times]]) {
+      const reach = { l12: new Set(), l22: new Set() };
+      for (const time of when) {
+        await call("seek", time);
+        const drawn = (await state()).runs[index];
+        const q = at(log["/state"], time);
+        const body = Object.fromEntries(drawn.bodies.map((each) => [each.name, each]));
+        for (const [name, angle] of [["l11", q.q11_rad], ["l12", q.q11_rad + q.q12_rad], ["l21", q.q21_rad], ["l22", q.q21_rad + q.q22_rad]]) {
+          assert.equal(body[name].angle_rad, angle, `${name} at ${time}`);
+        }
+        assert.deepEqual([body.l11.x_m, body.l11.y_m, body.l21.x_m, body.l21.y_m], [0, 0, 0, 0]);
+        for (const [name, angle] of [["l12", q.q11_rad], ["l22", q.q21_rad]]) {
+          const { x_m, y_m } = body[name];
+          near(Math.atan2(y_m, x_m), Math.atan2(Math.sin(angle), Math.cos(angle)), 1e-12, `direction of ${name}`);
+          reach[name].add(Math.hypot(x_m, y_m).toPrecision(12));
+        }
+        for (const name of ["proximal", "distal"]) {
+          const logged = at(log[`/contact/${name}`], time);
+          const contact = drawn.contacts.find((each) => each.name === name);
+          assert.equal(contact.gap_m, logged.gap_m);
+          assert.deepEqual(contact.point_m, [logged.point_x_m, logged.point_y_m]);
+          for (const arrow of drawn.arrows.filter((each) => each.contact === name)) {
+            arrows++;
+            const normal = arrow.kind === "normal";
+            assert.equal(arrow.force_n, normal ? logged.normal_n : logged.tangential_n);
+            assert.deepEqual(arrow.from_m, contact.point_m);
+            const along = normal ? [logged.normal_x, logged.normal_y] : [-logged.normal_y, logged.normal_x];
+            assert.deepEqual(arrow.way, along.map((k) => Math.sign(arrow.force_n) * k));
+            assert.ok(arrow.length_px > 1);
+          }
+          if (logged.normal_n > 1) assert.ok(drawn.arrows.some((each) => each.contact === name && each.kind === "normal"));
+        }
+        for (const [panel, series, value] of [
+          ["Joint angle", "q22", q.q22_rad],
+          ["Joint rate", "qd11", q.qd11_rad_s],
+          ["Energy", "balance", at(log["/energy"], time).balance_j],
+          ["Torque", "limit", at(log["/limit"], time).torque_n_m],
+        ]) assert.equal(drawn.readings[panel][series], value, `${panel}, ${series}`);
+      }
+      for (const [name, lengths] of Object.entries(reach)) assert.equal(lengths.size, 1, `${name} is always as far from its joint`);
+    }
+    assert.ok(arrows > 30, `${arrows} arrows`);
+    await close();
+  });
+
+  it("says the values at the cursor with their units", async () => {
+    const { page, call, state, close } = await opened(file);
+    const engine = logs[1];
+    const hit = engine["/contact/distal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
+    for (const time of [engine["/state"][100].timestamp, hit, engine["/state"].at(-1).timestamp]) {
+      await call("seek", time);
+      await state();
+      const forces = await table(page, "Normal force");
+      const gaps = await table(page, "Gap");
+      for (const name of ["proximal", "distal"]) {
+        const logged = at(engine[`/contact/${name}`], time);
+        near(figure(forces[name][1]), logged.normal_n, 1e-4, `force, ${forces[name]}`);
+        near(figure(gaps[name][1]), logged.gap_m, 1e-4, `gap, ${gaps[name]}`);
+      }
+      near(figure((await table(page, "Joint angle")).q21[1]), at(engine["/state"], time).q21_rad, 1e-4, "q21");
+    }
+    await close();
+  });
+
+  it("draws a straight line between two samples", async () => {
+    const { call, state, close } = await opened(file);
+    const samples = logs[1]["/state"];
+    const [a, b] = [samples[10], samples[11]];
+    await call("seek", 0.5 * (a.timestamp + b.timestamp));
+    const drawn = (await state()).runs[1].bodies.find((body) => body.name === "l11");
+    near(drawn.angle_rad, 0.5 * (a.q11_rad + b.q11_rad), 1e-14, "halfway");
+    await close();
+  });
+
+  it("plays at the speed that was chosen, and stops at the end", async () => {
+    const { page, call, state, close } = await opened(file);
+    for (const speed of [1e-5, 2e-3]) {
+      await call("setSpeed", speed);
+      await call("seek", 1e-3);
+      const passed = await page.evaluate(async () => {
+        const frame = () => new Promise(requestAnimationFrame);
+        window.phalanx.play();
+        await frame();
+        const [time, now] = [window.phalanx.state().time_s, await frame()];
+        let last = now;
+        while (last - now < 600) last = await frame();
+        window.phalanx.pause();
+        return { time: window.phalanx.state().time_s - time, wall: (last - now) / 1000 };
+      });
+      near(passed.time / passed.wall, speed, 0.2, "speed");
+    }
+    await call("setSpeed", 1);
+    await call("play");
+    await page.waitForFunction(() => !window.phalanx.state().playing);
+    assert.equal((await state()).time_s, (await page.evaluate(() => window.phalanx.span_s))[1]);
+    await close();
+  });
+
+  it("slows down around impacts by itself, to a hundred thousandth", async () => {
+    const { call, state, close } = await opened(file);
+    await call("setAuto", true);
+    const touch = logs[1]["/impact/proximal"].find((impact) => impact.touch_down).timestamp;
+    const speedAt = async (time) => {
+      await call("seek", time);
+      return (await state()).speed;
+    };
+    assert.ok(await speedAt(1e-3) > 1e-3);
+    assert.ok(await speedAt(touch - 1e-4) < 5e-4);
+    near(await speedAt(touch), 1e-5, 1e-9, "slowest");
+    assert.ok(await speedAt(12e-3) > 1e-3);
+    await close();
+  });
+
+  it("goes by keyboard, and shows where the focus is", async () => {
+    const { page, state, close } = await opened(file);
+    const [start, end] = await page.evaluate(() => window.phalanx.span_s);
+    const press = async (key) => {
+      await page.keyboard.press(key);
+      return state();
+    };
+    const both = [...new Set(logs.flatMap((log) => log["/state"].map((each) => each.timestamp)))].sort((a, b) => a - b);
+    assert.ok(both.includes((await press("ArrowRight")).time_s));
+    assert.equal((await press("ArrowLeft")).time_s, start);
+    const events = logs.flatMap((log) => ["proximal", "distal", "limit"].flatMap((name) => log[`/impact/${name}`].map((each) => each.timestamp)));
+    const after = [...new Set(events)].filter((time) => time > start).sort((a, b) => a - b);
+    for (const time of after) assert.equal((await press("n")).time_s, time);
+    assert.equal((await press("p")).time_s, after.at(-2));
+    assert.equal((await press("End")).time_s, end);
+    assert.equal((await press("Home")).time_s, start);
+    assert.equal((await press("Space")).playing, true);
+    assert.equal((await press("Space")).playing, false);
+    assert.equal((await press("s")).auto, false);
+    const slow = (await press("-")).speed;
+    assert.ok((await press("+")).speed > slow);
+    assert.equal((await press("2")).runs.length, 1);
+    assert.equal((await press("2")).runs.length, 2);
+    assert.equal((await press("c")).view.follow, "proximal");
+    assert.equal((await press("0")).view.follow, null);
+    const whole = (await press("a")).window_s;
+    const near = (await press("z")).window_s;
+    assert.ok(near[1] - near[0] < 0.6 * (whole[1] - whole[0]));
+    await page.keyboard.press("?");
+    assert.ok(await page.locator("#help").isVisible());
+    await page.keyboard.press("Escape");
+    assert.ok(!(await page.locator("#help").isVisible()));
+    // Everything that can be worked can be reached, has a name, and shows the focus.
+    const seen = new Set();
+    for (let k = 0; k < 80; k++) {
+      await page.keyboard.press("Tab");
+      const focus = await page.evaluate(() => {
+        const element = document.activeElement;
+        const { outlineStyle, outlineWidth } = getComputedStyle(element);
+        const named = element.getAttribute("aria-label") || element.labels?.[0]?.textContent || element.textContent;
+        return { id: element.id, tag: element.tagName, outline: outlineStyle !== "none" && parseFloat(outlineWidth) >= 2, named: Boolean(named?.trim()) };
+      });
+      if (focus.tag === "BODY") break;
+      assert.ok(focus.outline && focus.named, JSON.stringify(focus));
+      seen.add(focus.id);
+    }
+    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "theme", "help-open", "window-event"]) {
+      assert.ok(seen.has(id), `${id} is not reached with Tab`);
+    }
+    await close();
+  });
+
+  it("goes by mouse: slider, plots, bar, list, zoom", async () => {
+    const { page, call, state, close } = await opened(file);
+    const [start, end] = await page.evaluate(() => window.phalanx.span_s);
+    const click = async (selector, part) => {
+      const box = await page.locator(selector).first().boundingBox();
+      await page.mouse.click(box.x + part * box.width, box.y + box.height / 2);
+      return ((await state()).time_s - start) / (end - start);
+    };
+    near(await click("#scrub", 0.5), 0.5, 0.03, "slider");
+    near(await click("#overview", 0.25), 0.25, 0.05, "bar");
+    assert.ok(await click(".plot canvas", 0.9) > 0.8, "plot");
+    const box = await page.locator(".plot canvas").first().boundingBox();
+    await page.mouse.move(box.x + 0.9 * box.width, box.y + 20);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.5 * box.width, box.y + 30, { steps: 4 });
+    await page.mouse.up();
+    const dragged = ((await state()).time_s - start) / (end - start);
+    assert.ok(dragged > 0.3 && dragged < 0.6, `${dragged}`);
+    const touch = logs[0]["/impact/distal"].find((impact) => impact.touch_down).timestamp;
+    await page.locator(".event", { hasText: "distal" }).first().click();
+    assert.ok(Math.abs((await state()).time_s - touch) < 1e-7);
+    await page.locator("#window-event").click();
+    const [from, to] = (await state()).window_s;
+    assert.ok(to - from < 1e-4 && from < touch && touch < to, "microseconds of a run of milliseconds");
+    await page.locator("#follow").selectOption("distal");
+    const { view, runs } = await state();
+    assert.ok(view.px_per_m > 1e6, "micrometres are seen");
+    const { point_m } = runs[0].contacts.find((contact) => contact.name === "distal");
+    assert.ok(Math.hypot(view.centre_m[0] - point_m[0], view.centre_m[1] - point_m[1]) < 1e-5);
+    const stage = await page.locator("#stage").boundingBox();
+    await call("fit");
+    const before = (await state()).view.px_per_m;
+    await page.mouse.move(stage.x + 100, stage.y + 200);
+    await page.mouse.wheel(0, -300);
+    await page.waitForFunction((before) => window.phalanx.state().view.px_per_m > 1.5 * before, before);
+    await close();
+  });
+
+  it("does not lose a peak that is a thousandth of a pixel wide", async () => {
+    const { page, state, close } = await opened(file);
+    await state();
+    // The impacts last two of 20,000 µs; the top of the plot of forces has their colours all the same.
+    const inked = await page.evaluate(() => {
+      const canvas = document.querySelector(".plot canvas");
+      const { data } = canvas.getContext("2d").getImageData(62, 8, canvas.width - 72, 24);
+      let count = 0;
+      for (let k = 0; k < data.length; k += 4) if (data[k + 3] > 60 && Math.max(...data.slice(k, k + 3)) - Math.min(...data.slice(k, k + 3)) > 60) count++;
+      return count;
+    });
+    assert.ok(inked > 20, `${inked} pixels`);
+    await close();
+  });
+
+  for (const [width, height] of [[390, 844], [1280, 800]]) {
+    for (const scheme of ["light", "dark"]) {
+      it(`is readable at ${width} pixels in ${scheme} colours`, async () => {
+        const { page, call, state, close } = await opened(file, { width, height, scheme, deviceScaleFactor: width < 500 ? 2 : 1, hasTouch: width < 500 });
+        const shot = async (name) => {
+          await state();
+          await page.screenshot({ path: path.join(SCREENSHOTS, `${width}-${scheme}-${name}.png`) });
+        };
+        await shot("start");
+        const hit = logs[1]["/contact/proximal"].reduce((best, each) => (each.normal_n > best.normal_n ? each : best)).timestamp;
+        await call("seek", hit);
+        await shot("impact");
+        await page.keyboard.press("e");
+        await call("follow", "proximal");
+        await call("seek", hit);
+        await shot("contact");
+        await call("fit");
+        await page.keyboard.press("a");
+        await page.keyboard.press("End");
+        await shot("end");
+        const found = await page.evaluate(() => {
+          const rgb = (text) => text.match(/[\d.]+/g).map(Number);
+          const luminance = ([r, g, b]) => {
+            const [x, y, z] = [r, g, b].map((v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4));
+            return 0.2126 * x + 0.7152 * y + 0.0722 * z;
+          };
+          const ground = (element) => {
+            for (let each = element; each; each = each.parentElement) {
+              const colour = rgb(getComputedStyle(each).backgroundColor);
+              if ((colour[3] ?? 1) > 0.99) return colour;
+            }
+            return [255, 255, 255];
+          };
+          const poor = [];
+          const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+          for (let node; (node = walker.nextNode()); ) {
+            const element = node.parentElement;
+            if (!node.textContent.trim() || !element.checkVisibility() || element.closest("script, dialog, noscript, button:disabled, .skip")) continue;
+            const style = getComputedStyle(element);
+            const ink = rgb(element.closest("svg") ? style.fill : style.color);
+            const [a, b] = [luminance(ink), luminance(ground(element))].sort((x, y) => y - x);
+            if ((a + 0.05) / (b + 0.05) < 4.5) poor.push(`${node.textContent.trim().slice(0, 40)}: ${style.color}`);
+          }
+          const small = [...document.querySelectorAll(".transport button, .window button")].filter((each) => each.offsetHeight < 32 || each.offsetWidth < 32);
+          const inView = (id) => {
+            const { top, bottom } = document.getElementById(id).getBoundingClientRect();
+            return top >= 0 && bottom <= innerHeight;
+          };
+          return {
+            poor,
+            small: small.length,
+            wide: document.documentElement.scrollWidth - innerWidth,
+            ground: luminance(rgb(getComputedStyle(document.body).backgroundColor)),
+            together: ["stage", "play", "scrub", "speed"].every(inView),
+            cut: [...document.querySelectorAll(".plot td, .now, .ends span, .speed output")].filter((each) => each.scrollWidth > each.clientWidth + 1).map((each) => each.textContent),
+          };
+        });
+        assert.deepEqual(found.poor, [], "contrast below 4.5");
+        assert.equal(found.small, 0);
+        assert.ok(found.wide <= 0, `${found.wide} pixels too wide`);
+        assert.ok(scheme === "dark" ? found.ground < 0.05 : found.ground > 0.8);
+        assert.ok(found.together, "animation and controls are seen together");
+        assert.deepEqual(found.cut, [], "texts that are cut off");
+        await page.keyboard.press("?");
+        await shot("help");
+        await page.keyboard.press("Escape");
+        await page.locator(".picture").scrollIntoViewIfNeeded();
+        await shot("picture");
+        await close();
+      });
+    }
+  }
+
+  it("allows no network, whatever would ask for it", async () => {
+    const { page, complaints } = await opened(file);
+    const blocked = await page.evaluate(async () => {
+      const violated = new Promise((resolve) => addEventListener("securitypolicyviolation", (event) => resolve(event.effectiveDirective), { once: true }));
+      await fetch("https://example.org/").catch(() => {});
+      return violated;
+    });
+    assert.equal(blocked, "connect-src");
+    const ran = await page.evaluate(() => {
+      document.body.insertAdjacentHTML("beforeend", '<img src="data:," onerror="window.hacked = 1">');
+      const script = document.createElement("script");
+      script.textContent = "window.hacked = 2";
+      document.body.append(script);
+      return new Promise((resolve) => setTimeout(() => resolve(window.hacked ?? null), 200));
+    });
+    assert.equal(ran, null, "only the page's own scripts run");
+    assert.ok(!complaints.some((text) => text.startsWith("https://example.org")), "no request went out");
+    await page.context().close();
+  });
+});
+
+describe("the page of discs with a hostile name", () => {
+  it("draws the log, and the name stays a name", async () => {
+    const name = "</script><script>window.hacked=1</script>";
+    const text = readFileSync(path.join(PROJECT, "scenes/laws/two-free.toml"), "utf8");
+    const scene = path.join(DIRECTORY, "hostile.toml");
+    const description = '"><img src=x onerror=window.hacked=2> {{data}} &amp;';
+    writeFileSync(scene, text.replace(/^name = .*$/m, `name = '${name}'\ndescription = '${description}'`));
+    const out = validated(scene, "hostile");
+    const { page, call, state, close } = await opened(path.join(out, "page.html"), { width: 390, height: 844 });
+    assert.equal(await page.title(), name);
+    assert.equal(await page.locator("h1").textContent(), name);
+    assert.equal(await page.locator(".description").textContent(), description);
+    assert.equal(await page.evaluate(() => window.hacked ?? null), null);
+    const log = messages(path.join(out, "engine.mcap"));
+    const discs = Object.keys(log).filter((topic) => topic.startsWith("/disc/"));
+    assert.equal(discs.length, 2);
+    const times = log[discs[0]].map((message) => message.timestamp);
+    for (const time of times.filter((_, index) => index % 50 === 0)) {
+      await call("seek", time);
+      const { bodies } = (await state()).runs[1];
+      for (const topic of discs) {
+        const drawn = bodies.find((body) => `/disc/${body.name}` === topic);
+        const logged = at(log[topic], time);
+        assert.deepEqual([drawn.x_m, drawn.y_m, drawn.angle_rad], [logged.x_m, logged.y_m, logged.angle_rad]);
+      }
+    }
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    await page.screenshot({ path: path.join(SCREENSHOTS, "discs-390-light.png") });
+    await close();
+  });
+});
