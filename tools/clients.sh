@@ -20,7 +20,7 @@ need() {
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
         say "installing $packages"
         # shellcheck disable=SC2086  # several packages
-        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages) >/dev/null
+        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages) >/dev/null || true
         hash -r
         if "$@" >/dev/null 2>&1; then
             return

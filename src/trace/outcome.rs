@@ -24,6 +24,12 @@ impl SiteSummary {
         deeper
     }
 
+    /// Takes force and penetration of a sample.
+    pub(super) fn take(&mut self, (normal_n, delta_m): (f64, f64)) {
+        self.press(normal_n);
+        self.deepen(delta_m);
+    }
+
     /// Takes a normal force; true if it is the largest so far.
     pub(super) fn press(&mut self, normal_n: f64) -> bool {
         let harder = normal_n > self.peak_normal_n;

@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::reading::sample;
 use super::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
-use super::{Event, EventKind, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work};
+use super::{Event, EventKind, Instant, Outcome, Sample, Sink, SinkError, Site, SiteSummary, Work};
 use crate::analytic::{Energies, Mode, Model, QUADRATURES, SiteState, Snapshot};
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::Scene;
@@ -104,6 +104,10 @@ impl<'a, S: Sink> Recorder<'a, S> {
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
                 let sample = self.at_state(t, &state, mode);
+                if pressing {
+                    // By rounding, it can be above the peak that was searched for.
+                    self.sites.iter_mut().enumerate().for_each(|(site, summary)| summary.take(sample.pressed(site)));
+                }
                 self.emit(&sample)?;
             }
         }

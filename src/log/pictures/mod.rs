@@ -44,11 +44,12 @@ pub struct Pictures {
     transforms: FrameTransforms,
     shown: Vec<Pose>,
     arrows: Arrows,
-    started: bool,
+    /// Shapes that are still to be drawn: a frame has to be somewhere before anything stands in it.
+    shapes: Option<(ChannelId, SceneUpdate)>,
 }
 
 impl Pictures {
-    /// Registers the channels and writes what does not change; `None` where no pictures are wanted.
+    /// Registers the channels and writes the frames that do not move; `None` where no pictures are wanted.
     pub fn register<W: Write>(
         core: &mut Core<W>,
         drawing: &Drawing,
@@ -71,7 +72,6 @@ impl Pictures {
             FrameTransforms { transforms: of.map(|(body, pose)| frame(&body.name, pose)).collect() }
         };
         core.put(fixed_id, log_time, &stamped(frames(true), stamp(log_time)))?;
-        core.put(shapes_id, log_time, &shapes::scene(drawing, stamp(log_time)))?;
         let [low, high] = drawing.extent_m;
         Ok(Some(Pictures {
             transforms_id,
@@ -83,7 +83,7 @@ impl Pictures {
             transforms: frames(false),
             shown: start.to_vec(),
             arrows: Arrows::new(drawing),
-            started: false,
+            shapes: Some((shapes_id, shapes::scene(drawing))),
         }))
     }
 
@@ -105,7 +105,8 @@ impl Pictures {
         let poses = poses();
         let log_time = core.tick(time_s);
         let moved = self.moved(&poses);
-        if !self.started || moved {
+        let first = self.shapes.take();
+        if first.is_some() || moved {
             let moving = poses.iter().zip(&self.moving).filter(|(_, moving)| **moving);
             for ((pose, _), transform) in moving.zip(&mut self.transforms.transforms) {
                 set(transform, pose);
@@ -114,12 +115,16 @@ impl Pictures {
             core.put(self.transforms_id, log_time, &self.transforms)?;
             self.shown = poses;
         }
+        let started = first.is_none();
+        if let Some((shapes_id, mut shapes)) = first {
+            shapes.entities.iter_mut().for_each(|entity| entity.timestamp = Some(stamp(log_time)));
+            core.put(shapes_id, log_time, &shapes)?;
+        }
         if let Some(forces_id) = self.forces_id
-            && (!self.started || self.arrows.change(contacts.clone()) > INVISIBLE || (moved && self.arrows.any()))
+            && (!started || self.arrows.change(contacts.clone()) > INVISIBLE || (moved && self.arrows.any()))
         {
             core.put(forces_id, log_time, self.arrows.draw(contacts, stamp(log_time)))?;
         }
-        self.started = true;
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use foxglove::messages::line_primitive::Type as LineType;
 use foxglove::messages::{
-    Color, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, Timestamp, TriangleListPrimitive, Vector3,
+    Color, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TriangleListPrimitive, Vector3,
 };
 
 use crate::drawing::{Body, Drawing, Part, Shape};
@@ -15,15 +15,15 @@ const CORNERS: usize = 64;
 const LAYER: f64 = 2e-3;
 const OUTLINE: f64 = 2e-3;
 
-/// All bodies.
-pub fn scene(drawing: &Drawing, stamp: Timestamp) -> SceneUpdate {
+/// All bodies, without a time.
+pub fn scene(drawing: &Drawing) -> SceneUpdate {
     let [low, high] = drawing.extent_m;
     let view_m = (high[0] - low[0]).max(high[1] - low[1]);
-    let entities = drawing.bodies.iter().map(|body| entity(body, drawing, view_m, stamp)).collect();
+    let entities = drawing.bodies.iter().map(|body| entity(body, drawing, view_m)).collect();
     SceneUpdate { deletions: Vec::new(), entities }
 }
 
-fn entity(body: &Body, drawing: &Drawing, view_m: f64, stamp: Timestamp) -> SceneEntity {
+fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
     let colour = colour(body.part);
     let z = layer(body.part) * LAYER * view_m;
     let (mut triangles, mut lines) = (Vec::new(), Vec::new());
@@ -53,7 +53,6 @@ fn entity(body: &Body, drawing: &Drawing, view_m: f64, stamp: Timestamp) -> Scen
         });
     }
     SceneEntity {
-        timestamp: Some(stamp),
         frame_id: body.name.clone(),
         id: body.name.clone(),
         // The shapes move with their frame.

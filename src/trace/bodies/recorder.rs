@@ -7,7 +7,7 @@ use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::BodiesScene;
 use crate::trace::grid::Grid;
 use crate::trace::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
-use crate::trace::{ContactSample, Energy, EventKind, SinkError, SiteSummary, Work};
+use crate::trace::{ContactSample, Energy, EventKind, Instant, SinkError, SiteSummary, Work};
 
 pub(super) struct Recorder<'a, S: BodiesSink, const N: usize, const M: usize> {
     model: &'a Discs<N, M>,
@@ -94,8 +94,13 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
             self.emit_marks(step, mode, tools, theta)?;
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
+                let sample = self.at_state(t, &state, mode);
+                if pressing {
+                    // By rounding, it can be above the peak that was searched for.
+                    self.pairs.iter_mut().enumerate().for_each(|(pair, summary)| summary.take(sample.pressed(pair)));
+                }
                 self.emitted_s = t;
-                self.sink.sample(&self.at_state(t, &state, mode))?;
+                self.sink.sample(&sample)?;
             }
         }
         self.emit_marks(step, mode, tools, 1.0)?;
