@@ -11,7 +11,7 @@ use super::replay::{ReplayArgs, head, losses, said};
 use super::replay_read::{Listeners, Watch, attached, bad_log, read};
 use super::simulate::{self, Broken, Limits, Simulated};
 use super::{Failure, Status};
-use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, Writer, gaps, settings, stamp_ns};
+use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, gaps, settings, stamp_ns};
 use crate::report::VerificationReport;
 use crate::scene::AnyScene;
 use crate::trace::SinkError;
@@ -103,14 +103,12 @@ fn simulate_again(scene: &AnyScene, settings: &Settings, limits: &Limits<'_>) ->
     let log = match scene {
         AnyScene::Finger(scene) => {
             let info = RunInfo { scene: scene.as_ref(), scene_file, model: model.name() };
-            let writer =
-                Writer::new(file, AGAIN, &info).and_then(|writer| Beside::start(writer, AGAIN)).map_err(failed)?;
+            let writer = Beside::start(file, AGAIN, &info, None, || {}).map_err(failed)?;
             ended(simulate::finger(model, scene, Some(writer), limits, &mut ()))
         }
         AnyScene::Bodies(scene) => {
             let info = RunInfo { scene: scene.as_ref(), scene_file, model: model.name() };
-            let writer =
-                Writer::new(file, AGAIN, &info).and_then(|writer| Beside::start(writer, AGAIN)).map_err(failed)?;
+            let writer = Beside::start(file, AGAIN, &info, None, || {}).map_err(failed)?;
             ended(simulate::bodies(model, scene, Some(writer), limits, &mut ()))
         }
     };

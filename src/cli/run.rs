@@ -81,7 +81,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
 }
 
 /// The log of a run, if there is to be one or the run is watched.
-pub(super) fn started<S: Logged>(
+pub(super) fn started<S: Logged + Clone + Send + 'static>(
     args: &RunArgs,
     scene: &S,
     live: Option<&Live>,

@@ -1,25 +1,29 @@
-//! A log file that is written beside the simulation, on a thread of its own: encoding and compressing takes a good part of
-//! the time of a run. What is written, and in which order, does not depend on either thread's pace.
+//! A log that is written beside the simulation, on a thread of its own: encoding and compressing takes a good part of the
+//! time of a run. What is written, and in which order, does not depend on either thread's pace.
+//!
+//! The thread makes the writer itself, and hands batches back empty: what one thread allocates and the other frees makes
+//! both wait for the allocator.
 
 use std::io::{self, Write};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant as Clock};
 
 use super::bodies::BodiesChannels;
-use super::core::Severity;
+use super::core::{Feed, Severity};
 use super::file::LogFile;
 use super::finger::FingerChannels;
+use super::metadata::{Logged, RunInfo};
 use super::writer::{Channels, Writer};
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Entries that are handed over at once…
-const BATCH: usize = 64;
+const BATCH: usize = 32;
 /// …or after this time: a log can be read while it grows.
 const PATIENCE: Duration = Duration::from_millis(100);
 /// Batches that may wait; then the simulation does.
-const WAITING: usize = 16;
+const WAITING: usize = 32;
 
 /// A log that goes to a file.
 pub type FileWriter<C = FingerChannels> = Beside<LogFile, C>;
@@ -30,8 +34,10 @@ pub type FileWriter<C = FingerChannels> = Beside<LogFile, C>;
 pub struct Beside<W: Write + Send + 'static, C: Channels> {
     /// `None` once the thread has been told to end.
     sender: Option<SyncSender<Vec<Entry<C>>>>,
-    thread: Option<JoinHandle<Result<Writer<W, C>, SinkError>>>,
+    thread: Option<JoinHandle<Result<W, SinkError>>>,
     batch: Vec<Entry<C>>,
+    /// Batches that have been written, to be filled again.
+    empty: Receiver<Vec<Entry<C>>>,
     handed_over: Clock,
 }
 
@@ -42,12 +48,31 @@ enum Entry<C: Channels> {
 }
 
 impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
-    /// Hands a started log to a thread of its own; `name` is what errors call it.
-    pub fn start(mut writer: Writer<W, C>, name: &str) -> Result<Self, SinkError> {
+    /// Starts a log on a thread of its own; `name` is what errors call it. `unstarted` is called if not even its beginning can
+    /// be written.
+    ///
+    /// # Errors
+    /// If there is no thread to be had.
+    pub fn start<S>(
+        out: W,
+        name: &str,
+        run: &RunInfo<'_, S>,
+        feed: Option<Box<dyn Feed>>,
+        unstarted: impl FnOnce() + Send + 'static,
+    ) -> Result<Self, SinkError>
+    where
+        S: Logged<Channels = C> + Clone + Send + 'static,
+        C: Channels<Scene = S>,
+    {
         let (sender, receiver) = sync_channel::<Vec<Entry<C>>>(WAITING);
+        let (written, empty) = channel();
+        let (scene, scene_file, model) = (run.scene.clone(), run.scene_file.to_string(), run.model.to_string());
+        let called = name.to_string();
         let work = move || {
-            for batch in receiver {
-                for entry in batch {
+            let run = RunInfo { scene: &scene, scene_file: &scene_file, model: &model };
+            let mut writer = Writer::with_feed(out, &called, &run, feed).inspect_err(|_| unstarted())?;
+            for mut batch in receiver {
+                for entry in batch.drain(..) {
                     match entry {
                         Entry::Sample(sample) => writer.take(&sample)?,
                         Entry::Event(event) => writer.take_event(&event)?,
@@ -56,8 +81,10 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
                         }
                     }
                 }
+                // Nobody waits for it once the run is over.
+                let _ = written.send(batch);
             }
-            Ok(writer)
+            writer.finish()
         };
         let thread = Builder::new().name("log".to_string()).spawn(work);
         let thread = thread.map_err(|source| SinkError { what: name.to_string(), source })?;
@@ -65,6 +92,7 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
             sender: Some(sender),
             thread: Some(thread),
             batch: Vec::with_capacity(BATCH),
+            empty,
             handed_over: Clock::now(),
         })
     }
@@ -76,7 +104,7 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
 
     /// Finishes the log (last chunk, index, footer), flushes it, and hands back what it was written to.
     pub fn finish(mut self) -> Result<W, SinkError> {
-        self.end()?.finish()
+        self.end()
     }
 
     fn take(&mut self, entry: Entry<C>) -> Result<(), SinkError> {
@@ -89,7 +117,8 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
 
     fn hand_over(&mut self) -> Result<(), SinkError> {
         self.handed_over = Clock::now();
-        let batch = std::mem::replace(&mut self.batch, Vec::with_capacity(BATCH));
+        let next = self.empty.try_recv().unwrap_or_else(|_| Vec::with_capacity(BATCH));
+        let batch = std::mem::replace(&mut self.batch, next);
         match &self.sender {
             Some(sender) if sender.send(batch).is_ok() => Ok(()),
             // The thread has ended before its time: it says why.
@@ -98,7 +127,7 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
     }
 
     /// Waits until everything is written.
-    fn end(&mut self) -> Result<Writer<W, C>, SinkError> {
+    fn end(&mut self) -> Result<W, SinkError> {
         if let Some(sender) = self.sender.take() {
             let _ = sender.send(std::mem::take(&mut self.batch));
         }

