@@ -31,6 +31,9 @@ use crate::trace::SinkError;
 /// Name of the metadata record that says what a recovered log is made from.
 pub const RECOVERED_NAME: &str = "phalanx_recovered";
 
+/// The last message of every sample, of fingers and of discs.
+const REGULAR: &str = "/energy";
+
 /// A place where messages are missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
@@ -154,6 +157,11 @@ struct Survey<'a> {
     latest_ns: u64,
     /// Gaps of a source that is a recovered log itself, in terms of time.
     before: Vec<Gap>,
+    /// Places behind a damage at which no message is known to be missing yet: the first message there can be an event, of
+    /// which none is missing.
+    doubtful: Vec<Gap>,
+    /// The channel that every chunk has messages of: it settles a doubt.
+    regular: Option<u16>,
     found: Recovery,
     check: Check<'a>,
 }
@@ -166,6 +174,8 @@ impl<'a> Survey<'a> {
             behind: false,
             latest_ns: 0,
             before: Vec::new(),
+            doubtful: Vec::new(),
+            regular: None,
             found: Recovery::default(),
             check,
         }
@@ -179,13 +189,17 @@ impl<'a> Survey<'a> {
         let next = self.sequences.insert(message.channel, message.sequence).map_or(0, |last| last.wrapping_add(1));
         let skipped = message.sequence.saturating_sub(next);
         let (from_s, to_s) = (seconds(self.latest_ns), seconds(message.log_time_ns));
-        // Chunks end between samples, so the first message behind a gap shows it.
-        let known = self.before.iter().position(|gap| gap.to_s == to_s);
-        let old = known.filter(|_| skipped > 0).map(|index| self.before.remove(index));
-        if skipped > 0 && (self.behind || old.is_some()) {
-            self.found.gaps.push(Gap { after_messages: self.found.messages, from_s, to_s });
+        let known = self.before.iter().position(|gap| (gap.from_s, gap.to_s) == (from_s, to_s));
+        let old = known.map(|index| self.before.remove(index));
+        if self.behind || old.is_some() {
+            self.doubtful.push(Gap { after_messages: self.found.messages, from_s, to_s });
         }
         self.behind = false;
+        if skipped > 0 {
+            self.found.gaps.append(&mut self.doubtful);
+        } else if self.regular == Some(message.channel) {
+            self.doubtful.clear();
+        }
         self.found.missing += u64::from(skipped);
         self.found.messages += 1;
         self.latest_ns = self.latest_ns.max(message.log_time_ns);
@@ -208,6 +222,9 @@ impl LogSink for Survey<'_> {
             Record::Metadata { name: RECOVERED_NAME, entries } => self.before = gaps(entries),
             Record::Channel(channel) => {
                 self.channels.insert(channel.id);
+                if channel.topic == REGULAR {
+                    self.regular = Some(channel.id);
+                }
             }
             Record::Message(message) => {
                 (self.check)(message.log_time_ns)?;

@@ -105,8 +105,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
                 let sample = self.at_state(t, &state, mode);
                 if pressing {
-                    // By rounding, it can be above the peak that was searched for.
-                    self.sites.iter_mut().enumerate().for_each(|(site, summary)| summary.take(sample.pressed(site)));
+                    self.take(&sample);
                 }
                 self.emit(&sample)?;
             }
@@ -134,10 +133,16 @@ impl<'a, S: Sink> Recorder<'a, S> {
             let t = step.t0 + mark * step.h;
             if t > self.emitted_s && t < step.t1 {
                 let extreme = self.at_state(t, &tools.resolve(mark), mode);
+                self.take(&extreme);
                 self.sink.extreme(&extreme)?;
             }
         }
         Ok(())
+    }
+
+    /// By rounding, a sample can be above the peaks that were searched for.
+    fn take(&mut self, sample: &Sample) {
+        self.sites.iter_mut().enumerate().for_each(|(site, summary)| summary.take(sample.pressed(site)));
     }
 
     fn at_state(&self, t: f64, state: &Point, mode: &Mode) -> Sample {

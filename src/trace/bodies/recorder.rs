@@ -96,8 +96,7 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
                 let sample = self.at_state(t, &state, mode);
                 if pressing {
-                    // By rounding, it can be above the peak that was searched for.
-                    self.pairs.iter_mut().enumerate().for_each(|(pair, summary)| summary.take(sample.pressed(pair)));
+                    self.take(&sample);
                 }
                 self.emitted_s = t;
                 self.sink.sample(&sample)?;
@@ -125,10 +124,17 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
         while let Some(mark) = self.marks.before(theta) {
             let t = step.t0 + mark * step.h;
             if t > self.emitted_s && t < step.t1 {
-                self.sink.extreme(&self.at_state(t, &tools.resolve(mark), mode))?;
+                let extreme = self.at_state(t, &tools.resolve(mark), mode);
+                self.take(&extreme);
+                self.sink.extreme(&extreme)?;
             }
         }
         Ok(())
+    }
+
+    /// By rounding, a sample can be above the peaks that were searched for.
+    fn take(&mut self, sample: &BodiesSample) {
+        self.pairs.iter_mut().enumerate().for_each(|(pair, summary)| summary.take(sample.pressed(pair)));
     }
 
     fn at_state(&self, t: f64, state: &State<N, QUADRATURES>, mode: &DiscMode) -> BodiesSample {
