@@ -6,7 +6,7 @@
     tools/readme_figures.py --dry-run       print, leave README.md alone
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
-blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate. Needs
+blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate, log. Needs
 only Python's own library, and GNU time for the block memory. The block engine also puts its picture into tools/figures.
 """
 
@@ -240,7 +240,13 @@ def validate(_):
     return table(header, body)
 
 
-BLOCKS = {"accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate}
+def log(_):
+    """What a log adds to a run of design 95; the table is the bench's own."""
+    found = call("cargo", "bench", "--locked", "--bench", "log_cost", stdout=subprocess.PIPE, text=True)
+    return "\n".join(line for line in found.stdout.splitlines() if line.startswith("|"))
+
+
+BLOCKS = {"accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log}
 
 
 def put(text, name, content):
@@ -253,7 +259,7 @@ def put(text, name, content):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="accuracy, scenes, memory, engine, validate; all if none is given")
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="accuracy, scenes, memory, engine, validate, log; all if none is given")
     parser.add_argument("--dry-run", action="store_true", help="leave README.md alone")
     arguments = parser.parse_args()
     unknown = [name for name in arguments.blocks if name not in BLOCKS]

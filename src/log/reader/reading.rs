@@ -13,9 +13,9 @@ use crate::trace::SinkError;
 pub struct Reading {
     /// Size of the file.
     pub bytes: u64,
-    /// Versions, model and settings, see [`metadata`](super::metadata()).
+    /// Versions, model and settings, see [`metadata`](crate::log::metadata()).
     pub metadata: BTreeMap<String, String>,
-    /// What a log that was recovered from a damaged one says of that, see [`recover`](super::recover()).
+    /// What a log that was recovered from a damaged one says of that, see [`recover`](crate::log::recover()).
     pub recovered: Option<BTreeMap<String, String>>,
     /// Name and text of the attached scene.
     pub scene: Option<(String, String)>,
