@@ -19,7 +19,7 @@ use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Entries that are handed over at once…
-const BATCH: usize = 32;
+const BATCH: usize = 64;
 /// …or after this time: a log can be read while it grows.
 const PATIENCE: Duration = Duration::from_millis(100);
 /// Batches that may wait; then the simulation does.
