@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use cli_support::{ANCHOR, directory, json, phalanx, stderr, stdout, variant};
+use foxglove::Decode;
 use mcap::{MessageStream, Summary};
 use serde_json::Value;
 
@@ -208,4 +209,29 @@ fn every_shipped_scene_runs_to_its_end() {
         scenes += 1;
     }
     assert!(scenes > 0);
+}
+
+#[test]
+fn the_log_says_when_the_grasp_holds_and_how_it_ended() {
+    let directory = directory("cli_run_grasp");
+    let log = directory.join("run.mcap");
+    let path = log.to_str().expect("text");
+    let lines = |arguments: &[&str]| -> Vec<String> {
+        let output = phalanx(&[arguments, &["--log", path]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let bytes = fs::read(&log).expect("a log");
+        let messages = MessageStream::new(&bytes).expect("a log").map(|message| message.expect("readable"));
+        let lines = messages.filter(|message| message.channel.topic == "/events");
+        let lines = lines.map(|message| foxglove::messages::Log::decode(&message.data[..]).expect("a line"));
+        lines.filter(|line| line.name == "grasp").map(|line| line.message).collect()
+    };
+    for model in ["analytic", "engine"] {
+        let found = lines(&["run", ANCHOR, "--model", model]);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].starts_with("both phalanges hold the object from 6.8837"), "{found:?}");
+        assert!(found[1].starts_with("stable: both phalanges hold for good from 6.8837"), "{found:?}");
+        assert!(found[1].ends_with("rebounds 0.000 %"), "{found:?}");
+    }
+    let found = lines(&["run", ANCHOR, "--duration", "6 ms"]);
+    assert_eq!(found, ["unstable: the finger never came into position"]);
 }

@@ -3,35 +3,9 @@
 use phalanx::drawing::{self, Part, Pose, Shape};
 use phalanx::gripper::{Posture, joints};
 use phalanx::scene::{self, AnyScene, Scene};
-use phalanx::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, run_bodies};
-use phalanx::trace::{Event, Model, Sample, Sink, SinkError, run};
-
-/// Keeps every sample.
-#[derive(Default)]
-struct Kept(Vec<Sample>);
-
-impl Sink for Kept {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.push(*sample);
-        Ok(())
-    }
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
-#[derive(Default)]
-struct KeptDiscs(Vec<BodiesSample>);
-
-impl BodiesSink for KeptDiscs {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.0.push(sample.clone());
-        Ok(())
-    }
-    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
+use phalanx::trace::bodies::run_bodies;
+use phalanx::trace::{Model, run};
+use phalanx::validate::{BodiesRecording, Recording};
 
 fn load(name: &str) -> Scene {
     scene::load(format!("scenes/{name}.toml")).unwrap()
@@ -65,9 +39,9 @@ fn joints_and_contact_points_lie_where_the_bodies_are_drawn() {
     );
     assert_eq!(drawing.contacts, ["proximal", "distal"]);
     let lengths = scene.finger.lengths;
-    let mut kept = Kept::default();
+    let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
-    for sample in &kept.0 {
+    for sample in &kept.samples {
         let poses = drawing::finger_poses(&scene, sample);
         assert_eq!(poses.len(), drawing.bodies.len());
         let at = joints(
@@ -97,13 +71,13 @@ fn the_view_has_start_and_grasp_and_the_object() {
     let scene = load("experiment-95");
     let drawing = drawing::finger(&scene);
     let [low, high] = drawing.extent_m;
-    let mut kept = Kept::default();
+    let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
     let object = scene.object.unwrap();
     for k in 0..2 {
         assert!(low[k] < object.centre_m[k] - object.radius_m && object.centre_m[k] + object.radius_m < high[k]);
     }
-    for sample in [kept.0.first().unwrap(), kept.0.last().unwrap()] {
+    for sample in [kept.samples.first().unwrap(), kept.samples.last().unwrap()] {
         for (body, pose) in drawing.bodies.iter().zip(drawing::finger_poses(&scene, sample)) {
             for shape in &body.shapes {
                 if let Shape::Polygon { corners_m } = shape {
@@ -142,11 +116,11 @@ fn without_object_palm_or_closure_there_is_still_a_finger() {
 fn discs_are_drawn_where_they_are() {
     let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/two-free.toml").unwrap() else { panic!("not of discs") };
     let drawing = drawing::discs(&scene);
-    let mut kept = KeptDiscs::default();
+    let mut kept = BodiesRecording::default();
     run_bodies(Model::Analytic, &scene, &mut kept).unwrap();
     let offset = usize::from(scene.half_plane.is_some());
     assert_eq!(drawing.bodies.len(), scene.discs.len() + offset);
-    for sample in &kept.0 {
+    for sample in &kept.samples {
         for (index, pose) in drawing::disc_poses(&scene, sample).iter().skip(offset).enumerate() {
             assert_eq!(pose.position_m, sample.discs[index].centre_m);
             assert_eq!(pose.angle_rad, sample.discs[index].angle_rad);

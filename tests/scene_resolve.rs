@@ -42,7 +42,7 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
     assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::over(0.02)));
-    assert_eq!(scene.log.numeric_hz, 1e4);
+    assert_eq!((scene.log.numeric_hz, scene.log.picture_hz), (1e4, 5e3));
     assert_eq!((scene.initial.qd11_rad_s, scene.initial.qd21_rad_s), (0.0, 0.0));
 }
 

@@ -1,47 +1,12 @@
 //! What is kept of a run: the grid, impacts step by step, and the extremes.
 
 use phalanx::scene::{self, AnyScene};
-use phalanx::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, run_bodies};
-use phalanx::trace::{
-    ContactSample, Event, EventKind, Instant, Model, Sample, Sink, SinkError, Site, Thin, Thinned, run,
-};
+use phalanx::trace::bodies::run_bodies;
+use phalanx::trace::{ContactSample, EventKind, Instant, Model, Sample, SinkError, Site, Thin, Thinned, run};
+use phalanx::validate::{BodiesRecording, Recording};
 
-/// Keeps samples and events in order.
-#[derive(Default)]
-struct Kept {
-    samples: Vec<Sample>,
-    events: Vec<Event>,
-    /// Number of samples before each event.
-    before: Vec<usize>,
-}
-
-impl Sink for Kept {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(*sample);
-        Ok(())
-    }
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
-        self.before.push(self.samples.len());
-        Ok(())
-    }
-}
-
-#[derive(Default)]
-struct KeptDiscs(Vec<BodiesSample>);
-
-impl BodiesSink for KeptDiscs {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.0.push(sample.clone());
-        Ok(())
-    }
-    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
-fn thinned(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Kept) {
-    let mut sink = Thinned::new(scene.log.numeric_hz, Kept::default());
+fn thinned(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
+    let mut sink = Thinned::new(scene.log.numeric_hz, Recording::default());
     let outcome = run(model, scene, &mut sink).expect("a run");
     sink.end().expect("kept");
     (outcome, sink.sink)
@@ -137,12 +102,12 @@ fn discs_too() {
             panic!("not of discs")
         };
         for model in [Model::Analytic, Model::Engine] {
-            let mut sink = Thinned::new(scene.log.numeric_hz, KeptDiscs::default());
+            let mut sink = Thinned::new(scene.log.numeric_hz, BodiesRecording::default());
             let outcome = run_bodies(model, &scene, &mut sink).expect("a run");
             sink.end().expect("kept");
             for (pair, found) in outcome.pairs.iter().enumerate() {
                 let largest = |of: fn(&ContactSample) -> f64| {
-                    sink.sink.0.iter().map(|sample| of(&sample.contacts[pair])).fold(0.0, f64::max)
+                    sink.sink.samples.iter().map(|sample| of(&sample.contacts[pair])).fold(0.0, f64::max)
                 };
                 let what = format!("{name} {}", model.name());
                 assert_eq!(largest(|contact| -contact.gap_m), found.max_penetration_m, "{what}");
@@ -158,7 +123,7 @@ fn discs_too() {
 fn impacts_keep_their_steps_and_the_swing_does_not() {
     let scene = scene::load("scenes/experiment-95.toml").expect("a scene");
     for model in [Model::Analytic, Model::Engine] {
-        let mut whole = Kept::default();
+        let mut whole = Recording::default();
         run(model, &scene, &mut whole).expect("a run");
         let (_, kept) = thinned(&scene, model);
         assert_eq!(whole.events, kept.events, "{}", model.name());

@@ -93,12 +93,12 @@ impl LogSink for Listeners<'_> {
         self.check()?;
         Sink::sample(&mut self.progress, sample)?;
         self.summary.sample(sample)?;
-        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.sample(sample))
+        self.tracker.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.summary.event(event)?;
-        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.event(event))
+        self.tracker.event(event)
     }
 
     fn names(&mut self, names: &Names) -> Result<(), SinkError> {

@@ -1,5 +1,5 @@
-//! One simulation with everything that listens to it: `phalanx run` and `phalanx replay --verify` both go through here, so
-//! that what a log should hold is decided in one place.
+//! One simulation with everything that listens to it: `phalanx run`, `validate --out` and `replay --verify` all go through
+//! here, so that what a log should hold is decided in one place.
 
 use std::io::Write;
 use std::time::Instant;
@@ -174,25 +174,15 @@ impl<W: Write + Send + 'static, A: Sink> Sink for Sinks<'_, W, FingerChannels, O
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         Sink::sample(&mut self.progress, sample)?;
-        if let Some(tracker) = &mut self.found {
-            tracker.sample(sample)?;
-        }
+        self.found.sample(sample)?;
         self.also.sample(sample)?;
-        match &mut self.log {
-            Some(log) => log.sample(sample),
-            None => Ok(()),
-        }
+        self.log.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if let Some(tracker) = &mut self.found {
-            tracker.event(event)?;
-        }
+        self.found.event(event)?;
         self.also.event(event)?;
-        match &mut self.log {
-            Some(log) => log.event(event),
-            None => Ok(()),
-        }
+        self.log.event(event)
     }
 
     fn proceed(&self) -> bool {
@@ -206,19 +196,13 @@ impl<W: Write + Send + 'static, A: BodiesSink> BodiesSink for Sinks<'_, W, Bodie
         BodiesSink::sample(&mut self.progress, sample)?;
         self.found.sample(sample)?;
         self.also.sample(sample)?;
-        match &mut self.log {
-            Some(log) => log.sample(sample),
-            None => Ok(()),
-        }
+        self.log.sample(sample)
     }
 
     fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
         self.found.event(event)?;
         self.also.event(event)?;
-        match &mut self.log {
-            Some(log) => log.event(event),
-            None => Ok(()),
-        }
+        self.log.event(event)
     }
 
     fn proceed(&self) -> bool {

@@ -73,6 +73,12 @@ impl Drawing {
     pub fn arrow_m(&self, force_n: f64) -> f64 {
         (force_n * self.arrow_m_per_n).clamp(-self.longest_arrow_m, self.longest_arrow_m)
     }
+
+    /// The longer side of the view.
+    pub fn view_m(&self) -> f64 {
+        let [low, high] = self.extent_m;
+        (high[0] - low[0]).max(high[1] - low[1])
+    }
 }
 
 /// Where the frame of a body is in the world.

@@ -1,6 +1,6 @@
 //! Runs of discs.
 
-use super::finger::{contact, energies, numbers};
+use super::finger::{contact, numbers};
 use super::measure::Place;
 use super::{Invariant, Invariants, Tolerances};
 use crate::scene::BodiesScene;
@@ -30,7 +30,7 @@ impl BodiesSink for Invariants {
             [x, y, angle_rad, u, v, spin_rad_s]
         });
         let contacts = sample.contacts.iter().flat_map(numbers);
-        let all = places.chain(contacts).chain(energies(&sample.energy)).chain([sample.time_s]);
+        let all = places.chain(contacts).chain(sample.energy.values_j()).chain([sample.time_s]);
         let strange = all.filter(|number| !number.is_finite()).count();
         self.look(sample.time_s, strange, &sample.energy, sample.contacts.iter().map(contact));
         Ok(())

@@ -72,7 +72,7 @@ fn strange(sample: &Sample) -> usize {
     let gap = Some(limit.gap_rad).filter(|gap| *gap != f64::INFINITY);
     let plain = [sample.time_s, sample.motor_torque_n_m].into_iter().chain(angles).chain(rates).chain(stop).chain(gap);
     let contacts = [proximal, distal].into_iter().flat_map(numbers);
-    plain.chain(energies(energy)).chain(contacts).filter(|number| !number.is_finite()).count()
+    plain.chain(energy.values_j()).chain(contacts).filter(|number| !number.is_finite()).count()
 }
 
 /// All numbers of a contact; an infinite gap is one to nothing and is left out.
@@ -81,16 +81,4 @@ pub(super) fn numbers(contact: &ContactSample) -> impl Iterator<Item = f64> {
         *contact;
     let scalars = [gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s];
     scalars.into_iter().chain(point_m).chain(normal).chain(Some(gap_m).filter(|gap| *gap != f64::INFINITY))
-}
-
-pub(super) fn energies(energy: &crate::trace::Energy) -> [f64; 7] {
-    [
-        energy.kinetic_j,
-        energy.gravity_j,
-        energy.spring_j,
-        energy.elastic_j,
-        energy.dissipated_j,
-        energy.motor_work_j,
-        energy.balance_j,
-    ]
 }

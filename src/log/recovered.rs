@@ -20,9 +20,9 @@ use std::io::{BufWriter, Read, Seek, Write};
 
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
-use mcap::{Attachment, Compression, McapError, WriteOptions};
+use mcap::{Attachment, McapError};
 
-use super::core::{CHUNK_BYTES, RECORD_OVERHEAD};
+use super::core::{CHUNK_BYTES, RECORD_OVERHEAD, options};
 use super::metadata::METADATA_NAME;
 use super::reader::{LogSink, MessageRecord, ReadError, Reading, Record, read_pieces};
 use super::writer::sink_error;
@@ -78,14 +78,8 @@ pub fn recover(
     let reading = read_pieces(&mut *source, &mut survey)?;
     let recovery = survey.finish(reading);
     let entries = entries(&recovery, source_name);
-    let options = WriteOptions::new()
-        .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
-        .compression(Some(Compression::Zstd))
-        .compression_threads(0)
-        .chunk_size(None)
-        .disable_seeking(true);
     let named = |error| sink_error(name, error);
-    let mcap = options.create(NoSeek::new(BufWriter::new(out))).map_err(named)?;
+    let mcap = options().create(NoSeek::new(BufWriter::new(out))).map_err(named)?;
     let mut copy =
         Copy { mcap, name, entries: Some(entries), channels: HashSet::new(), pending: 0, latest_ns: 0, check };
     read_pieces(source, &mut copy)?;

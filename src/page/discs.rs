@@ -1,6 +1,6 @@
 //! The film of a scene of discs.
 
-use super::film::{Contact, Curve, Film, Mark, Plan, Scale, Shown, film, mark};
+use super::film::{Contact, Curve, Film, Mark, Plan, Scale, Shown, film, mark, plan};
 use crate::drawing;
 use crate::scene::BodiesScene;
 use crate::trace::ContactSample;
@@ -104,13 +104,4 @@ fn panels<'a>(scene: &BodiesScene, names: &[String], shown: &[usize]) -> Vec<Pla
             ],
         ),
     ]
-}
-
-fn plan<'a>(
-    title: &'static str,
-    unit: &'static str,
-    scale: Scale,
-    curves: Vec<Curve<'a, BodiesSample>>,
-) -> Plan<'a, BodiesSample> {
-    Plan { title, unit, scale, curves }
 }

@@ -100,6 +100,15 @@ pub(super) struct Plan<'a, S> {
     pub curves: Vec<Curve<'a, S>>,
 }
 
+pub(super) fn plan<'a, S>(
+    title: &'static str,
+    unit: &'static str,
+    scale: Scale,
+    curves: Vec<Curve<'a, S>>,
+) -> Plan<'a, S> {
+    Plan { title, unit, scale, curves }
+}
+
 /// Where the bodies of a sample are.
 pub(super) type Poses<'a, S> = Box<dyn Fn(&S) -> Vec<Pose> + 'a>;
 

@@ -1,6 +1,6 @@
 //! The film of a finger.
 
-use super::film::{Curve, Film, Mark, Plan, Scale, Shown, film, mark};
+use super::film::{Curve, Film, Mark, Plan, Scale, Shown, film, mark, plan};
 use crate::drawing;
 use crate::scene::Scene;
 use crate::trace::{ContactSample, Event, Sample, Site};
@@ -95,13 +95,4 @@ fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
         ),
         plan("Torque", "N·m", Scale::Linear, torques),
     ]
-}
-
-fn plan(
-    title: &'static str,
-    unit: &'static str,
-    scale: Scale,
-    curves: Vec<Curve<'static, Sample>>,
-) -> Plan<'static, Sample> {
-    Plan { title, unit, scale, curves }
 }

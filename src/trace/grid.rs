@@ -33,6 +33,11 @@ impl Grid {
     }
 }
 
+/// Whether a time is one that a grid gives: the very product of a count and the interval.
+pub(super) fn is_point(t: f64, interval_s: f64) -> bool {
+    (t / interval_s).round() * interval_s == t
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

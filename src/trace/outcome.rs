@@ -25,7 +25,7 @@ impl SiteSummary {
     }
 
     /// Takes force and penetration of a sample.
-    pub(super) fn take(&mut self, (normal_n, delta_m): (f64, f64)) {
+    pub fn take(&mut self, (normal_n, delta_m): (f64, f64)) {
         self.press(normal_n);
         self.deepen(delta_m);
     }

@@ -88,6 +88,21 @@ pub struct Energy {
     pub balance_j: f64,
 }
 
+impl Energy {
+    /// All of them, in the order of the fields.
+    pub fn values_j(&self) -> [f64; 7] {
+        [
+            self.kinetic_j,
+            self.gravity_j,
+            self.spring_j,
+            self.elastic_j,
+            self.dissipated_j,
+            self.motor_work_j,
+            self.balance_j,
+        ]
+    }
+}
+
 /// The state of a run at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {

@@ -41,3 +41,22 @@ impl Sink for () {
         Ok(())
     }
 }
+
+/// One that may not be there.
+impl<S: Sink> Sink for Option<S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.sample(sample))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.event(event))
+    }
+
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.extreme(sample))
+    }
+
+    fn proceed(&self) -> bool {
+        self.as_ref().is_none_or(|sink| sink.proceed())
+    }
+}

@@ -4,6 +4,7 @@
 //! none. The criteria of `phalanx run` are found on what is kept, so that a log says of its run what the run said itself.
 
 use super::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use super::grid::is_point;
 use super::{ContactSample, Event, Sample, Sink, SinkError};
 
 /// An impact lasts as long as some force changes by more than this part of itself in an interval of the grid…
@@ -120,7 +121,7 @@ impl<S: Instant> Thin<S> {
         if changes || falls {
             self.flush(&mut keep)?;
         }
-        let on_grid = (now_s / self.interval_s).round() * self.interval_s == now_s;
+        let on_grid = is_point(now_s, self.interval_s);
         match &mut self.latest {
             Some(latest) => latest.copy_from(sample),
             None => self.latest = Some(sample.clone()),

@@ -19,8 +19,7 @@ const TOUCH: Color = Color { r: 0.1, g: 0.1, b: 0.1, a: 1.0 };
 
 /// The arrows as they were drawn last.
 pub struct Arrows {
-    m_per_n: f64,
-    longest_m: f64,
+    drawing: Drawing,
     /// Lengths of normal and tangential arrow of each contact.
     lengths_m: Vec<[f64; 2]>,
     update: SceneUpdate,
@@ -31,8 +30,7 @@ impl Arrows {
         let entity =
             |name: &String| SceneEntity { frame_id: WORLD.to_string(), id: name.clone(), ..SceneEntity::default() };
         Arrows {
-            m_per_n: drawing.arrow_m_per_n,
-            longest_m: drawing.longest_arrow_m,
+            drawing: drawing.clone(),
             lengths_m: vec![[0.0; 2]; drawing.contacts.len()],
             update: SceneUpdate { deletions: Vec::new(), entities: drawing.contacts.iter().map(entity).collect() },
         }
@@ -49,17 +47,17 @@ impl Arrows {
             let [normal, tangential] = self.lengths(contact);
             (normal - shown[0]).abs().max((tangential - shown[1]).abs())
         };
-        contacts.zip(&self.lengths_m).map(change).fold(0.0, f64::max) / self.longest_m
+        contacts.zip(&self.lengths_m).map(change).fold(0.0, f64::max) / self.drawing.longest_arrow_m
     }
 
     fn lengths(&self, contact: &ContactSample) -> [f64; 2] {
-        [contact.normal_n, contact.tangential_n]
-            .map(|force| (force * self.m_per_n).clamp(-self.longest_m, self.longest_m))
+        [contact.normal_n, contact.tangential_n].map(|force| self.drawing.arrow_m(force))
     }
 
     /// The arrows of forces on the phalanges (on the disc of a pair): from the contact point along the normal and along the
     /// surface. A contact without force has none, which takes away what it had.
     pub fn draw<'a>(&mut self, contacts: impl Iterator<Item = &'a ContactSample>, stamp: Timestamp) -> &SceneUpdate {
+        let longest_m = self.drawing.longest_arrow_m;
         for (index, contact) in contacts.enumerate() {
             let [normal, tangential] = self.lengths(contact);
             self.lengths_m[index] = [normal, tangential];
@@ -71,13 +69,13 @@ impl Arrows {
                 continue;
             }
             let at = contact.point_m;
-            entity.arrows.push(arrow(at, contact.normal, normal, self.longest_m, NORMAL));
+            entity.arrows.push(arrow(at, contact.normal, normal, longest_m, NORMAL));
             if contact.tangential_n != 0.0 {
-                entity.arrows.push(arrow(at, contact.tangent(), tangential, self.longest_m, TANGENTIAL));
+                entity.arrows.push(arrow(at, contact.tangent(), tangential, longest_m, TANGENTIAL));
             }
-            let size = POINT * self.longest_m;
+            let size = POINT * longest_m;
             entity.spheres.push(SpherePrimitive {
-                pose: Some(pose(at, 0.0, self.longest_m)),
+                pose: Some(pose(at, 0.0, longest_m)),
                 size: Some(Vector3 { x: size, y: size, z: size }),
                 color: Some(TOUCH),
             });

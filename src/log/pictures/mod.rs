@@ -72,13 +72,12 @@ impl Pictures {
             FrameTransforms { transforms: of.map(|(body, pose)| frame(&body.name, pose)).collect() }
         };
         core.put(fixed_id, log_time, &stamped(frames(true), stamp(log_time)))?;
-        let [low, high] = drawing.extent_m;
         Ok(Some(Pictures {
             transforms_id,
             forces_id,
             interval_s: 1.0 / picture_hz,
             next_s: 0.0,
-            view_m: (high[0] - low[0]).max(high[1] - low[1]),
+            view_m: drawing.view_m(),
             moving: drawing.bodies.iter().map(|body| !body.fixed).collect(),
             transforms: frames(false),
             shown: start.to_vec(),

@@ -17,8 +17,7 @@ const OUTLINE: f64 = 2e-3;
 
 /// All bodies, without a time.
 pub fn scene(drawing: &Drawing) -> SceneUpdate {
-    let [low, high] = drawing.extent_m;
-    let view_m = (high[0] - low[0]).max(high[1] - low[1]);
+    let view_m = drawing.view_m();
     let entities = drawing.bodies.iter().map(|body| entity(body, drawing, view_m)).collect();
     SceneUpdate { deletions: Vec::new(), entities }
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::super::csv::line;
 use crate::log::Names;
 use crate::trace::bodies::BodiesSample;
-use crate::trace::{ContactSample, Energy, Sample};
+use crate::trace::{ContactSample, Sample};
 
 const STATE: [&str; 11] = [
     "time_s",
@@ -87,7 +87,7 @@ pub fn csv_finger(out: &mut dyn Write, sample: &Sample) -> io::Result<()> {
     let limit = &sample.limit;
     let limit = [limit.gap_rad, limit.gap_rate_rad_s, limit.torque_n_m, limit.impulse_n_m_s];
     let values = state.into_iter().chain(contact(&sample.proximal)).chain(contact(&sample.distal));
-    line(out, values.chain(where_there(limit)).chain(energy(&sample.energy)))
+    line(out, values.chain(where_there(limit)).chain(sample.energy.values_j()))
 }
 
 /// Writes a sample of discs.
@@ -97,7 +97,7 @@ pub fn csv_discs(out: &mut dyn Write, sample: &BodiesSample) -> io::Result<()> {
         [x, y, disc.angle_rad, vx, vy, disc.spin_rad_s]
     });
     let values = [sample.time_s].into_iter().chain(discs).chain(sample.contacts.iter().flat_map(contact));
-    line(out, values.chain(energy(&sample.energy)))
+    line(out, values.chain(sample.energy.values_j()))
 }
 
 fn contact(contact: &ContactSample) -> [f64; 10] {
@@ -118,16 +118,4 @@ fn contact(contact: &ContactSample) -> [f64; 10] {
 /// Figures of which the first is a gap; where it is infinite there is nothing to touch, and no figure is one.
 fn where_there<const N: usize>(figures: [f64; N]) -> [f64; N] {
     if figures[0].is_finite() { figures } else { [f64::NAN; N] }
-}
-
-fn energy(energy: &Energy) -> [f64; 7] {
-    [
-        energy.kinetic_j,
-        energy.gravity_j,
-        energy.spring_j,
-        energy.elastic_j,
-        energy.dissipated_j,
-        energy.motor_work_j,
-        energy.balance_j,
-    ]
 }

@@ -21,8 +21,7 @@ impl Summary {
 
 /// Takes the force, gap and impulse of a contact at a sample.
 fn take(site: &mut SiteSummary, [force, gap, impulse]: [f64; 3]) {
-    site.peak_normal_n = site.peak_normal_n.max(force);
-    site.max_penetration_m = site.max_penetration_m.max(-gap);
+    site.take((force, -gap));
     site.impulse_n_s = impulse;
 }
 

@@ -32,3 +32,22 @@ impl BodiesSink for () {
         Ok(())
     }
 }
+
+/// One that may not be there.
+impl<S: BodiesSink> BodiesSink for Option<S> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.sample(sample))
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.event(event))
+    }
+
+    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.as_mut().map_or(Ok(()), |sink| sink.extreme(sample))
+    }
+
+    fn proceed(&self) -> bool {
+        self.as_ref().is_none_or(|sink| sink.proceed())
+    }
+}
