@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← live, validate, study ← report, plot, page ← cli`; `numeric` and
+//! `units ← gripper, law ← fivebar ← sizing, statics ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants ← live, validate, study ← report, plot, page ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:
@@ -39,6 +39,7 @@ pub mod criteria;
 pub mod docs;
 pub mod drawing;
 pub mod engine;
+pub mod fivebar;
 pub mod gripper;
 pub mod integrator;
 pub mod invariants;

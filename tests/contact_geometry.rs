@@ -6,7 +6,7 @@ mod support;
 use std::f64::consts::PI;
 
 use phalanx::analytic::contact::{Capsule, Distal, Geometry, distal, nearest, proximal};
-use phalanx::analytic::kinematics::{Directions, directions, passive_rates};
+use phalanx::fivebar::kinematics::{Directions, directions, passive_rates};
 use phalanx::gripper::Lengths;
 use support::Random;
 

@@ -10,8 +10,8 @@
 
 mod support;
 
-use phalanx::analytic::dynamics::{Dynamics, Terms, absolute_rates, bias, inverse_dynamics, solve_mass, terms};
-use phalanx::analytic::kinematics::{Directions, directions, passive_bias, passive_rates, reference_gamma};
+use phalanx::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, inverse_dynamics, solve_mass, terms};
+use phalanx::fivebar::kinematics::{Directions, directions, passive_bias, passive_rates, reference_gamma};
 use phalanx::gripper::{Assembly, Body, Finger, Lengths};
 use support::{Random, anchor, complete, reference};
 

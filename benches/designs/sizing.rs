@@ -1,7 +1,7 @@
 //! Motor and spring sized to the rigid phase of the test trajectory (thesis §3.3.2).
 
-use phalanx::analytic::dynamics::{Dynamics, inverse_dynamics};
-use phalanx::analytic::kinematics::{directions, passive_rates, reference_gamma};
+use phalanx::fivebar::dynamics::{Dynamics, inverse_dynamics};
+use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
 use phalanx::gripper::{Circle, Finger, contact_proximal, final_posture, start_posture};
 
 /// k_s and τ11.

@@ -1,6 +1,6 @@
 //! Contact geometry in closed form: a phalanx is a capsule, the object a fixed disc (thesis (B.1)–(B.2), errata 5).
 
-use super::kinematics::{Directions, PassiveRates};
+use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::numeric::Real;
 use crate::numeric::plane::{Vector, add, cross, dot, perp, rotate, scale, scale_by, sub};
 

@@ -5,10 +5,7 @@
 
 pub mod contact;
 pub mod discs;
-pub mod dynamics;
-pub mod kinematics;
 mod model;
 mod modes;
-pub mod spring;
 
 pub use model::{Energies, Mode, Model, Passive, QUADRATURES, SiteReading, SiteState, Snapshot};

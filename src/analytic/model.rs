@@ -1,10 +1,12 @@
 //! The analytic model of one scene: accelerations, their exact Jacobian, and the state of every contact.
 
 use super::contact::{self, Distal, Geometry};
-use super::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms};
-use super::kinematics::{directions, reference_gamma};
+use crate::fivebar::dynamics::{
+    Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms,
+};
+use crate::fivebar::kinematics::{directions, reference_gamma};
 
-use super::spring::SpringModel;
+use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{
@@ -318,7 +320,7 @@ impl Geometry<Dual<2>> {
 impl Terms<Dual<2>> {
     #[inline(always)]
     fn widen(&self) -> Terms<Dual<4>> {
-        use super::kinematics::{Directions, PassiveRates};
+        use crate::fivebar::kinematics::{Directions, PassiveRates};
         let Directions { e1, e2, e3, e4 } = self.pose;
         Terms {
             pose: Directions {

@@ -1,8 +1,8 @@
 //! Which branch of its law each contact is on, and where that changes.
 
-use super::dynamics::{absolute_rates, solve_mass};
-use super::kinematics::{SINGULAR_SINE, nearest_singularity};
 use super::model::{Mode, Model, QUADRATURES, SiteState};
+use crate::fivebar::dynamics::{absolute_rates, solve_mass};
+use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{NormalLaw, unclamped_normal_force};

@@ -10,6 +10,7 @@
 //! | `grasp` | postures against a disc: contact, start, final |
 //! | `outline` | polygon outline of each body, and polygon moments |
 //! | `mass` | mass, centre of mass and inertia of each body |
+//! | `site`, `spring` | where a finger can meet something, what pulls it straight |
 
 mod design;
 mod grasp;
@@ -17,6 +18,7 @@ mod mass;
 mod outline;
 mod posture;
 mod site;
+mod spring;
 
 pub use design::{
     Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
@@ -29,6 +31,7 @@ pub use mass::{MassError, bodies, total_mass};
 pub use outline::{Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
 pub use posture::{Joints, Posture, PostureError, close, gamma, joint_a13, joints, posture_at, straight};
 pub use site::Site;
+pub use spring::{Placement, Spring, SpringKind};
 
 /// Link lengths of one finger, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]

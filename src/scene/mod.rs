@@ -37,6 +37,7 @@ pub use show::{show, show_any, show_bodies};
 pub use torque::{next_corner, torque};
 
 use crate::gripper::Finger;
+pub use crate::gripper::{Placement, Spring, SpringKind};
 use crate::law::{ContactLaw, NormalLaw};
 
 /// A resolved scene: everything a model needs, in SI.
@@ -114,34 +115,6 @@ pub enum Interpolation {
     Linear,
     /// Each value holds until the next time.
     Step,
-}
-
-/// The spring that pulls the finger back to the straight configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spring {
-    pub kind: SpringKind,
-    pub placement: Placement,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SpringKind {
-    /// Constant torque k_s.
-    Constant { torque_n_m: f64 },
-    /// Torque c_s (q_p + Δq_s): stiffness and preload angle, Δq_s from the straight configuration.
-    Torsional { stiffness_n_m_per_rad: f64, preload_rad: f64 },
-}
-
-/// The coordinate q_s the spring acts on (thesis §3.3.2.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Placement {
-    /// q21 − q11.
-    GroundLinks,
-    /// q12.
-    DrivenCoupler,
-    /// q22 (default).
-    Phalanges,
-    /// q11 + q12 − (q21 + q22).
-    CouplerDistal,
 }
 
 /// Initial joint angles and rates of the two generalised coordinates.

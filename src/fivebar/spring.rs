@@ -3,10 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::kinematics::{Directions, PassiveRates, passive_rates, reference_gamma, straight};
-use crate::gripper::Lengths;
+use crate::gripper::{Lengths, Placement, Spring, SpringKind};
 use crate::numeric::Real;
 use crate::numeric::plane::{angle_between, opening_angle, rotate};
-use crate::scene::{Placement, Spring, SpringKind};
 
 /// A spring with what its placement needs of the straight configuration.
 #[derive(Clone, Copy, Debug)]
