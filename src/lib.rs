@@ -52,6 +52,7 @@ pub mod page;
 pub mod plot;
 pub mod report;
 pub mod scene;
+pub mod sizing;
 pub mod study;
 pub mod trace;
 pub mod units;

@@ -33,7 +33,7 @@ fn ends<T: Real>(placement: Placement, pose: &Directions<T>) -> [[T; 2]; 2] {
 
 /// ∂q_s/∂q_a.
 #[inline(always)]
-fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
+pub fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2] {
     let (a3, a4) = (rates.a3, rates.a4);
     match placement {
         Placement::GroundLinks => [T::constant(-1.0), T::constant(1.0)],

@@ -27,3 +27,9 @@ pub enum Placement {
     /// q11 + q12 − (q21 + q22).
     CouplerDistal,
 }
+
+impl Placement {
+    /// In the order of the thesis, §3.3.2.3.
+    pub const ALL: [Placement; 4] =
+        [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal];
+}

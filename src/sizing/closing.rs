@@ -1,0 +1,56 @@
+//! The test trajectory of one finger: where it starts, meets the object, and ends.
+
+use super::trajectory::{Trajectory, when};
+use super::{SizingError, Task};
+use crate::gripper::{Assembly, FinalPosture, Finger, Posture, final_posture, start_posture};
+
+/// The test trajectory of one finger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closing {
+    /// Straight, at rest.
+    pub start: Posture,
+    /// Both phalanges on the object.
+    pub end: FinalPosture,
+    /// q_c21, where l21 stays.
+    pub q21_contact_rad: f64,
+    /// Of q11.
+    pub trajectory: Trajectory,
+    /// x = t/T of the proximal contact: the end of the rigid phase.
+    pub contact_x: f64,
+}
+
+impl Closing {
+    /// End of the rigid phase.
+    pub fn contact_s(&self) -> f64 {
+        self.contact_x * self.trajectory.length_s
+    }
+}
+
+/// Finds the test trajectory of a finger.
+///
+/// # Errors
+/// Where the finger cannot grasp the object, or not by bending its tip after the proximal contact.
+pub fn closing(finger: &Finger, task: &Task) -> Result<Closing, SizingError> {
+    for (name, value) in [("closing_s", task.closing_s), ("opening_rad", task.opening_rad)] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(SizingError::NotPositive { name, value });
+        }
+    }
+    if finger.assembly != Assembly::Reference {
+        return Err(SizingError::OtherAssembly);
+    }
+    let start = start_posture(&finger.lengths, task.disc, task.opening_rad)?;
+    let end = final_posture(&finger.lengths, finger.assembly, task.disc)?;
+    let swing_rad = end.posture.q21_rad - start.q21_rad;
+    let stroke_rad = end.posture.q11_rad - start.q11_rad;
+    if stroke_rad <= swing_rad || stroke_rad.is_nan() {
+        return Err(SizingError::NothingToBend { stroke_rad, swing_rad });
+    }
+    Ok(Closing {
+        start,
+        end,
+        q21_contact_rad: end.posture.q21_rad,
+        trajectory: Trajectory { from_rad: start.q11_rad, stroke_rad, length_s: task.closing_s },
+        contact_x: when(swing_rad / stroke_rad),
+    })
+}

@@ -1,0 +1,28 @@
+//! Why a finger cannot be sized.
+
+use crate::gripper::GraspError;
+
+/// Why a finger cannot be sized.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SizingError {
+    #[error(transparent)]
+    Grasp(#[from] GraspError),
+    #[error("{name} is {value}, but must be a finite number above 0: give another value")]
+    NotPositive { name: &'static str, value: f64 },
+    #[error(
+        "the test trajectory moves l11 by {:.4} deg in all, but the finger swings {:.4} deg before it meets the object: \
+         its tip would have to bend backwards, so make l21 longer, or phi22 or arm_ratio larger",
+        .stroke_rad.to_degrees(), .swing_rad.to_degrees()
+    )]
+    NothingToBend { stroke_rad: f64, swing_rad: f64 },
+    #[error(
+        "sizing stands on the straight configuration, which the assembly \"other\" does not have: use \"reference\""
+    )]
+    OtherAssembly,
+    #[error(
+        "l12 and l22 come into line on the test trajectory (l21 at {:.4} deg), where no torque moves the tip: change phi22, \
+         arm_ratio or l21",
+        .q21_rad.to_degrees()
+    )]
+    Singular { q21_rad: f64 },
+}
