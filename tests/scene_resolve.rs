@@ -77,6 +77,7 @@ fn documented_defaults_are_the_real_ones() {
                 "[spring]\ntorque = \"1 N*m\"\n[motor]\nprofile = \"table\"\ntimes = [\"0 s\"]\ntorques = [\"1 N*m\"]\n",
                 "",
             ),
+            "closing_time" => (FINGER, "", "sizing = \"rigid\"\n"),
             "contact.exponent" => (FINGER, DRIVE, "contact.stiffness_si = 1e8\n"),
             "engine.restitution" => (FINGER, DRIVE, "engine.law = \"rapier\"\n"),
             "limit.exponent" => (FINGER, DRIVE, "limit.stiffness_si = 1e11\n"),

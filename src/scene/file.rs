@@ -81,8 +81,7 @@ fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
         SceneKind::Bodies => SceneKind::Finger,
     };
     let (schema, other_schema) = (schema_of(kind), schema_of(other));
-    let allowed =
-        keys::Allowed { kind: kind.word(), schema: &schema, other_kind: other.word(), other_schema: &other_schema };
+    let allowed = keys::Allowed { kind: kind.word(), schema, other_kind: other.word(), other_schema };
     let weeds = keys::weed(document.get_mut(), &allowed);
     let checker = Checker::new(text, weeds);
     let from = Deserializer::from(document);

@@ -11,6 +11,7 @@ use super::kinds::{
 use super::words::{EngineLaw, MotorProfile, SceneKind, SpringType, StepSizes};
 use super::{Construction, Interpolation, Method, Placement, Preset};
 use crate::gripper::Assembly;
+use crate::sizing::Rule;
 
 /// A scene: one gripper variant, the object it grasps, and how it is simulated. A scene says only what differs from the
 /// defaults. Quantities are texts with a unit: "15 mm", "120 deg", "480 N*mm".
@@ -41,6 +42,13 @@ pub struct RawScene {
     /// Whether the palm, the half plane y ≤ 0, is there.
     #[schemars(extend("default" = true))]
     pub palm: Entry<Flag>,
+    /// Sizes motor and spring to the finger instead of [motor] torque and [spring] torque (or the stiffness of a torsional
+    /// spring with a preload): the spring holds the finger straight on a test trajectory up to the object; the motor has the
+    /// RMS torque of this "rigid" phase, or of the "whole" trajectory.
+    pub sizing: Entry<Choice<Rule>>,
+    /// Length of the test trajectory that `sizing` sizes for.
+    #[schemars(extend("default" = "10 ms"))]
+    pub closing_time: Entry<Time>,
     pub design: Section<RawDesign>,
     pub lengths: Section<RawLengths>,
     pub material: Section<RawMaterial>,
@@ -154,7 +162,7 @@ pub struct RawMotor {
     /// "reversal": changes sign at `reverse_at`; "table": `times` and `torques`.
     #[schemars(extend("default" = "constant"))]
     pub profile: Entry<Choice<MotorProfile>>,
-    /// Full torque. Required, except with profile = "table".
+    /// Full torque. Required, except with profile = "table" or `sizing`.
     pub torque: Entry<Torque>,
     /// Time of the smooth rise from 0 (profile = "ramp").
     pub rise: Entry<Time>,
@@ -182,9 +190,9 @@ pub struct RawSpring {
     /// Joint angle the spring acts on.
     #[schemars(extend("default" = "q22"))]
     pub placement: Entry<Choice<Placement>>,
-    /// Torque of the constant spring. Required with type = "constant".
+    /// Torque of the constant spring. Required with type = "constant", except with `sizing`.
     pub torque: Entry<Torque>,
-    /// Stiffness of the torsional spring. Required with type = "torsional".
+    /// Stiffness of the torsional spring. Required with type = "torsional", except with `sizing`.
     pub stiffness: Entry<AngularStiffness>,
     /// Deflection of the torsional spring in the straight configuration.
     #[schemars(extend("default" = "0 deg"))]

@@ -1,5 +1,7 @@
 //! JSON Schema of scene files.
 
+use std::sync::LazyLock;
+
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
@@ -11,7 +13,7 @@ use super::words::SceneKind;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of either kind, as text.
 pub fn schema() -> String {
-    let [mut finger, mut bodies] = [SceneKind::Finger, SceneKind::Bodies].map(schema_of);
+    let [mut finger, mut bodies] = [SceneKind::Finger, SceneKind::Bodies].map(|kind| schema_of(kind).clone());
     let dialect = finger["$schema"].take();
     for kind in [&mut finger, &mut bodies] {
         kind.as_object_mut().map(|map| map.remove("$schema"));
@@ -29,8 +31,18 @@ pub fn schema() -> String {
     format!("{whole:#}\n")
 }
 
-/// The schema of one kind of scene. Tables are nested in place: no references to follow.
-pub(super) fn schema_of(kind: SceneKind) -> Value {
+/// The schema of one kind of scene, made once: a sweep reads thousands of scenes.
+pub(super) fn schema_of(kind: SceneKind) -> &'static Value {
+    static FINGER: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Finger));
+    static BODIES: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Bodies));
+    match kind {
+        SceneKind::Finger => &FINGER,
+        SceneKind::Bodies => &BODIES,
+    }
+}
+
+/// Tables are nested in place: no references to follow.
+fn make(kind: SceneKind) -> Value {
     fn generate<T: JsonSchema>() -> Value {
         let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
         settings.into_generator().into_root_schema_for::<T>().to_value()

@@ -3,6 +3,7 @@
 use super::kinds::Words;
 use super::{Construction, Interpolation, Method, Placement, Preset};
 use crate::gripper::Assembly;
+use crate::sizing::Rule;
 
 /// Kind of scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +78,10 @@ impl Words for SpringType {
 
 impl Words for Assembly {
     const WORDS: &'static [(&'static str, Self)] = &[("reference", Assembly::Reference), ("other", Assembly::Other)];
+}
+
+impl Words for Rule {
+    const WORDS: &'static [(&'static str, Self)] = &[("rigid", Rule::Rigid), ("whole", Rule::Whole)];
 }
 
 impl Words for Interpolation {

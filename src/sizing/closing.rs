@@ -31,10 +31,11 @@ impl Closing {
 /// # Errors
 /// Where the finger cannot grasp the object, or not by bending its tip after the proximal contact.
 pub fn closing(finger: &Finger, task: &Task) -> Result<Closing, SizingError> {
-    for (name, value) in [("closing_s", task.closing_s), ("opening_rad", task.opening_rad)] {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(SizingError::NotPositive { name, value });
-        }
+    if !(task.closing_s.is_finite() && task.closing_s > 0.0) {
+        return Err(SizingError::NotPositive { name: "closing_s", value: task.closing_s });
+    }
+    if !(task.opening_rad.is_finite() && task.opening_rad > 0.0) {
+        return Err(SizingError::Opening { opening_rad: task.opening_rad });
     }
     if finger.assembly != Assembly::Reference {
         return Err(SizingError::OtherAssembly);

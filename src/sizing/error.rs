@@ -10,6 +10,12 @@ pub enum SizingError {
     #[error("{name} is {value}, but must be a finite number above 0: give another value")]
     NotPositive { name: &'static str, value: f64 },
     #[error(
+        "the finger starts {:.4} deg before the proximal contact, but must start above 0 deg before it: open it further \
+         (raise the offset, or lower q21)",
+        .opening_rad.to_degrees()
+    )]
+    Opening { opening_rad: f64 },
+    #[error(
         "the test trajectory moves l11 by {:.4} deg in all, but the finger swings {:.4} deg before it meets the object: \
          its tip would have to bend backwards, so make l21 longer, or phi22 or arm_ratio larger",
         .stroke_rad.to_degrees(), .swing_rad.to_degrees()

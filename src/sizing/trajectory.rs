@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn when_inverts_the_position() {
         for part in [0.0, 1e-12, 1e-3, 0.3, 0.5, 0.9, 1.0 - 1e-9, 1.0] {
-            assert!((position(when(part)) - part).abs() < 4e-16, "{part}");
+            assert!((position(when(part)) - part).abs() < 1e-13, "{part}");
         }
     }
 }

@@ -4,11 +4,12 @@ use super::super::check::{ANY, Checker, NOT_NEGATIVE, POSITIVE};
 use super::super::raw::{RawMotor, RawScene, RawSpring};
 use super::super::words::{MotorProfile, SpringType};
 use super::super::{Actuation, Interpolation, Placement, Spring, SpringKind};
+use super::sizing::Sized;
 
 const TORQUE: &str = "add the motor's torque on l11: [motor] torque = \"480 N*mm\"";
 
-/// Motor torque over time.
-pub fn motor(c: &mut Checker<'_>, raw: &RawScene) -> Option<Actuation> {
+/// Motor torque over time, with the torque of the scene's sizing if it is [`Sized::By`] one.
+pub fn motor(c: &mut Checker<'_>, raw: &RawScene, sized: Sized) -> Option<Actuation> {
     let motor = &raw.motor;
     // An unknown profile says nothing about the other keys.
     let profile = match motor.profile.is_given() {
@@ -19,7 +20,11 @@ pub fn motor(c: &mut Checker<'_>, raw: &RawScene) -> Option<Actuation> {
     if profile == MotorProfile::Table {
         return table(c, raw);
     }
-    let torque_n_m = c.required("motor.torque", &motor.torque, ANY, motor, TORQUE);
+    let torque_n_m = match sized {
+        Sized::Not => c.required("motor.torque", &motor.torque, ANY, motor, TORQUE),
+        Sized::Wrong => None,
+        Sized::By(sizing) => Some(sizing.motor_n_m),
+    };
     match profile {
         MotorProfile::Constant | MotorProfile::Table => Some(Actuation::Constant { torque_n_m: torque_n_m? }),
         MotorProfile::Ramp => {
@@ -89,7 +94,7 @@ fn table(c: &mut Checker<'_>, raw: &RawScene) -> Option<Actuation> {
 }
 
 /// The spring: `Some(None)` where the scene has none, `None` where it is wrong.
-pub fn spring(c: &mut Checker<'_>, raw: &RawScene) -> Option<Option<Spring>> {
+pub fn spring(c: &mut Checker<'_>, raw: &RawScene, sized: Sized) -> Option<Option<Spring>> {
     let spring = &raw.spring;
     let kind = match spring.kind.is_given() {
         true => c.get("spring.type", &spring.kind)?,
@@ -102,13 +107,27 @@ pub fn spring(c: &mut Checker<'_>, raw: &RawScene) -> Option<Option<Spring>> {
         SpringType::Constant => {
             let help =
                 "add the spring's torque: [spring] torque = \"132.6 N*mm\"; or leave it out: [spring] type = \"none\"";
-            let torque = c.required("spring.torque", &spring.torque, NOT_NEGATIVE, spring, help);
+            let torque = match sized {
+                Sized::Not => c.required("spring.torque", &spring.torque, NOT_NEGATIVE, spring, help),
+                Sized::Wrong => None,
+                Sized::By(sizing) => Some(sizing.spring_n_m),
+            };
             SpringKind::Constant { torque_n_m: torque? }
         }
         SpringType::Torsional => {
             let help = "add the spring's stiffness: stiffness = \"100 N*mm/rad\"";
-            let stiffness = c.required("spring.stiffness", &spring.stiffness, POSITIVE, spring, help);
-            let preload = c.number_or("spring.preload", &spring.preload, NOT_NEGATIVE, 0.0);
+            let (preload, stiffness) = match sized {
+                Sized::Not => (
+                    c.number_or("spring.preload", &spring.preload, NOT_NEGATIVE, 0.0),
+                    c.required("spring.stiffness", &spring.stiffness, POSITIVE, spring, help),
+                ),
+                // c_s q_p = k_s (2.30): the same torque where the finger is straight.
+                Sized::Wrong | Sized::By(_) => {
+                    let help = "the sizing says the torque of the straight finger, its preload the stiffness: preload = \"90 deg\"";
+                    let preload = c.required("spring.preload", &spring.preload, POSITIVE, spring, help)?;
+                    (preload, sized.sizing().map(|sizing| sizing.spring_n_m / preload))
+                }
+            };
             SpringKind::Torsional { stiffness_n_m_per_rad: stiffness?, preload_rad: preload }
         }
     };

@@ -10,6 +10,7 @@ mod engine;
 mod finger;
 mod object;
 mod run;
+mod sizing;
 mod start;
 
 pub use bodies::bodies;
@@ -36,8 +37,9 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let plan = finger::plan(&mut c, raw, radius_m);
     let finger = finger::finger(&mut c, raw, &plan);
     let object = object::object(&mut c, raw, radius_m, plan.base_m);
-    let actuation = drive::motor(&mut c, raw);
-    let spring = drive::spring(&mut c, raw);
+    let sized = sizing::sizing(&mut c, raw, finger.as_ref().zip(object.as_ref()), gravity_m_s2);
+    let actuation = drive::motor(&mut c, raw, sized);
+    let spring = drive::spring(&mut c, raw, sized);
     let limit = contact::limit(&mut c, &raw.limit);
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
     let integrator = run::integrator(&mut c, &raw.integrator);

@@ -1,0 +1,125 @@
+//! Motor and spring sized to the finger, where the scene says so.
+
+use super::super::check::{ANY, Checker, POSITIVE};
+use super::super::raw::RawScene;
+use super::super::words::{MotorProfile, SpringType};
+use super::super::{Disc, Placement, defaults};
+use super::finger::geometry;
+use crate::gripper::{Circle, Finger, contact_angle_proximal};
+use crate::sizing::{CLOSING_S, INTERVALS, Sizing, SizingError, Task, size_with};
+
+/// Whether motor and spring come from a sizing.
+#[derive(Clone, Copy, Debug)]
+pub enum Sized {
+    /// The scene gives its torques.
+    Not,
+    /// It asks for a sizing, of which something is wrong; that is noted.
+    Wrong,
+    By(Sizing),
+}
+
+impl Sized {
+    pub fn sizing(self) -> Option<Sizing> {
+        match self {
+            Sized::By(sizing) => Some(sizing),
+            Sized::Not | Sized::Wrong => None,
+        }
+    }
+}
+
+/// Sizes motor and spring, if the scene asks for it; `sound` is what of the scene it stands on.
+pub fn sizing(
+    c: &mut Checker<'_>,
+    raw: &RawScene,
+    sound: Option<(&Finger, &Option<Disc>)>,
+    gravity_m_s2: [f64; 2],
+) -> Sized {
+    if !raw.sizing.is_given() {
+        c.unused("closing_time", &raw.closing_time, "without sizing = \"rigid\" or \"whole\"");
+        return Sized::Not;
+    }
+    refuse_given(c, raw);
+    let closing_s = c.number_or("closing_time", &raw.closing_time, POSITIVE, CLOSING_S);
+    let rule = c.get("sizing", &raw.sizing);
+    let placement = c.or("spring.placement", &raw.spring.placement, Placement::Phalanges);
+    let (Some((finger, object)), Some(rule)) = (sound, rule) else {
+        return Sized::Wrong;
+    };
+    let Some(disc) = object else {
+        c.push(
+            raw.sizing.span(),
+            "`sizing` needs the object that the finger closes on, and this scene has none",
+            "nothing to close on",
+            "give [motor] torque and [spring] torque instead, or remove [object] present = false",
+        );
+        return Sized::Wrong;
+    };
+    let disc = Circle { radius_m: disc.radius_m, centre_m: disc.centre_m };
+    let Some(opening_rad) = opening(c, raw, finger, disc) else {
+        return Sized::Wrong;
+    };
+    let task = Task { disc, opening_rad, gravity_m_s2, closing_s };
+    match size_with(finger, &task, rule, placement, INTERVALS) {
+        Ok(sizing) => Sized::By(sizing),
+        Err(error) => {
+            refuse(c, raw, &error);
+            Sized::Wrong
+        }
+    }
+}
+
+/// What would be given twice.
+fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
+    let given = [
+        ("motor.torque", raw.motor.torque.span()),
+        ("spring.torque", raw.spring.torque.span()),
+        ("spring.stiffness", raw.spring.stiffness.span()),
+    ];
+    for (key, span) in given {
+        if span.is_some() {
+            let message = format!("`{key}` is given, and `sizing` says it too");
+            c.push(span, message, "and here again", "keep one of them: remove this, or remove `sizing`");
+        }
+    }
+    if raw.motor.profile.is_given() && c.get("motor.profile", &raw.motor.profile) == Some(MotorProfile::Table) {
+        c.push(
+            raw.motor.profile.span(),
+            "`sizing` sizes the motor, but the torques of a table are all given",
+            "has its own torques",
+            "remove `sizing` and give [spring] torque, or choose another profile",
+        );
+    }
+    if raw.spring.kind.is_given() && c.get("spring.type", &raw.spring.kind) == Some(SpringType::None) {
+        c.push(
+            raw.spring.kind.span(),
+            "`sizing` sizes motor and spring together, but this scene has no spring",
+            "no spring",
+            "remove `sizing` and give [motor] torque, or let the scene have a spring",
+        );
+    }
+}
+
+/// q_0: how far before the proximal contact the finger starts.
+fn opening(c: &mut Checker<'_>, raw: &RawScene, finger: &Finger, disc: Circle) -> Option<f64> {
+    let start = &raw.initial;
+    if start.q11.is_given() {
+        c.push(
+            start.q11.span(),
+            "`sizing` stands on a test trajectory that starts straight, but this start need not be",
+            "leave it out",
+            "give `q21` or `offset` alone for a straight start, or give [motor] torque and [spring] torque instead of `sizing`",
+        );
+        return None;
+    }
+    if !start.q21.is_given() {
+        // Whether it is above 0 is for the sizing to say.
+        return Some(c.number_or("initial.offset", &start.offset, ANY, defaults::OFFSET_DEG.to_radians()));
+    }
+    let q21_rad = c.number("initial.q21", &start.q21, ANY)?;
+    let contact = contact_angle_proximal(finger.lengths.half_width_m, disc);
+    contact.map_err(|error| refuse(c, raw, &SizingError::from(error))).ok().map(|contact| contact - q21_rad)
+}
+
+fn refuse(c: &mut Checker<'_>, raw: &RawScene, error: &SizingError) {
+    geometry(c, raw.sizing.span(), "this finger cannot be sized", &error.to_string());
+}
