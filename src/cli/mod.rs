@@ -13,7 +13,6 @@ mod live;
 mod output;
 mod overrides;
 mod progress;
-mod replace;
 mod replay;
 mod replay_against;
 mod replay_page;
@@ -36,6 +35,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::files as replace;
 use crate::scene::SceneError;
 
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.

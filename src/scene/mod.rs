@@ -34,6 +34,7 @@ pub use error::{Problem, SceneError};
 pub use file::{load, load_any, parse, parse_any};
 pub use schema::schema;
 pub use show::{show, show_any, show_bodies};
+pub(crate) use suggest::nearest;
 pub use torque::{next_corner, torque};
 
 use crate::gripper::Finger;

@@ -1,0 +1,134 @@
+//! Tables as CSV: commas, one line a row, the names of the columns in the first one.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Terminator, Writer, WriterBuilder};
+
+use super::value::{self, kind_of};
+use super::{Column, Kind, Origin, Table, TableError, Value};
+
+/// Reads a CSV file. `known` columns have the kind they say; that of the others is found, see [`super::read`].
+///
+/// # Errors
+/// The file cannot be read, or is no table; says where.
+pub fn read_csv(path: &Path, known: &[Column]) -> Result<Table, TableError> {
+    let file = path.display().to_string();
+    let unreadable = |reason: String| TableError::Read { file: file.clone(), reason };
+    if path.is_dir() {
+        return Err(unreadable("it is a directory; name a file in it".to_string()));
+    }
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
+        _ => unreadable(error.to_string()),
+    })?;
+    parse(&bytes, &file, known)
+}
+
+/// Reads the bytes of a CSV file.
+pub(super) fn parse(bytes: &[u8], file: &str, known: &[Column]) -> Result<Table, TableError> {
+    let mut reader = ReaderBuilder::new().from_reader(bytes);
+    let names = names(&mut reader, file)?;
+    let (mut records, mut lines) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| broken(&error, file))?;
+        lines.push(record.position().map_or(0, |position| position.line()));
+        records.push(record);
+    }
+    let kind = |(index, name): (usize, &String)| {
+        known
+            .iter()
+            .find(|column| column.name == *name)
+            .map(|column| column.kind)
+            .unwrap_or_else(|| kind_of(records.iter().filter_map(|record| record.get(index))).unwrap_or(Kind::Text))
+    };
+    let kinds: Vec<Kind> = names.iter().enumerate().map(kind).collect();
+    let columns = names.into_iter().zip(kinds).map(|(name, kind)| Column { name, kind }).collect();
+    let mut table = Table { columns, rows: Vec::new(), origin: Origin { file: file.to_string(), lines } };
+    table.rows =
+        records.iter().enumerate().map(|(index, record)| row(&table, index, record)).collect::<Result<_, _>>()?;
+    Ok(table)
+}
+
+fn names(reader: &mut Reader<&[u8]>, file: &str) -> Result<Vec<String>, TableError> {
+    let header = reader.headers().map_err(|error| broken(&error, file))?;
+    let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
+    let wrong = |reason: String| Err(TableError::Csv { file: file.to_string(), line: 1, reason });
+    if let [only] = &names[..]
+        && only.contains([';', '\t'])
+    {
+        return wrong(
+            "columns are not separated by commas; save the table with commas, and points in numbers".to_string(),
+        );
+    }
+    if names.is_empty() {
+        return wrong("the file is empty; the first line of a table names its columns".to_string());
+    }
+    if let Some(index) = names.iter().position(String::is_empty) {
+        return wrong(format!("column {} has no name; the first line names every column", index + 1));
+    }
+    match (0..names.len()).find(|&index| names[..index].contains(&names[index])) {
+        Some(index) => Err(TableError::Twice { file: file.to_string(), name: names[index].clone() }),
+        None => Ok(names),
+    }
+}
+
+fn row(table: &Table, index: usize, record: &StringRecord) -> Result<Vec<Value>, TableError> {
+    let read = |(cell, column): (&str, &Column)| {
+        value::read(cell, column.kind).ok_or_else(|| {
+            let found = Value::Text(cell.to_string());
+            let at = table.origin.lines.get(index).copied().unwrap_or(0);
+            TableError::Cell {
+                place: format!("{}:{at}", table.origin.file),
+                number: table.find(&column.name).map_or(0, |at| at + 1),
+                column: column.name.clone(),
+                found: found.text(),
+                wanted: column.kind.name(),
+            }
+        })
+    };
+    record.iter().zip(&table.columns).map(read).collect()
+}
+
+/// What the reader says, in our words.
+fn broken(error: &csv::Error, file: &str) -> TableError {
+    let csv =
+        |line: Option<u64>, reason: String| TableError::Csv { file: file.to_string(), line: line.unwrap_or(1), reason };
+    match error.kind() {
+        ErrorKind::UnequalLengths { pos, expected_len, len } => csv(
+            pos.as_ref().map(csv::Position::line),
+            format!(
+                "{len} values in {expected_len} columns; a text with a comma stands in double quotes, and every line has a \
+                 value, or nothing, for every column"
+            ),
+        ),
+        ErrorKind::Utf8 { pos, err } => csv(
+            pos.as_ref().map(csv::Position::line),
+            format!("column {} is not UTF-8 text; save the table as UTF-8", err.field() + 1),
+        ),
+        _ => TableError::Read { file: file.to_string(), reason: error.to_string() },
+    }
+}
+
+/// Writes the table as CSV.
+pub(super) fn write(out: &mut dyn Write, table: &Table) -> io::Result<()> {
+    let mut writer = writer(out);
+    writer.write_record(table.columns.iter().map(|column| &column.name))?;
+    for row in &table.rows {
+        writer.write_record(row.iter().map(Value::text))?;
+    }
+    writer.flush()
+}
+
+/// One line of a CSV file, with its line feed.
+pub fn line<'a>(values: impl IntoIterator<Item = &'a Value>) -> String {
+    let mut writer = writer(Vec::new());
+    // Memory takes everything.
+    let written = writer.write_record(values.into_iter().map(Value::text));
+    let bytes = written.ok().and_then(|()| writer.into_inner().ok()).unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+fn writer<W: Write>(out: W) -> Writer<W> {
+    WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(out)
+}
