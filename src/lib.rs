@@ -54,6 +54,7 @@ pub mod plot;
 pub mod report;
 pub mod scene;
 pub mod sizing;
+pub mod statics;
 pub mod study;
 pub mod table;
 pub mod trace;

@@ -1,0 +1,13 @@
+//! The force of the object on the palm (thesis (3.2), errata 10).
+
+use crate::gripper::FinalPosture;
+
+/// PFP = F22 (sin φ_c + μ cos φ_c) − F21 (cos q21 − μ sin q21), in N: how hard one finger presses the object on the palm.
+///
+/// Friction on the object points along each phalanx towards its joint, that is to the palm as long as the phalanx rises from
+/// its joint to its end. A second finger, the mirror image, adds the same again and balances what is parallel to the palm.
+pub fn palm_force(end: &FinalPosture, f21_n: f64, f22_n: f64, mu: f64) -> f64 {
+    let (sin_c, cos_c) = end.phi_c_rad.sin_cos();
+    let (sin_21, cos_21) = end.posture.q21_rad.sin_cos();
+    f22_n * (sin_c + mu * cos_c) - f21_n * (cos_21 - mu * sin_21)
+}

@@ -1,0 +1,39 @@
+//! The five-bar at the final posture: link directions and passive rates.
+
+use super::StaticsError;
+use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, passive_rates};
+use crate::gripper::{FinalPosture, Finger};
+use crate::numeric::plane::cross;
+
+/// |∂q22/∂q11| below which the motor cannot move the tip.
+const DEAD_SLOPE: f64 = 1e-9;
+
+/// What the statics needs of one posture.
+#[derive(Clone, Copy, Debug)]
+pub struct AtRest {
+    pub pose: Directions<f64>,
+    pub rates: PassiveRates<f64>,
+    /// ∂q22/∂(q11, q21). Their sum is 0: l11 and l21 turn about one joint, so with the tip locked all turn as one body.
+    pub tip_slope: [f64; 2],
+}
+
+/// Link directions and passive rates of the final posture.
+///
+/// # Errors
+/// [`StaticsError::InLine`] where l12 and l22 are in line, [`StaticsError::DeadPoint`] where l11 and l12 are.
+pub fn at_rest(finger: &Finger, end: &FinalPosture) -> Result<AtRest, StaticsError> {
+    let e = |angle: f64| [angle.cos(), angle.sin()];
+    let q = &end.posture;
+    let pose =
+        Directions { e1: e(q.q11_rad), e2: e(q.q21_rad), e3: e(q.q11_rad + q.q12_rad), e4: e(q.q21_rad + q.q22_rad) };
+    let sine = cross(pose.e3, pose.e4);
+    if sine.is_nan() || sine.abs() < SINGULAR_SINE {
+        return Err(StaticsError::InLine { sine });
+    }
+    let rates = passive_rates(&finger.lengths, &pose);
+    let tip_slope = [rates.a4[0], rates.a4[1] - 1.0];
+    if tip_slope[0].is_nan() || tip_slope[0].abs() < DEAD_SLOPE {
+        return Err(StaticsError::DeadPoint { slope: tip_slope[0] });
+    }
+    Ok(AtRest { pose, rates, tip_slope })
+}
