@@ -93,7 +93,7 @@ fn the_closed_form_of_the_rigid_phase_is_the_definition() {
         let sizing = size(&finger, &task, Rule::Rigid).unwrap();
         assert!((sizing.motor_n_m / squares.sqrt() - 1.0).abs() < 1e-7, "{sizing:?} {}", squares.sqrt());
         assert!((sizing.spring_n_m / spring - 1.0).abs() < 2e-4, "{sizing:?} {spring}");
-        assert!(sizing.spring_n_m >= spring * (1.0 - 3e-8), "a maximum between samples is no less than any sample");
+        assert!(sizing.spring_n_m >= spring * (1.0 - 5e-8), "a maximum between samples is no less than any sample");
     }
 }
 
@@ -105,7 +105,7 @@ fn samples_are_enough() {
         let change = |a: f64, b: f64| (a / b - 1.0).abs();
         let (rigid, finer) = (at(Rule::Rigid, INTERVALS), at(Rule::Rigid, 2 * INTERVALS));
         assert!(change(rigid.motor_n_m, finer.motor_n_m) < 1e-9);
-        assert!(change(rigid.spring_n_m, finer.spring_n_m) < 3e-8);
+        assert!(change(rigid.spring_n_m, finer.spring_n_m) < 5e-8);
         let (whole, finer) = (at(Rule::Whole, INTERVALS), at(Rule::Whole, 2 * INTERVALS));
         assert!(change(whole.motor_n_m, finer.motor_n_m) < 1e-5, "{design:?}");
     }

@@ -33,7 +33,7 @@ use integral::{Simpson, largest};
 use rigid::Rigid;
 
 /// Intervals of each phase: mean squares by Simpson's rule, the maximum refined by a parabola. Doubling them changes no torque
-/// of the thesis's designs by more than 3e-8 (by [`Rule::Whole`] 1e-5: some pass near a fold of the tip) of itself (a test).
+/// of the thesis's designs by more than 5e-8 (by [`Rule::Whole`] 1e-5: some pass near a fold of the tip) of itself (a test).
 pub const INTERVALS: usize = 400;
 
 /// T, the time the closing may take (thesis §3.3.2).
