@@ -24,6 +24,7 @@ mod run;
 mod run_bodies;
 pub mod scene;
 mod simulate;
+mod size;
 mod study;
 mod study_stability;
 mod validate;
@@ -58,6 +59,7 @@ enum Command {
     Run(run::RunArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
+    Size(size::SizeArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
@@ -109,6 +111,7 @@ pub fn main() -> ExitCode {
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
+        Command::Size(args) => size::run(args),
         Command::Study(command) => study::run(command),
     };
     let status = result.unwrap_or_else(|failure| {

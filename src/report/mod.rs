@@ -4,6 +4,7 @@ mod bodies;
 mod csv;
 mod document;
 mod replay;
+mod sizing;
 mod stability;
 mod step_size;
 mod table;
@@ -20,6 +21,7 @@ pub use replay::{
     GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
     against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
+pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use text::{duration, text};
