@@ -124,7 +124,7 @@ fn not_a_finger(text: &str) -> Problem {
 }
 
 /// An error of the TOML parser.
-fn syntax(error: &toml::de::Error) -> Problem {
+pub(crate) fn syntax(error: &toml::de::Error) -> Problem {
     Problem {
         span: error.span(),
         message: format!("not valid TOML: {}", error.message().trim()),

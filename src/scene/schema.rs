@@ -32,7 +32,7 @@ pub fn schema() -> String {
 }
 
 /// The schema of one kind of scene, made once: a sweep reads thousands of scenes.
-pub(super) fn schema_of(kind: SceneKind) -> &'static Value {
+pub(crate) fn schema_of(kind: SceneKind) -> &'static Value {
     static FINGER: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Finger));
     static BODIES: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Bodies));
     match kind {
