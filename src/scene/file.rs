@@ -53,7 +53,7 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
 }
 
 /// The text of a file, and what messages call it.
-fn read(path: &Path) -> Result<(String, String), SceneError> {
+pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     let file = path.display().to_string();
     let read = |reason: &str| SceneError::Read { file: file.clone(), reason: reason.to_string() };
     if path.is_dir() {

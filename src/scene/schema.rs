@@ -56,7 +56,7 @@ fn make(kind: SceneKind) -> Value {
 }
 
 /// Descriptions come from doc comments: their line breaks mean nothing.
-fn unwrap_lines(value: &mut Value) {
+pub(crate) fn unwrap_lines(value: &mut Value) {
     match value {
         Value::Object(map) => {
             if let Some(Value::String(text)) = map.get_mut("description") {
