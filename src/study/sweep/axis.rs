@@ -53,7 +53,8 @@ pub struct Range {
 impl Range {
     /// A range of a field between two of its values; `None` if the field has no numbers to be between.
     pub fn between(field: &Field, from: &Point, to: &Point, spacing: Spacing) -> Option<Self> {
-        let range = |from, to, unit: &str| Range { from, to, unit: unit.to_string(), holds: field.holds.clone(), spacing };
+        let range =
+            |from, to, unit: &str| Range { from, to, unit: unit.to_string(), holds: field.holds.clone(), spacing };
         let (Value::Number(from_si), Value::Number(to_si)) = (&from.value, &to.value) else { return None };
         let Holds::Quantity(dimension) = field.holds else { return Some(range(*from_si, *to_si, "")) };
         // In the unit of the user a third of the way is the number that he would write.

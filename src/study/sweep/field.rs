@@ -113,7 +113,9 @@ impl Holds {
         match (schema.get("type").and_then(Json::as_str), schema.get("items")) {
             (Some("array"), Some(items)) => Holds::List(Box::new(Holds::of(items))),
             (Some("number"), _) => Holds::Number,
-            (Some("integer"), _) => Holds::Whole(bound("minimum").unwrap_or(i64::MIN), bound("maximum").unwrap_or(i64::MAX)),
+            (Some("integer"), _) => {
+                Holds::Whole(bound("minimum").unwrap_or(i64::MIN), bound("maximum").unwrap_or(i64::MAX))
+            }
             (Some("boolean"), _) => Holds::Flag,
             _ => Holds::Text,
         }
@@ -181,14 +183,16 @@ fn toml(value: &Any) -> String {
 fn unknown(path: &str, name: &str, parent: &str, here: &Json, schema: &Json) -> Unknown {
     let mut all = Vec::new();
     paths(schema, "", &mut all);
-    let keys: Vec<&str> = here.get("properties").and_then(Json::as_object).into_iter().flatten().map(|(key, _)| key.as_str()).collect();
+    let keys: Vec<&str> =
+        here.get("properties").and_then(Json::as_object).into_iter().flatten().map(|(key, _)| key.as_str()).collect();
     let tail = format!(".{name}");
     let label = match (nearest(name, &keys), all.iter().find(|other| other.ends_with(&tail))) {
         (_, Some(other)) => format!("did you mean \"{other}\"?"),
         (Some(near), None) => format!("did you mean \"{}\"?", join(parent, near)),
         (None, None) => "not a field of a scene".to_string(),
     };
-    let place = if parent.is_empty() { "at the top level of a scene".to_string() } else { format!("in [{parent}] of a scene") };
+    let place =
+        if parent.is_empty() { "at the top level of a scene".to_string() } else { format!("in [{parent}] of a scene") };
     (format!("unknown field `{}`", path.escape_debug()), label, format!("keys {place}: {}", keys.join(", ")))
 }
 

@@ -8,11 +8,11 @@ use toml::Spanned;
 
 use super::axis::Spacing;
 use super::sequence::Method;
+use crate::scene::Problem;
 use crate::scene::entry::{Any, Entry, Section};
 use crate::scene::kinds::{Choice, Count, Flag, Kind, Text, Words, at};
 use crate::scene::schema::{schema_of, unwrap_lines};
 use crate::scene::words::SceneKind;
-use crate::scene::Problem;
 use crate::trace::Model;
 
 /// A study: a scene, the fields of it that vary, and what is simulated of all that.
@@ -151,7 +151,8 @@ pub fn schema() -> String {
     let text = schema["properties"]["scene"].take();
     let mut table = schema_of(SceneKind::Finger).clone();
     table.as_object_mut().map(|map| map.remove("$schema"));
-    schema["properties"]["scene"] = json!({ "description": text["description"], "anyOf": [{ "type": "string" }, table] });
+    schema["properties"]["scene"] =
+        json!({ "description": text["description"], "anyOf": [{ "type": "string" }, table] });
     format!("{schema:#}\n")
 }
 

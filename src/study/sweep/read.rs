@@ -1,6 +1,7 @@
 //! From a study file to a study.
 
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -58,7 +59,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let inline = take(document.get_mut(), "scene");
     let set = take(document.get_mut(), "set");
     let schema = schema_json();
-    let allowed = keys::Allowed { kind: "study", schema: &schema, other_kind: "", other_schema: &serde_json::Value::Null };
+    let allowed =
+        keys::Allowed { kind: "study", schema: &schema, other_kind: "", other_schema: &serde_json::Value::Null };
     let mut problems = keys::weed(document.get_mut(), &allowed);
     let raw = RawStudy::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
     let has_scene = inline.is_some();
@@ -74,7 +76,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         c.push(None, "`scene` is missing", "", help);
     }
     let axes = read_axis::axes(&mut c, &raw.axes);
-    let sequence = sample(&mut c, &raw.sample, &axes, raw.axes.len());
+    let range = raw.axes.iter().find(|axis| axis.from.is_given() && axis.to.is_given() && !axis.count.is_given());
+    let sequence = sample(&mut c, &raw.sample, &axes, raw.axes.len(), range.map(|axis| axis.from.span()));
     let filter = Filter {
         force_positive: c.get("filter.force_positive", &raw.filter.force_positive),
         palm_force_positive: c.get("filter.palm_force_positive", &raw.filter.palm_force_positive),
@@ -84,7 +87,12 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let description = c.get("description", &raw.description).unwrap_or_default();
     let model = c.or("model", &raw.model, Model::Analytic);
     if c.is_clean() && total(&axes, sequence.as_ref()).is_none() {
-        c.push(None, format!("the study has more than {MOST_RUNS} runs"), "", "leave out values, or sample the axes: [sample]");
+        c.push(
+            None,
+            format!("the study has more than {MOST_RUNS} runs"),
+            "",
+            "leave out values, or sample the axes: [sample]",
+        );
     }
     if !c.is_clean() {
         return Err(refuse(c.into_problems()));
@@ -117,9 +125,19 @@ fn take<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTable<'a>
 }
 
 /// The sample of all ranges; notes what is wrong with it, or lacking.
-fn sample(c: &mut Checker<'_>, raw: &Section<RawSample>, axes: &[Axis], given: usize) -> Option<Sequence> {
+fn sample(
+    c: &mut Checker<'_>,
+    raw: &Section<RawSample>,
+    axes: &[Axis],
+    given: usize,
+    first_range: Option<Option<Range<usize>>>,
+) -> Option<Sequence> {
     let ranges = axes.iter().filter(|axis| axis.len().is_none()).count();
     if !raw.is_given() {
+        if let Some(range) = first_range {
+            let help = "say how many values: count = 10, or spread points over all ranges: [sample] with count = 1000";
+            c.push(range, "a range has no `count`, and there is no [sample]", "how many values?", help);
+        }
         return None;
     }
     let method = c.or("sample.method", &raw.method, Method::Halton);
@@ -160,6 +178,6 @@ fn stem(file_name: &str) -> String {
 }
 
 /// A problem at a place of the study, for other readers of its parts.
-pub(super) fn problem(span: Option<std::ops::Range<usize>>, message: String, label: String, help: String) -> Problem {
+pub(super) fn problem(span: Option<Range<usize>>, message: String, label: String, help: String) -> Problem {
     Problem { span, message, label, help }
 }

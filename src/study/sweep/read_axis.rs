@@ -57,7 +57,12 @@ fn single(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool) -> Option<Ax
         for (key, given) in [("from", raw.from.is_given()), ("to", raw.to.is_given())] {
             if given {
                 let message = format!("the axis of `{path}` has `values` and `{key}`");
-                c.push(raw.values.span(), message, "and values here", "keep one of them: values, or from, to and count");
+                c.push(
+                    raw.values.span(),
+                    message,
+                    "and values here",
+                    "keep one of them: values, or from, to and count",
+                );
                 return None;
             }
         }

@@ -35,7 +35,8 @@ pub struct Sequence {
 impl Sequence {
     /// `count` points in so many dimensions; at most [`u32::MAX`].
     pub fn new(method: Method, count: u64, seed: u64, dimensions: usize) -> Self {
-        let shuffled = |axis: usize| shuffle(u32::try_from(count).unwrap_or(u32::MAX), seed ^ scramble(axis as u64 + 1));
+        let shuffled =
+            |axis: usize| shuffle(u32::try_from(count).unwrap_or(u32::MAX), seed ^ scramble(axis as u64 + 1));
         let slices = match method {
             Method::LatinHypercube => (0..dimensions).map(shuffled).collect(),
             Method::Halton | Method::Random => Vec::new(),
@@ -107,7 +108,8 @@ mod tests {
         let mut points: Vec<f64> = (0..sequence.count()).map(|point| sequence.at(point, axis)).collect();
         points.sort_by(f64::total_cmp);
         let count = points.len() as f64;
-        let deviation = |(index, x): (usize, &f64)| (index as f64 / count - x).abs().max(((index + 1) as f64 / count - x).abs());
+        let deviation =
+            |(index, x): (usize, &f64)| (index as f64 / count - x).abs().max(((index + 1) as f64 / count - x).abs());
         points.iter().enumerate().map(deviation).fold(0.0, f64::max)
     }
 
@@ -139,7 +141,8 @@ mod tests {
 
     #[test]
     fn a_longer_halton_sample_begins_with_the_shorter_one_and_seeds_differ() {
-        let [short, long, other] = [(100, 1), (1000, 1), (100, 2)].map(|(count, seed)| Sequence::new(Method::Halton, count, seed, 4));
+        let [short, long, other] =
+            [(100, 1), (1000, 1), (100, 2)].map(|(count, seed)| Sequence::new(Method::Halton, count, seed, 4));
         for point in 0..100 {
             for axis in 0..4 {
                 let x = short.at(point, axis);

@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn values_stand_where_the_fields_are() {
-        let base: Table = "duration = \"20 ms\"\n[design]\nbase = \"1 mm\"\n[motor]\ntorque = \"1 N*m\"\n".parse().expect("TOML");
+        let base: Table =
+            "duration = \"20 ms\"\n[design]\nbase = \"1 mm\"\n[motor]\ntorque = \"1 N*m\"\n".parse().expect("TOML");
         let fields = ["motor.torque", "contact.friction.mu_static", "design.base", "palm"];
         let template = Template::new(base, &fields).expect("a template");
         let text = template.fill(&["\"2 N*m\"", "0.8", "\"12 mm\"", "false"]);
