@@ -2,3 +2,4 @@
 
 pub mod stability;
 pub mod step_size;
+pub mod sweep;
