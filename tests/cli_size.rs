@@ -95,6 +95,6 @@ fn what_cannot_be_sized_is_refused() {
     refused(&["size", "scenes/other-assembly.toml"], &["no object"]);
     refused(&["size", "scenes/laws/spring.toml"], &["kind \"finger\""]);
     refused(&["size", ANCHOR, "--closing-time", "0 ms"], &["--closing-time", "takes some time"]);
-    refused(&["size", ANCHOR, "--preload", "-1 deg"], &["--preload", "more than 0"]);
+    refused(&["size", ANCHOR, "--preload=-1 deg"], &["--preload", "more than 0"]);
     refused(&["size", ANCHOR, "--out", "Cargo.toml/x"], &["cannot make the directory"]);
 }
