@@ -26,6 +26,8 @@ pub mod scene;
 mod simulate;
 mod study;
 mod study_stability;
+mod sweep;
+mod sweep_store;
 mod validate;
 mod validate_bodies;
 mod validate_files;
@@ -64,6 +66,7 @@ enum Command {
     /// See what a choice of settings does to a result
     #[command(subcommand)]
     Study(study::StudyCommand),
+    Sweep(sweep::SweepArgs),
 }
 
 /// How a command ended, see the [module](self).
@@ -110,6 +113,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
         Command::Study(command) => study::run(command),
+        Command::Sweep(args) => sweep::run(args),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);
