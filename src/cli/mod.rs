@@ -27,6 +27,8 @@ mod simulate;
 mod size;
 mod study;
 mod study_stability;
+mod sweep;
+mod sweep_store;
 mod validate;
 mod validate_bodies;
 mod validate_files;
@@ -66,6 +68,7 @@ enum Command {
     /// See what a choice of settings does to a result
     #[command(subcommand)]
     Study(study::StudyCommand),
+    Sweep(sweep::SweepArgs),
 }
 
 /// How a command ended, see the [module](self).
@@ -113,6 +116,7 @@ pub fn main() -> ExitCode {
         Command::Scene(command) => scene::run(command),
         Command::Size(args) => size::run(args),
         Command::Study(command) => study::run(command),
+        Command::Sweep(args) => sweep::run(args),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

@@ -7,6 +7,7 @@ mod replay;
 mod sizing;
 mod stability;
 mod step_size;
+mod sweep;
 mod table;
 mod text;
 mod validation;
@@ -24,6 +25,7 @@ pub use replay::{
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
+pub use sweep::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
 pub use text::{duration, text};
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,

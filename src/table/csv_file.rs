@@ -90,6 +90,26 @@ fn row(table: &Table, index: usize, record: &StringRecord) -> Result<Vec<Value>,
     record.iter().zip(&table.columns).map(read).collect()
 }
 
+/// Rows of known columns from lines without a header, as far as they go: up to the first line that is torn or damaged. Also
+/// says how many bytes they take.
+pub fn read_rows(bytes: &[u8], columns: &[Column]) -> (Vec<Vec<Value>>, usize) {
+    let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
+    let (mut record, mut rows, mut good) = (StringRecord::new(), Vec::new(), 0);
+    while let Ok(true) = reader.read_record(&mut record) {
+        let end = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX).min(bytes.len());
+        // A line that has not been written to its end may still look like one.
+        if record.len() != columns.len() || !bytes[..end].ends_with(b"\n") {
+            break;
+        }
+        let row: Option<Vec<Value>> =
+            record.iter().zip(columns).map(|(cell, column)| value::read(cell, column.kind)).collect();
+        let Some(row) = row else { break };
+        rows.push(row);
+        good = end;
+    }
+    (rows, good)
+}
+
 /// What the reader says, in our words.
 fn broken(error: &csv::Error, file: &str) -> TableError {
     let csv =

@@ -19,7 +19,7 @@ mod value;
 
 use std::path::Path;
 
-pub use csv_file::{line, read_csv};
+pub use csv_file::{line, read_csv, read_rows};
 pub use error::TableError;
 pub use value::{Kind, Value};
 

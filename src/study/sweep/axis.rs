@@ -73,7 +73,7 @@ impl Range {
             Spacing::Linear => self.from + (self.to - self.from) * x,
             Spacing::Log => self.from * (self.to / self.from).powf(x),
         };
-        let number = if grid { format!("{exact:.14e}").parse().unwrap_or(exact) } else { exact };
+        let number = if grid { without_noise(exact) } else { exact };
         match self.holds {
             Holds::Quantity(dimension) => {
                 let text = format!("{number:?} {}", self.unit);
@@ -88,6 +88,13 @@ impl Range {
     pub fn grid(&self, count: u64) -> Vec<Vec<Point>> {
         (0..count).map(|index| vec![self.at(index as f64 / (count - 1) as f64, true)]).collect()
     }
+}
+
+/// The short decimal that a number misses by an error of rounding; the number itself if there is none.
+fn without_noise(exact: f64) -> f64 {
+    let rounded = format!("{exact:.14e}").parse().unwrap_or(exact);
+    let digits = format!("{rounded:e}").chars().take_while(|c| *c != 'e').filter(char::is_ascii_digit).count();
+    if digits <= 12 { rounded } else { exact }
 }
 
 #[cfg(test)]
@@ -117,5 +124,7 @@ mod tests {
         assert_eq!(texts(log), ["1000000.0", "10000000.0", "100000000.0", "1000000000.0"]);
         let tenths = range(("0", 0.0), ("1", 1.0), Holds::Number, Spacing::Linear).grid(11);
         assert_eq!(texts(tenths)[3], "0.3");
+        let thirds = range(("0", 0.0), ("1", 1.0), Holds::Number, Spacing::Linear).grid(4);
+        assert_eq!(thirds[1][0].value, Value::Number(1.0 / 3.0));
     }
 }

@@ -1,0 +1,215 @@
+//! `phalanx sweep`: every run of a study, and a table of them.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+
+use super::interrupt::Interrupt;
+use super::output::{complain, print};
+use super::progress::Count;
+use super::sweep_store::{Found, Store, open};
+use super::{Failure, Status};
+use crate::report::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
+use crate::study::sweep::{self, Ran, Row, Study, StudyError, Summary, run_while, summary};
+use crate::table::Table;
+use crate::trace::Model;
+
+/// Rows that `--list` shows.
+const LISTED: u64 = 12;
+
+/// Simulate every run of a study, on all cores, and write a table of them.
+///
+/// A study file (TOML) names a base scene and the fields of it that vary; scenes/studies has some to copy. Rows are added to
+/// OUT.partial.csv as they are found; in the end all are in OUT, in order, and OUT.study.json says of which study. The same
+/// command again goes on where an earlier one was ended, however it was. A scene that is not valid and a simulation that does
+/// not end are rows too, with their reasons.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx sweep scenes/studies/thesis.toml --out thesis.csv\n  phalanx sweep scenes/studies/sample.toml \
+                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep --schema \
+                  > study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
+                  goes on), or not one run could be simulated."
+)]
+pub struct SweepArgs {
+    /// Study file (TOML); `phalanx sweep --schema` describes it
+    #[arg(required_unless_present = "schema")]
+    study: Option<PathBuf>,
+
+    /// Results, as CSV or Parquet by the name
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["schema", "list"])]
+    out: Option<PathBuf>,
+
+    /// Which of the two models simulates, instead of the study's
+    #[arg(long, value_enum)]
+    model: Option<Model>,
+
+    /// Threads, 0 for one on each core
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+
+    /// Make only the first N runs; more can be added later
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    limit: Option<u64>,
+
+    /// Begin anew, whatever is there of an earlier sweep
+    #[arg(long)]
+    restart: bool,
+
+    /// Show what would be run, and run nothing
+    #[arg(long)]
+    list: bool,
+
+    /// Print the JSON Schema of study files, for editors
+    #[arg(long, conflicts_with_all = ["study", "out", "list"])]
+    schema: bool,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long, conflicts_with = "list")]
+    json: bool,
+}
+
+impl From<StudyError> for Failure {
+    /// The message shows the place in the file, and begins with `error:` itself.
+    fn from(error: StudyError) -> Self {
+        Failure { message: error.to_string(), status: Status::BadInput }
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
+    let Some(file) = &args.study else {
+        print(&sweep::schema())?;
+        return Ok(Status::Done);
+    };
+    let mut study = sweep::load(file)?;
+    if let Some(model) = args.model {
+        study.model = model;
+    }
+    let (Some(out), false) = (&args.out, args.list) else {
+        print(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
+        return Ok(Status::Done);
+    };
+    let most = args.limit.unwrap_or(u64::MAX);
+    match open(&study, out, most, args.restart)? {
+        Found::Complete(table) => {
+            complain(&format!(
+                "{} has all runs of this study already: nothing was run. --restart runs them again.",
+                out.display()
+            ));
+            tell(args, &study, out, &table, SweepWork::new(0, 0, 0, 0.0))
+        }
+        Found::Begun(store) => make(args, &study, out, store, most),
+    }
+}
+
+/// Makes the runs that are not there yet.
+fn make(args: &SweepArgs, study: &Study, out: &Path, mut store: Store, most: u64) -> Result<Status, Failure> {
+    let done: HashSet<u64> = store.done().collect();
+    let interrupt = Interrupt::listen()?;
+    let mut so_far = SoFar::new(study.runs().min(most), done.len() as u64);
+    let mut broken = None;
+    let ran = run_while(study, args.threads, most, &done, &|| interrupt.signal().is_none(), |row| {
+        // Nothing may follow what could not be written.
+        if broken.is_none() {
+            so_far.take(&row);
+            broken = store.add(row.cells).err();
+        }
+        broken.is_none()
+    });
+    so_far.count.clear();
+    let goes_on = format!(
+        "{} of {} runs are in {}: the same command goes on from there",
+        so_far.done,
+        so_far.total,
+        store.partial().display()
+    );
+    if let Some(error) = broken {
+        return Err(Failure::incomplete(format!("cannot write {}: {error}; {goes_on}", store.partial().display())));
+    }
+    if let (false, Some(signal)) = (ran.complete, interrupt.signal()) {
+        return Err(Failure::incomplete(format!("the sweep was interrupted by {signal}; {goes_on}")));
+    }
+    let table = store.finish(study)?;
+    let Ran { runs, threads, wall_s, .. } = ran;
+    tell(args, study, out, &table, SweepWork::new(runs, so_far.simulations, threads, wall_s))
+}
+
+/// Says what is in the results.
+fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWork) -> Result<Status, Failure> {
+    let found = summary(table).map_err(Failure::incomplete)?;
+    let nothing = nothing(&found);
+    let report = SweepReport {
+        study: study.name.clone(),
+        model: study.model.name().to_string(),
+        out: out.display().to_string(),
+        runs: study.runs(),
+        designs: study.designs(),
+        found,
+        now,
+    };
+    print(&if args.json { sweep_json(&report) } else { sweep_text(&report) })?;
+    match nothing {
+        true => Err(Failure::incomplete(format!(
+            "not one run could be simulated to its end; {} says why of each",
+            out.display()
+        ))),
+        false => Ok(Status::Done),
+    }
+}
+
+/// Whether a sweep found nothing but refusals and failures.
+fn nothing(found: &Summary) -> bool {
+    use sweep::Status::{Completed, Filtered};
+    found.runs > 0 && found.with(Completed) == 0 && found.with(Filtered) == 0
+}
+
+/// How far a sweep has come.
+struct SoFar {
+    count: Count,
+    total: u64,
+    done: u64,
+    /// Done before this sweep.
+    before: u64,
+    simulations: u64,
+    failed: u64,
+    refused: u64,
+    start: Instant,
+    next: Duration,
+}
+
+impl SoFar {
+    fn new(total: u64, before: u64) -> Self {
+        let (count, start) = (Count::new(), Instant::now());
+        SoFar { count, total, done: before, before, simulations: 0, failed: 0, refused: 0, start, next: Duration::ZERO }
+    }
+
+    fn take(&mut self, row: &Row) {
+        self.done += 1;
+        match row.status {
+            sweep::Status::Completed => self.simulations += 1,
+            sweep::Status::Failed => (self.simulations, self.failed) = (self.simulations + 1, self.failed + 1),
+            sweep::Status::Refused => self.refused += 1,
+            sweep::Status::Filtered => {}
+        }
+        let elapsed = self.start.elapsed();
+        // Texts are made only as often as somebody can read them.
+        if elapsed >= self.next {
+            self.next = elapsed + Duration::from_millis(100);
+            let each_s = elapsed.as_secs_f64() / (self.done - self.before) as f64;
+            let left = each_s * (self.total - self.done) as f64;
+            let text = format!("{} left, {} failed, {} refused", span(left), self.failed, self.refused);
+            self.count.show(self.done as usize, self.total as usize, &text);
+        }
+    }
+}
+
+/// A time that people wait.
+fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}

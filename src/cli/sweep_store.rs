@@ -1,0 +1,266 @@
+//! Results of a sweep on the disk: rows are added to `OUT.partial.csv` as they are found, so that nothing that ended a sweep
+//! loses a finished run; at the end all of them are written as OUT, in order.
+//!
+//! Beside OUT stands `OUT.study.json`: which study the results are of, with its exact text. It says whether a sweep that is
+//! started again may go on from what is there.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use fs4::{FileExt, TryLockError};
+use serde::{Deserialize, Serialize};
+
+use super::Failure;
+use super::validate_files::save;
+use crate::study::sweep::{Study, columns, sorted};
+use crate::table::{self, Column, Table, Value};
+
+/// How the file of unfinished results begins.
+const MAGIC: &str = "# phalanx sweep";
+
+/// What `OUT.study.json` says.
+#[derive(Debug, Serialize, Deserialize)]
+struct Beside {
+    phalanx: String,
+    study: String,
+    model: String,
+    /// Of study, base scene, model and version.
+    fingerprint: String,
+    /// Of the bytes of the results.
+    results: String,
+    rows: u64,
+    study_toml: String,
+    scene_toml: String,
+}
+
+/// Results that grow.
+pub struct Store {
+    out: PathBuf,
+    partial: PathBuf,
+    file: File,
+    columns: Vec<Column>,
+    /// Rows there are, by no order.
+    rows: Vec<Vec<Value>>,
+}
+
+/// What is there of a sweep.
+pub enum Found {
+    /// All that is wanted.
+    Complete(Table),
+    Begun(Store),
+}
+
+/// Opens the results of a study, of which the first `most` runs are wanted.
+///
+/// # Errors
+/// A place where results cannot be, results of another study, or another sweep that writes them.
+pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found, Failure> {
+    table::format(out).map_err(Failure::bad_input)?;
+    if out.is_dir() {
+        return Err(Failure::bad_input(format!("{} is a directory; give the name of a file in it", out.display())));
+    }
+    if let Some(directory) = out.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
+        let directory = directory.display();
+        return Err(Failure::bad_input(format!(
+            "cannot write {}: the directory {directory} does not exist; create it first (mkdir -p {directory})",
+            out.display()
+        )));
+    }
+    let wanted = study.runs().min(most);
+    let complete = |table: &Table| !restart && table.rows.len() as u64 >= wanted;
+    if let Some(table) = finished(study, out).filter(complete) {
+        return Ok(Found::Complete(table));
+    }
+    let partial = with_suffix(out, ".partial.csv");
+    let file = claim(out, &partial)?;
+    let mut store = Store { out: out.to_path_buf(), partial, file, columns: columns(study), rows: Vec::new() };
+    let begun = store.resume(study, restart)?;
+    if restart {
+        return Ok(Found::Begun(store));
+    }
+    // Another sweep may have finished while this one waited for nothing.
+    match finished(study, out) {
+        Some(table) if complete(&table) => {
+            let _ = fs::remove_file(&store.partial);
+            return Ok(Found::Complete(table));
+        }
+        Some(table) => store.rows.extend(table.rows),
+        None if out.exists() && !begun => {
+            let _ = fs::remove_file(&store.partial);
+            return Err(Failure::bad_input(format!(
+                "{} is there already, and not as a sweep of this study left it; give another --out, or replace it with \
+                 --restart",
+                out.display()
+            )));
+        }
+        None => {}
+    }
+    Ok(Found::Begun(store))
+}
+
+impl Store {
+    /// Runs that are done.
+    pub fn done(&self) -> impl Iterator<Item = u64> + '_ {
+        self.rows.iter().filter_map(|row| match row.first() {
+            Some(Value::Integer(run)) => u64::try_from(*run).ok(),
+            _ => None,
+        })
+    }
+
+    /// Adds a row: on the disk in one write, so that what ends the process leaves it whole or torn, but never in between others.
+    pub fn add(&mut self, cells: Vec<Value>) -> io::Result<()> {
+        self.file.write_all(table::line(&cells).as_bytes())?;
+        self.rows.push(cells);
+        Ok(())
+    }
+
+    /// Where rows are until all are there.
+    pub fn partial(&self) -> &Path {
+        &self.partial
+    }
+
+    /// Writes the results, in order and whole, and removes the file that grew.
+    pub fn finish(self, study: &Study) -> Result<Table, Failure> {
+        let table = sorted(study, self.rows);
+        let kept = |error: &dyn std::fmt::Display| {
+            Failure::incomplete(format!(
+                "{error}; every finished run is in {}: the same command goes on from there",
+                self.partial.display()
+            ))
+        };
+        table::write(&self.out, &table).map_err(|error| kept(&error))?;
+        let results = fs::read(&self.out).map_err(|error| kept(&error))?;
+        let beside = Beside {
+            phalanx: env!("CARGO_PKG_VERSION").to_string(),
+            study: study.name.clone(),
+            model: study.model.name().to_string(),
+            fingerprint: study.fingerprint(),
+            results: crc(&results),
+            rows: table.rows.len() as u64,
+            study_toml: study.source.clone(),
+            scene_toml: study.base.clone(),
+        };
+        let text = serde_json::to_string_pretty(&beside).map_err(|error| kept(&error))?;
+        save(&beside_name(&self.out), &format!("{text}\n"))?;
+        fs::remove_file(&self.partial).map_err(|error| kept(&error))?;
+        Ok(table)
+    }
+
+    /// Takes the rows of an earlier sweep of this study; says whether there is one.
+    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, Failure> {
+        let mut bytes = Vec::new();
+        self.file.read_to_end(&mut bytes).map_err(|error| self.failed(&error))?;
+        let head = head(study, &self.columns);
+        let partial = self.partial.display();
+        let out = self.out.display();
+        let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
+        if !MAGIC.as_bytes().starts_with(&first[..first.len().min(MAGIC.len())]) {
+            return Err(Failure::bad_input(format!(
+                "{partial} is needed for unfinished results, but is something else; move it away or give another --out"
+            )));
+        }
+        // A head that is torn has no rows behind it.
+        if restart || head.as_bytes().starts_with(&bytes) && bytes.len() < head.len() {
+            self.file
+                .set_len(0)
+                .and_then(|()| self.file.seek(SeekFrom::Start(0)).map(drop))
+                .map_err(|e| self.failed(&e))?;
+            self.file.write_all(head.as_bytes()).map_err(|error| self.failed(&error))?;
+            return Ok(restart);
+        }
+        let Some(lines) = bytes.strip_prefix(head.as_bytes()) else {
+            return Err(Failure::bad_input(format!(
+                "{partial} holds unfinished results of another study, model or version, or this study has been changed since; \
+                 --restart begins anew and gives them up, another --out leaves them alone ({out} is as it was)"
+            )));
+        };
+        let (rows, good) = table::read_rows(lines, &self.columns);
+        let end = (head.len() + good) as u64;
+        self.file
+            .set_len(end)
+            .and_then(|()| self.file.seek(SeekFrom::Start(end)).map(drop))
+            .map_err(|e| self.failed(&e))?;
+        self.rows = rows;
+        Ok(true)
+    }
+
+    fn failed(&self, error: &io::Error) -> Failure {
+        Failure::incomplete(format!("cannot write {}: {error}", self.partial.display()))
+    }
+}
+
+/// The first two lines of unfinished results: which study, and the columns.
+fn head(study: &Study, columns: &[Column]) -> String {
+    let names: Vec<Value> = columns.iter().map(|column| Value::from(column.name.as_str())).collect();
+    format!("{MAGIC} {} of {}, unfinished\n{}", study.fingerprint(), study.runs(), table::line(&names))
+}
+
+/// Results that a sweep of this study has written and nobody has touched since.
+fn finished(study: &Study, out: &Path) -> Option<Table> {
+    let beside: Beside = serde_json::from_slice(&fs::read(beside_name(out)).ok()?).ok()?;
+    if beside.fingerprint != study.fingerprint() || beside.results != crc(&fs::read(out).ok()?) {
+        return None;
+    }
+    let table = match table::format(out).ok()? {
+        table::Format::Csv => table::read_csv(out, &columns(study)).ok()?,
+        table::Format::Parquet => table::read(out).ok()?,
+    };
+    (table.columns == columns(study)).then_some(table)
+}
+
+/// Opens the file that grows and locks it, so that no two sweeps write one.
+fn claim(out: &Path, partial: &Path) -> Result<File, Failure> {
+    let failed = |error: io::Error| {
+        Failure::bad_input(format!("cannot write {}: {error}; give a place where you may write", partial.display()))
+    };
+    loop {
+        let mut options = OpenOptions::new();
+        let file = options.read(true).write(true).create(true).truncate(false).open(partial).map_err(failed)?;
+        match FileExt::try_lock(&file) {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(Failure::bad_input(format!(
+                    "another sweep is writing {} (its rows are in {}); wait for it, or give another --out",
+                    out.display(),
+                    partial.display()
+                )));
+            }
+            Err(TryLockError::Error(error)) => return Err(failed(error)),
+        }
+        // The sweep that held it may have removed it between the two.
+        if same_file(&file, partial) {
+            return Ok(file);
+        }
+    }
+}
+
+#[cfg(unix)]
+fn same_file(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (file.metadata(), fs::metadata(path)) {
+        (Ok(held), Ok(there)) => (held.dev(), held.ino()) == (there.dev(), there.ino()),
+        _ => false,
+    }
+}
+
+/// Elsewhere a file that is open is not removed.
+#[cfg(not(unix))]
+fn same_file(_: &File, _: &Path) -> bool {
+    true
+}
+
+fn beside_name(out: &Path) -> PathBuf {
+    with_suffix(out, ".study.json")
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+fn crc(bytes: &[u8]) -> String {
+    format!("{:08x}", crc32fast::hash(bytes))
+}

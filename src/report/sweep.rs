@@ -1,0 +1,128 @@
+//! What a sweep came to, as tables and JSON.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::document_text;
+use super::table::{figure, table};
+use crate::study::sweep::{Study, Summary};
+use crate::table::Value;
+
+/// A finished sweep.
+#[derive(Clone, Debug, Serialize)]
+pub struct SweepReport {
+    pub study: String,
+    pub model: String,
+    /// File of the results.
+    pub out: String,
+    pub runs: u64,
+    pub designs: u64,
+    #[serde(flatten)]
+    pub found: Summary,
+    /// What was done now; all else was there already.
+    pub now: SweepWork,
+}
+
+/// What this sweep itself did.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SweepWork {
+    pub runs: u64,
+    /// Runs that were simulated: neither filtered nor refused.
+    pub simulations: u64,
+    pub threads: usize,
+    pub wall_s: f64,
+    pub simulations_per_s: f64,
+    pub simulations_per_s_per_thread: f64,
+}
+
+impl SweepWork {
+    pub fn new(runs: u64, simulations: u64, threads: usize, wall_s: f64) -> Self {
+        let rate = if wall_s > 0.0 { simulations as f64 / wall_s } else { 0.0 };
+        SweepWork {
+            runs,
+            simulations,
+            threads,
+            wall_s,
+            simulations_per_s: rate,
+            simulations_per_s_per_thread: rate / threads.max(1) as f64,
+        }
+    }
+}
+
+/// One JSON document, with SI units in every key.
+pub fn sweep_json(report: &SweepReport) -> String {
+    let counts = |of: &[(String, u64)]| -> BTreeMap<String, u64> { of.iter().cloned().collect() };
+    let mut document = serde_json::to_value(report).unwrap_or_default();
+    document["by_status"] = serde_json::json!(counts(&report.found.by_status));
+    document["by_class"] = serde_json::json!(counts(&report.found.by_class));
+    document_text(&document)
+}
+
+/// Tables for people.
+pub fn sweep_text(report: &SweepReport) -> String {
+    let SweepReport { study, model, out, runs, designs, found, now } = report;
+    let of = match found.runs == *runs {
+        true => format!("{runs} runs"),
+        false => format!("{} of {runs} runs", found.runs),
+    };
+    let mut text = format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n");
+    let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
+    text.push_str(&table(&found.by_status.iter().map(line).collect::<Vec<_>>()));
+    if found.by_class.iter().any(|(_, count)| *count > 0) {
+        text.push_str("\nof the completed ones\n");
+        text.push_str(&table(&found.by_class.iter().map(line).collect::<Vec<_>>()));
+    }
+    if !found.reasons.is_empty() {
+        text.push_str("\nreasons (numbers are those of the first run)\n");
+        for reason in &found.reasons {
+            text.push_str(&format!(
+                "{:>7} {}, first run {}: {}\n",
+                reason.runs, reason.status, reason.first_run, reason.reason
+            ));
+        }
+    }
+    text.push('\n');
+    if now.runs < found.runs {
+        text.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
+    }
+    if now.simulations > 0 {
+        let threads = if now.threads == 1 { "1 thread".to_string() } else { format!("{} threads", now.threads) };
+        text.push_str(&format!(
+            "{} simulations in {} s on {threads}: {} a second, {} on each",
+            now.simulations,
+            figure(now.wall_s, 3),
+            figure(now.simulations_per_s, 3),
+            figure(now.simulations_per_s_per_thread, 3)
+        ));
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+    text
+}
+
+/// What a study would run: its axes and its first runs.
+pub fn sweep_list(study: &Study, most: u64) -> String {
+    let runs = study.runs();
+    let mut text =
+        format!("{}: {} model, {runs} runs, {} designs\n\n", study.name, study.model.name(), study.designs());
+    let axes: Vec<Vec<String>> =
+        study.fields().map(|(column, count)| vec![column, format!("{count} values")]).collect();
+    text.push_str(&table(&axes));
+    let names = study.fields().map(|(column, _)| column);
+    let head = ["run", "design"].map(String::from).into_iter().chain(names).collect();
+    let line = |run: u64| {
+        let values = study.points(run).into_iter().map(|point| match point.value {
+            Value::Number(number) => figure(number, 6),
+            other => other.text(),
+        });
+        [run.to_string(), study.design(run).to_string()].into_iter().chain(values).collect()
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain((1..=runs.min(most)).map(line)).collect();
+    text.push('\n');
+    text.push_str(&table(&rows));
+    if runs > most {
+        text.push_str(&format!("and {} more\n", runs - most));
+    }
+    text
+}
