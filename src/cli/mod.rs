@@ -24,6 +24,7 @@ mod run;
 mod run_bodies;
 pub mod scene;
 mod simulate;
+mod statics;
 mod study;
 mod study_stability;
 mod validate;
@@ -56,6 +57,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
+    Statics(statics::StaticsArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
     /// Show and check scene files, and print their schema
@@ -106,6 +108,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Statics(args) => statics::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),

@@ -10,6 +10,7 @@
 //! | `bodies` | the same of a scene of discs |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
+//! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
 //! | `difference` | difference of two runs over time |
 
 mod axis;
@@ -17,6 +18,7 @@ mod bodies;
 mod canvas;
 mod curve;
 mod difference;
+mod grasp;
 mod overlay;
 mod speed_error;
 mod stability;
@@ -25,6 +27,7 @@ mod step_size;
 pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
+pub use grasp::grasp;
 pub use overlay::{overlay, overlay_of};
 pub use speed_error::{bodies_speed_error, speed_error};
 pub use stability::stability;

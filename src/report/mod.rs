@@ -5,6 +5,7 @@ mod csv;
 mod document;
 mod replay;
 mod stability;
+mod statics;
 mod step_size;
 mod table;
 mod text;
@@ -21,6 +22,11 @@ pub use replay::{
     against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
 pub use stability::{stability_csv, stability_json, stability_text};
+pub use statics::{
+    BirglenReport, ClosureReport, ContactPlaceReport, DriveReport, FinalPostureReport, FingerMotionReport,
+    ForcesReport, MotionReport, MultiplierReport, NecessaryReport, RateReport, SpringReport, StaticsReport,
+    statics_json, statics_text,
+};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use text::{duration, text};
 pub use validation::{
