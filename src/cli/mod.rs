@@ -25,6 +25,7 @@ mod run_bodies;
 pub mod scene;
 mod simulate;
 mod size;
+mod statics;
 mod study;
 mod study_stability;
 mod sweep;
@@ -59,6 +60,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
+    Statics(statics::StaticsArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
     Size(size::SizeArgs),
@@ -111,6 +113,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Statics(args) => statics::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
