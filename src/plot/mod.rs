@@ -8,6 +8,7 @@
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `overlay` | two runs over time |
 //! | `bodies` | the same of a scene of discs |
+//! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
 //! | `difference` | difference of two runs over time |
@@ -18,6 +19,7 @@ mod canvas;
 mod curve;
 mod difference;
 mod overlay;
+mod select;
 mod speed_error;
 mod stability;
 mod step_size;
@@ -26,6 +28,9 @@ pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
 pub use overlay::{overlay, overlay_of};
+pub use select::{
+    selection_classes, selection_criteria, selection_forces, selection_static, selection_variables,
+};
 pub use speed_error::{bodies_speed_error, speed_error};
 pub use stability::stability;
 pub use step_size::step_size;
