@@ -23,6 +23,7 @@ mod replay_verify;
 mod run;
 mod run_bodies;
 pub mod scene;
+mod select;
 mod simulate;
 mod study;
 mod study_stability;
@@ -61,6 +62,7 @@ enum Command {
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
+    Select(select::SelectArgs),
     /// See what a choice of settings does to a result
     #[command(subcommand)]
     Study(study::StudyCommand),
@@ -109,6 +111,7 @@ pub fn main() -> ExitCode {
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
+        Command::Select(args) => select::run(args),
         Command::Study(command) => study::run(command),
     };
     let status = result.unwrap_or_else(|failure| {

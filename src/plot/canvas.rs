@@ -54,8 +54,12 @@ pub enum Mark {
     Dot,
     SmallDot,
     Speck,
-    Line { width: u32 },
-    Pale { width: u32 },
+    Line {
+        width: u32,
+    },
+    Pale {
+        width: u32,
+    },
 }
 
 /// One line of a legend.
@@ -211,6 +215,11 @@ pub fn words_to(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColor)
 fn anchored(area: &Area, text: &str, at: Pixel, (size, colour): (u32, RGBColor), side: HPos) -> Result<(), DrawError> {
     let style = (FONT, size).into_font().color(&colour).pos(Pos::new(side, VPos::Center));
     area.draw(&Text::new(text.to_string(), at, style))
+}
+
+/// A box without an edge, from one corner to the other.
+pub fn block(area: &Area, corners: [Pixel; 2], fill: RGBColor) -> Result<(), DrawError> {
+    area.draw(&Rectangle::new(corners, ShapeStyle::from(&fill).filled()))
 }
 
 /// A box with its edge, from one corner to the other.

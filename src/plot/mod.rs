@@ -28,9 +28,7 @@ pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
 pub use overlay::{overlay, overlay_of};
-pub use select::{
-    selection_classes, selection_criteria, selection_forces, selection_static, selection_variables,
-};
+pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use speed_error::{bodies_speed_error, speed_error};
 pub use stability::stability;
 pub use step_size::step_size;

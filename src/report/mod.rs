@@ -17,19 +17,18 @@ pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,
 };
+pub use quantity::Quantity;
 pub use replay::{
     AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
     GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
     against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
-pub use quantity::Quantity;
 pub use select::{
     AxisReport, ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, condition_name,
     criterion_key, criterion_name, percent_of, ranking_table, selection_json, selection_text,
 };
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
-pub(crate) use table::figure;
 pub use text::{duration, text};
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,

@@ -41,7 +41,9 @@ impl Quantity {
     pub fn of(column: &str) -> Quantity {
         let last = column.rsplit('.').next().unwrap_or(column);
         match UNITS.iter().find(|(suffix, ..)| last.len() > suffix.len() && last.ends_with(suffix)) {
-            Some(&(suffix, unit, scale)) => Quantity { name: last[..last.len() - suffix.len()].to_string(), unit, scale },
+            Some(&(suffix, unit, scale)) => {
+                Quantity { name: last[..last.len() - suffix.len()].to_string(), unit, scale }
+            }
             None => Quantity { name: last.to_string(), unit: "", scale: 1.0 },
         }
     }

@@ -1,4 +1,4 @@
-//! Studies: what a choice of settings does to a result.
+//! Studies: what a choice of settings does to a result, and what a choice of designs does.
 
 pub mod select;
 pub mod stability;

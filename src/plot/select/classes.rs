@@ -4,8 +4,7 @@ use plotters::style::RGBColor;
 
 use super::strip::{NEUTRAL, PALE_BLUE, key, shortened, strip, text_width};
 use crate::plot::canvas::{
-    AMBER, Area, BLACK, BLUE, DrawError, GREY, WHITE, WIDTH, line_between, picture, titled, words, words_from,
-    words_to,
+    AMBER, Area, BLACK, BLUE, DrawError, GREY, WHITE, WIDTH, line_between, picture, titled, words, words_from, words_to,
 };
 use crate::report::{Quantity, condition_name, percent_of};
 use crate::study::select::{Axis, Candidate, Selection};

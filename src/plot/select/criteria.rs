@@ -80,13 +80,7 @@ fn middle(place: usize, count: usize) -> i32 {
 }
 
 /// The rows of one condition.
-fn draw(
-    area: &Area,
-    selection: &Selection,
-    designs: &[i64],
-    condition: usize,
-    top: i32,
-) -> Result<(), DrawError> {
+fn draw(area: &Area, selection: &Selection, designs: &[i64], condition: usize, top: i32) -> Result<(), DrawError> {
     let right = WIDTH as i32 - RIGHT;
     let name = condition_name(&selection.conditions[condition]);
     words_from(area, &name, (16, top + HEAD / 2), 15, BLACK)?;
@@ -105,6 +99,7 @@ fn draw(
     let y = top + HEAD + ROW * selection.criteria.len() as i32 + 6;
     words_to(area, "selected", (LEFT - 10, y), TEXT, GREEN)?;
     let best = selection.ranking.first().map(|ranked| ranked.run_index);
+    let mut marked = std::collections::HashSet::new();
     for ranked in &selection.ranking {
         let run = &selection.runs[ranked.run_index];
         if run.condition != condition {
@@ -112,7 +107,9 @@ fn draw(
         }
         let Ok(place) = designs.binary_search(&run.design) else { continue };
         let x = middle(place, designs.len());
-        mark(area, (x, y), Mark::SmallTriangle, GREEN)?;
+        if marked.insert(x) {
+            mark(area, (x, y), Mark::SmallTriangle, GREEN)?;
+        }
         if Some(ranked.run_index) == best {
             words(area, &format!("best: {}", run.design), (x, y + 15), TEXT, GREEN)?;
         }

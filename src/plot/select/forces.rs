@@ -55,7 +55,12 @@ pub fn selection_forces(title: &str, selection: &Selection) -> Result<String, Dr
             line(&mut chart, vec![(x.from, 0.0), (x.to, 0.0)], Mark::Line { width: 1 }, GREY)?;
             for run in selection.runs.iter().filter(shown) {
                 if let Some(value) = figure(run) {
-                    let mark = if many { Mark::Speck } else { Mark::Dot };
+                    // The first condition shows around the others where they agree.
+                    let mark = match (many, run.condition) {
+                        (true, _) => Mark::Speck,
+                        (false, 0) => Mark::Dot,
+                        (false, _) => Mark::SmallDot,
+                    };
                     point(&mut chart, (run.design as f64, value), mark, COLOURS[run.condition % COLOURS.len()])?;
                 }
             }

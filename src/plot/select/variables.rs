@@ -4,9 +4,7 @@ use plotters::style::RGBColor;
 
 use super::criteria::designs;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{
-    BLACK, BLUE, DrawError, GREEN, Mark, frame, picture, point, titled, words_from,
-};
+use crate::plot::canvas::{BLACK, BLUE, DrawError, GREEN, Mark, frame, picture, point, titled, words_from};
 use crate::report::Quantity;
 use crate::study::select::Selection;
 use crate::table::{Table, Value};

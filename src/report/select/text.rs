@@ -137,7 +137,9 @@ fn equal(selection: &Selection) -> String {
     .collect();
     match (same.is_empty(), selection.ranking.len()) {
         (true, _) => String::new(),
-        (false, 1) => "Only one is left, so there is nothing to scale it against: every part counts as ½.\n".to_string(),
+        (false, 1) => {
+            "Only one is left, so there is nothing to scale it against: every part counts as ½.\n".to_string()
+        }
         (false, _) => format!("{} is the same for all selected: its part counts as ½ for each.\n", same.join(", ")),
     }
 }

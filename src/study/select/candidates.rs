@@ -36,8 +36,7 @@ pub enum RunStatus {
 }
 
 impl RunStatus {
-    pub const ALL: [RunStatus; 4] =
-        [RunStatus::Completed, RunStatus::Filtered, RunStatus::Refused, RunStatus::Failed];
+    pub const ALL: [RunStatus; 4] = [RunStatus::Completed, RunStatus::Filtered, RunStatus::Refused, RunStatus::Failed];
 
     /// The word in the table.
     pub fn name(self) -> &'static str {

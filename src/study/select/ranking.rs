@@ -148,7 +148,8 @@ mod tests {
 
     #[test]
     fn equals_share_a_place_in_the_order_they_came_in() {
-        let set = figures(&[[1.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [0.0, 5e-3, 1.0, 1.0]]);
+        let set =
+            figures(&[[1.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [0.0, 5e-3, 1.0, 1.0]]);
         let ranking = rank(&set, &Weights::default());
         let order: Vec<_> = ranking.iter().map(|ranked| (ranked.place, ranked.run_index)).collect();
         assert_eq!(order, [(1, 1), (1, 2), (3, 0), (4, 3)]);
