@@ -18,12 +18,15 @@ const FOOT: u32 = 44;
 const DEPENDENT: [&str; 8] =
     ["l12_m", "l21_m", "l22_m", "t22_m", "mass_kg", "trajectory_rad", "motor_n_m", "spring_n_m"];
 
+/// A column of the results, its colour, and (design, shown value).
+type Panel = (usize, RGBColor, Vec<(f64, f64)>);
+
 /// The picture: a panel for every axis that is not part of the conditions, and one for each figure that follows.
 pub fn selection_variables(title: &str, results: &Table, selection: &Selection) -> Result<String, DrawError> {
     let varied = selection.axes.iter().filter(|axis| !axis.again && axis.values.len() > 1);
     let varied = varied.filter_map(|axis| Some((results.find(&axis.column)?, BLUE)));
     let dependent = DEPENDENT.iter().filter_map(|name| Some((results.find(name)?, GREEN)));
-    let panels: Vec<(usize, RGBColor, Vec<(f64, f64)>)> = varied
+    let panels: Vec<Panel> = varied
         .chain(dependent)
         .map(|(column, colour)| (column, colour, points(results, selection, column)))
         .filter(|(_, _, points)| !points.is_empty())

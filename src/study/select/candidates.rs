@@ -76,8 +76,16 @@ pub fn class_named(name: &str) -> Option<Class> {
     CLASSES.into_iter().find(|class| class.name() == name)
 }
 
-/// Axes, conditions, and runs in the order of their numbers.
-pub fn read(table: &Table) -> Result<(Vec<Axis>, Vec<Condition>, Vec<Candidate>), SelectError> {
+/// What a table of results holds.
+pub struct Read {
+    pub axes: Vec<Axis>,
+    pub conditions: Vec<Condition>,
+    /// In the order of their numbers.
+    pub runs: Vec<Candidate>,
+}
+
+/// Axes, conditions and runs.
+pub fn read(table: &Table) -> Result<Read, SelectError> {
     let (design, lengths) = (table.column("design")?, table.column("l12_m")?);
     if lengths < design {
         return Err(SelectError::Order);
@@ -107,7 +115,7 @@ pub fn read(table: &Table) -> Result<(Vec<Axis>, Vec<Condition>, Vec<Candidate>)
     let names = table.columns[places].iter().enumerate();
     let axes: Vec<Axis> = names.map(|(index, column)| axis(&column.name, index, &runs)).collect();
     let conditions = conditions(&axes, &mut runs)?;
-    Ok((axes, conditions, runs))
+    Ok(Read { axes, conditions, runs })
 }
 
 /// The columns that a selection needs, each of its kind.

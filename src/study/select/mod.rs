@@ -70,7 +70,7 @@ impl Selection {
 /// `force_positive`, `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and what is bounded; others may be missing.
 pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection, SelectError> {
     criteria.weights.check()?;
-    let (axes, conditions, runs) = candidates::read(results)?;
+    let candidates::Read { axes, conditions, runs } = candidates::read(results)?;
     let list = criteria.list();
     let bounded = criteria::bounded(results, &list)?;
     let judge = |run: &Candidate| {
