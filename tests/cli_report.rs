@@ -46,6 +46,7 @@ fn criteria() -> Criteria {
         tts_s: Some(6.883746e-3),
         lost_s: 0.0,
         rebound_percent: Some(0.0),
+        statically_stable: true,
         class: Class::Stable,
     }
 }

@@ -25,6 +25,7 @@ mod run_bodies;
 pub mod scene;
 mod select;
 mod simulate;
+mod size;
 mod study;
 mod study_stability;
 mod validate;
@@ -59,6 +60,7 @@ enum Command {
     Run(run::RunArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
+    Size(size::SizeArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
@@ -112,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
         Command::Select(args) => select::run(args),
+        Command::Size(args) => size::run(args),
         Command::Study(command) => study::run(command),
     };
     let status = result.unwrap_or_else(|failure| {

@@ -212,7 +212,8 @@ fn opening(text: &str) -> Result<f64, String> {
     positive(text, Dimension::Length, "a tolerance must be more than 0; expected a length such as \"0.02 um\"")
 }
 
-fn positive(text: &str, dimension: Dimension, otherwise: &str) -> Result<f64, String> {
+/// A quantity above 0.
+pub(super) fn positive(text: &str, dimension: Dimension, otherwise: &str) -> Result<f64, String> {
     match units::parse(text, dimension) {
         Ok(value) if value > 0.0 => Ok(value),
         Ok(_) => Err(otherwise.to_string()),

@@ -7,9 +7,9 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
-use super::simulate::final_angles;
+use super::simulate::grasp;
 use super::{Failure, replay};
-use crate::criteria::{Criteria, Tracker};
+use crate::criteria::{AtRest, Criteria, Tracker};
 use crate::log::{self, LARGEST_RECORD, LogSink, Names, ReadError, Reading};
 use crate::report::{CsvHead, DiscsSummary, ReplayReport, Summary, csv_discs, csv_finger};
 use crate::scene::{self, AnyScene, BodiesScene, SceneError};
@@ -19,6 +19,7 @@ use crate::trace::{Event, Outcome, Sample, Sink, SinkError};
 /// Everything that listens to a log.
 pub(super) struct Listeners<'a> {
     summary: Summary,
+    grasp: Option<AtRest>,
     tracker: Option<Tracker>,
     discs: DiscsSummary,
     /// The scene of a log of discs, if there is one that this phalanx reads.
@@ -34,6 +35,7 @@ impl<'a> Listeners<'a> {
         let duration_s = head.metadata.get("duration_s").and_then(|text| text.parse().ok());
         let mut listeners = Listeners {
             summary: Summary::default(),
+            grasp: None,
             tracker: None,
             discs: DiscsSummary::default(),
             bodies: None,
@@ -41,7 +43,10 @@ impl<'a> Listeners<'a> {
             interrupt,
         };
         match attached(&head) {
-            Some(Ok(AnyScene::Finger(scene))) => listeners.tracker = final_angles(&scene).map(Tracker::new),
+            Some(Ok(AnyScene::Finger(scene))) => {
+                listeners.grasp = grasp(&scene);
+                listeners.tracker = listeners.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
+            }
             Some(Ok(AnyScene::Bodies(scene))) => listeners.bodies = Some(scene),
             Some(Err(error)) => {
                 let missing =
@@ -80,7 +85,8 @@ impl<'a> Listeners<'a> {
     fn criteria(&self, reading: &Reading) -> Option<Criteria> {
         let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
         let whole = completed && reading.losses.is_empty() && reading.recovered.is_none();
-        self.tracker.as_ref().filter(|_| whole).map(|tracker| tracker.criteria(true))
+        let judged = self.tracker.as_ref().zip(self.grasp.as_ref()).filter(|_| whole);
+        judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()))
     }
 
     fn check(&self) -> Result<(), SinkError> {

@@ -7,8 +7,7 @@ use std::time::Instant;
 use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
-use crate::criteria::{Criteria, FinalAngles, Rebound, Rebounds, Tracker};
-use crate::gripper::{Circle, final_posture};
+use crate::criteria::{AtRest, Criteria, Rebound, Rebounds, Tracker, at_rest};
 use crate::integrator;
 use crate::log::{Beside, BodiesChannels, Channels, FingerChannels, Severity};
 use crate::report;
@@ -48,7 +47,8 @@ pub(super) fn finger<W: Write + Send + 'static>(
     limits: &Limits<'_>,
     also: &mut impl Sink,
 ) -> Simulated<W, Outcome, Option<Criteria>> {
-    let tracker = final_angles(scene).map(Tracker::new);
+    let grasp = grasp(scene);
+    let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
     let progress = progress(scene.duration_s, limits);
     let sinks = Sinks { log, found: tracker, last_s: 0.0, progress, limits, also };
     let mut thinned = Thinned::new(scene.log.numeric_hz, sinks);
@@ -58,8 +58,8 @@ pub(super) fn finger<W: Write + Send + 'static>(
     let last = thinned.end();
     let mut sinks = thinned.sink;
     sinks.progress.clear();
-    // Whether the grasp is statically stable is for the statics to say; the criteria here are the run's own.
-    let found = sinks.found.as_ref().filter(|_| result.is_ok()).map(|tracker| tracker.criteria(true));
+    let found = sinks.found.as_ref().zip(grasp).filter(|_| result.is_ok());
+    let found = found.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()));
     let result = result.map_err(|error| match error {
         RunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
         RunError::Sink(error) => failed(&error, sinks.last_s),
@@ -134,6 +134,9 @@ fn close<W: Write + Send + 'static, C: Channels, O>(
 fn verdict(criteria: &Criteria) -> String {
     let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
     let class = criteria.class.name();
+    if !criteria.statically_stable {
+        return format!("{class}: at rest a phalanx would have to pull");
+    }
     match (criteria.tts_s, criteria.rebound_percent, criteria.t_geo_s) {
         (Some(tts_s), Some(rebound), _) => {
             format!("{class}: both phalanges hold for good from {}, rebounds {rebound:.3} %", ms(tts_s))
@@ -145,17 +148,11 @@ fn verdict(criteria: &Criteria) -> String {
     }
 }
 
-/// Where the finger ends if it grasps the object; `None`, and said why, if the criteria make no sense for this scene.
-pub(super) fn final_angles(scene: &Scene) -> Option<FinalAngles> {
-    let object = scene.object?;
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
-    match final_posture(&scene.finger.lengths, scene.finger.assembly, disc) {
-        Ok(end) => Some(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad }),
-        Err(error) => {
-            complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
-            None
-        }
-    }
+/// The grasp at rest that a run is judged by; `None`, and said why, if the criteria make no sense for this scene.
+pub(super) fn grasp(scene: &Scene) -> Option<AtRest> {
+    at_rest(scene, scene.object?)
+        .map_err(|error| complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}")))
+        .ok()
 }
 
 /// Everything that listens to a run; `found` is the tracker of criteria or rebounds.

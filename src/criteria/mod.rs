@@ -7,17 +7,19 @@
 //!   position and both normal forces are positive. None: the finger is not stable.
 //! * **rebound** = 100 |(t_geo + T)/(tts + T) − 1| percent (4.1), T the length of the run; see [`rebound_percent`] for
 //!   when it counts as 0.
-//! * **class**: [`Class::of`].
+//! * **class**: [`Class::of`], which takes in whether the grasp is statically stable ([`at_rest`]).
 //!
 //! [`Rebounds`] finds restitution in a scene of discs.
 //!
 //! [`Tracker`] finds these figures while a run streams by, keeping nothing but the last sample.
 
+mod at_rest;
 mod formula;
 mod hermite;
 mod rebounds;
 mod tracker;
 
+pub use at_rest::{AtRest, at_rest};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use rebounds::{Rebound, Rebounds};
 pub use tracker::{FinalAngles, Tracker};
@@ -33,5 +35,7 @@ pub struct Criteria {
     pub lost_s: f64,
     /// (4.1); `None` if the finger is not stable.
     pub rebound_percent: Option<f64>,
+    /// Force positiveness of the grasp at rest: without it the class is unstable, whatever the run shows.
+    pub statically_stable: bool,
     pub class: Class,
 }

@@ -97,6 +97,7 @@ impl Tracker {
             tts_s: self.stable_since_s,
             lost_s: self.lost_s,
             rebound_percent,
+            statically_stable,
             class: Class::of(self.stable_since_s, rebound_percent, statically_stable),
         }
     }

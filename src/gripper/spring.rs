@@ -32,4 +32,14 @@ impl Placement {
     /// In the order of the thesis, §3.3.2.3.
     pub const ALL: [Placement; 4] =
         [Placement::GroundLinks, Placement::DrivenCoupler, Placement::Phalanges, Placement::CouplerDistal];
+
+    /// The coordinate it acts on, as scenes and reports write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Placement::GroundLinks => "q21-q11",
+            Placement::DrivenCoupler => "q12",
+            Placement::Phalanges => "q22",
+            Placement::CouplerDistal => "q11+q12-(q21+q22)",
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! | `axis` | ranges and ticks, linear and logarithmic |
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
 //! | `curve` | lines of as many points as a picture can show |
+//! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `overlay` | two runs over time |
 //! | `bodies` | the same of a scene of discs |
@@ -20,6 +21,7 @@ mod curve;
 mod difference;
 mod overlay;
 mod select;
+mod sizing;
 mod speed_error;
 mod stability;
 mod step_size;
@@ -29,6 +31,7 @@ pub use canvas::DrawError;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
+pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
 pub use speed_error::{bodies_speed_error, speed_error};
 pub use stability::stability;
 pub use step_size::step_size;

@@ -97,6 +97,7 @@ pub struct Dynamics {
     pub class: &'static str,
     pub t_geo_s: Option<f64>,
     pub lost_s: f64,
+    pub statically_stable: bool,
 }
 
 /// Why a run ended early.
@@ -264,6 +265,7 @@ impl From<Criteria> for Dynamics {
             class: criteria.class.name(),
             t_geo_s: criteria.t_geo_s,
             lost_s: criteria.lost_s,
+            statically_stable: criteria.statically_stable,
         }
     }
 }

@@ -6,6 +6,7 @@ mod document;
 mod quantity;
 mod replay;
 mod select;
+mod sizing;
 mod stability;
 mod step_size;
 mod table;
@@ -27,6 +28,7 @@ pub use select::{
     AxisReport, ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, condition_name,
     criterion_key, criterion_name, percent_of, ranking_table, selection_json, selection_text,
 };
+pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use text::{duration, text};

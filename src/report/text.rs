@@ -200,10 +200,14 @@ pub(super) fn dynamics(criteria: &Dynamics) -> String {
         Some(percent) => format!("{} %", figure(percent, 4)),
         None => "–".to_string(),
     };
-    table(&[
+    let mut text = table(&[
         row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
         row(["", criteria.class, &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
-    ])
+    ]);
+    if !criteria.statically_stable {
+        text.push_str("Unstable in statics: at rest a phalanx would have to pull (phalanx statics says which).\n");
+    }
+    text
 }
 
 pub(super) fn milliseconds(time_s: Option<f64>) -> String {

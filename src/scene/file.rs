@@ -53,7 +53,7 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
 }
 
 /// The text of a file, and what messages call it.
-fn read(path: &Path) -> Result<(String, String), SceneError> {
+pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     let file = path.display().to_string();
     let read = |reason: &str| SceneError::Read { file: file.clone(), reason: reason.to_string() };
     if path.is_dir() {
@@ -124,7 +124,7 @@ fn not_a_finger(text: &str) -> Problem {
 }
 
 /// An error of the TOML parser.
-fn syntax(error: &toml::de::Error) -> Problem {
+pub(crate) fn syntax(error: &toml::de::Error) -> Problem {
     Problem {
         span: error.span(),
         message: format!("not valid TOML: {}", error.message().trim()),

@@ -47,6 +47,24 @@ fn walk(
         let span = value.span();
         match (value.get_mut(), wants_table) {
             (DeValue::Table(inner), true) => walk(inner, property, foreign, allowed, &here, problems),
+            (DeValue::Array(items), false) => {
+                if let Some(each) = property.get("items").filter(|each| is_table(each)) {
+                    for item in items.iter_mut() {
+                        if let DeValue::Table(inner) = item.get_mut() {
+                            walk(inner, each, None, allowed, &here, problems);
+                        }
+                    }
+                }
+            }
+            (DeValue::Table(_), false) if property.get("items").is_some_and(is_table) => {
+                problems.push(Problem {
+                    span: Some(key.span()),
+                    message: format!("`{here}` is one table, but there may be several of it"),
+                    label: "a list of tables is wanted".into(),
+                    help: format!("write its header with two pairs of brackets: [[{here}]]"),
+                });
+                continue;
+            }
             (DeValue::Table(_), false) => {
                 problems.push(Problem {
                     span: Some(key.span()),

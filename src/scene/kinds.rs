@@ -45,18 +45,7 @@ impl<M: Measured> Kind for M {
     const NAME: &'static str = "Quantity";
 
     fn read(key: &str, value: &Spanned<Any>) -> Result<f64, Vec<Problem>> {
-        let wanted = M::DIMENSION;
-        let help = || format!("write a number and its unit, as in \"{}\"", wanted.example());
-        let Any::Text(text) = value.get_ref() else {
-            let message = format!(
-                "`{key}` is {}; {} is wanted, as text with its unit: {}",
-                value.get_ref().name(),
-                wanted.name(),
-                wanted.unit_list()
-            );
-            return Err(vec![at(value, message, wanted.name(), help())]);
-        };
-        units::parse(text, wanted).map_err(|e| vec![at(value, format!("`{key}`: {e}"), wanted.name(), help())])
+        quantity(key, value, M::DIMENSION)
     }
 
     fn schema() -> Schema {
@@ -67,6 +56,21 @@ impl<M: Measured> Kind for M {
             "x-units": M::DIMENSION.units().iter().map(|u| u.name).collect::<Vec<_>>(),
         })
     }
+}
+
+/// Reads a quantity of one dimension.
+pub fn quantity(key: &str, value: &Spanned<Any>, wanted: Dimension) -> Result<f64, Vec<Problem>> {
+    let help = || format!("write a number and its unit, as in \"{}\"", wanted.example());
+    let Any::Text(text) = value.get_ref() else {
+        let message = format!(
+            "`{key}` is {}; {} is wanted, as text with its unit: {}",
+            value.get_ref().name(),
+            wanted.name(),
+            wanted.unit_list()
+        );
+        return Err(vec![at(value, message, wanted.name(), help())]);
+    };
+    units::parse(text, wanted).map_err(|e| vec![at(value, format!("`{key}`: {e}"), wanted.name(), help())])
 }
 
 /// Two quantities, such as the coordinates of a point.
@@ -280,17 +284,7 @@ impl<W: Words> Kind for Choice<W> {
 
     fn read(key: &str, value: &Spanned<Any>) -> Result<W, Vec<Problem>> {
         let words: Vec<&str> = W::WORDS.iter().map(|(word, _)| *word).collect();
-        let help = format!("allowed: \"{}\"", words.join("\", \""));
-        let Any::Text(text) = value.get_ref() else {
-            let message = format!("`{key}` is {}, but must be one of its words", value.get_ref().name());
-            return Err(vec![at(value, message, "a word in quotes", help)]);
-        };
-        if let Some((_, found)) = W::WORDS.iter().find(|(word, _)| word == text) {
-            return Ok(*found);
-        }
-        let label = nearest(text, &words).map_or("not one of its words".into(), |w| format!("did you mean \"{w}\"?"));
-        let message = format!("`{key}` does not know \"{}\"", text.escape_debug());
-        Err(vec![at(value, message, label, help)])
+        word(key, value, &words).map(|index| W::WORDS[index].1)
     }
 
     fn schema() -> Schema {
@@ -299,6 +293,21 @@ impl<W: Words> Kind for Choice<W> {
     }
 }
 
-fn at(value: &Spanned<Any>, message: String, label: impl Into<String>, help: String) -> Problem {
+/// Reads one word of a closed list; its index.
+pub fn word(key: &str, value: &Spanned<Any>, words: &[&str]) -> Result<usize, Vec<Problem>> {
+    let help = format!("allowed: \"{}\"", words.join("\", \""));
+    let Any::Text(text) = value.get_ref() else {
+        let message = format!("`{key}` is {}, but must be one of its words", value.get_ref().name());
+        return Err(vec![at(value, message, "a word in quotes", help)]);
+    };
+    if let Some(index) = words.iter().position(|word| word == text) {
+        return Ok(index);
+    }
+    let label = nearest(text, words).map_or("not one of its words".into(), |w| format!("did you mean \"{w}\"?"));
+    let message = format!("`{key}` does not know \"{}\"", text.escape_debug());
+    Err(vec![at(value, message, label, help)])
+}
+
+pub fn at(value: &Spanned<Any>, message: String, label: impl Into<String>, help: String) -> Problem {
     Problem { span: Some(value.span()), message, label: label.into(), help }
 }

@@ -12,21 +12,21 @@
 //! | `bodies` | scenes of discs instead of a finger |
 
 mod bodies;
-mod check;
+pub(crate) mod check;
 mod defaults;
-mod entry;
-mod error;
-mod file;
-mod keys;
-mod kinds;
+pub(crate) mod entry;
+pub(crate) mod error;
+pub(crate) mod file;
+pub(crate) mod keys;
+pub(crate) mod kinds;
 mod raw;
 mod raw_bodies;
 mod resolve;
-mod schema;
+pub(crate) mod schema;
 mod show;
 mod suggest;
 mod torque;
-mod words;
+pub(crate) mod words;
 
 pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use defaults::ENGINE_MAX_STEP_S;

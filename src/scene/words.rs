@@ -90,10 +90,10 @@ impl Words for Interpolation {
 
 impl Words for Placement {
     const WORDS: &'static [(&'static str, Self)] = &[
-        ("q22", Placement::Phalanges),
-        ("q12", Placement::DrivenCoupler),
-        ("q21-q11", Placement::GroundLinks),
-        ("q11+q12-(q21+q22)", Placement::CouplerDistal),
+        (Placement::Phalanges.name(), Placement::Phalanges),
+        (Placement::DrivenCoupler.name(), Placement::DrivenCoupler),
+        (Placement::GroundLinks.name(), Placement::GroundLinks),
+        (Placement::CouplerDistal.name(), Placement::CouplerDistal),
     ];
 }
 

@@ -1,6 +1,6 @@
 //! Contact forces at rest (thesis §2.1.4, errata 4 and 9).
 
-use super::{AtRest, StaticsError, at_rest, palm_force};
+use super::{AtRest, StaticsError, at_rest, palm_force_each};
 use crate::fivebar::kinematics::{reference_gamma, straight};
 use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, FinalPosture, Finger, Site, Spring};
@@ -110,7 +110,8 @@ pub fn contact_jacobian(
 
 /// Normal forces [F21, F22] = −J_C⁻¹ (τ_a + τ_s) (2.32) at the final posture, with friction μ_s at both contacts.
 ///
-/// `loads` is τ_a + τ_s of [`drive_loads`]. Without friction it makes F22 ≥ 0 ⇔ τ11 ≥ k_s ∂q22/∂q11.
+/// `loads` is τ_a + τ_s of [`drive_loads`]; weight is none of it. Of a constant spring on q22 and without friction,
+/// F22 ≥ 0 ⇔ τ11 ≥ k_s ∂q22/∂q11.
 ///
 /// # Errors
 /// A load or a friction coefficient out of range, the singular postures of [`at_rest`], a tip contact without a lever.
@@ -120,17 +121,32 @@ pub fn equilibrium(
     loads: [f64; 2],
     mu_static: f64,
 ) -> Result<Equilibrium, StaticsError> {
+    equilibrium_each(finger, end, loads, [mu_static; 2])
+}
+
+/// [`equilibrium`] with a friction coefficient for the proximal and one for the distal contact.
+///
+/// # Errors
+/// As [`equilibrium`].
+pub fn equilibrium_each(
+    finger: &Finger,
+    end: &FinalPosture,
+    loads: [f64; 2],
+    mu_static: [f64; 2],
+) -> Result<Equilibrium, StaticsError> {
     number("the load on q11", loads[0], true, "must be finite")?;
     number("the load on q21", loads[1], true, "must be finite")?;
-    number("mu_static", mu_static, mu_static >= 0.0, "must be finite, 0 or more")?;
-    let lever_m = end.l_c22_m + mu_static * finger.lengths.half_width_m;
+    for mu in mu_static {
+        number("mu_static", mu, mu >= 0.0, "must be finite, 0 or more")?;
+    }
+    let lever_m = end.l_c22_m + mu_static[1] * finger.lengths.half_width_m;
     if lever_m < NO_LEVER_M {
         return Err(StaticsError::NoLever { lever_m });
     }
-    let [[_, j12], [j21, j22]] = contact_jacobian(finger, end, [mu_static; 2])?;
+    let [[_, j12], [j21, j22]] = contact_jacobian(finger, end, mu_static)?;
     let f22_n = -loads[0] / j12;
     let f21_n = -(loads[1] + j22 * f22_n) / j21;
-    Ok(Equilibrium { f21_n, f22_n, pfp_n: palm_force(end, f21_n, f22_n, mu_static) })
+    Ok(Equilibrium { f21_n, f22_n, pfp_n: palm_force_each(end, [f21_n, f22_n], mu_static) })
 }
 
 fn number(name: &'static str, value: f64, in_range: bool, allowed: &'static str) -> Result<(), StaticsError> {

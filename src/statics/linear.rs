@@ -33,10 +33,9 @@ pub fn basis(matrix: &DMatrix<f64>) -> DMatrix<f64> {
         return DMatrix::zeros(matrix.nrows(), 0);
     }
     let qr = matrix.clone().col_piv_qr();
-    let pivots = qr.r();
-    let diagonal = pivots.diagonal();
-    let first = diagonal[0].abs();
-    let rank = diagonal.iter().take_while(|pivot| pivot.abs() > RANK_TOLERANCE * first && pivot.abs() > 0.0).count();
+    let r = qr.r();
+    let pivot = |i: usize| r[(i, i)].abs();
+    let rank = (0..r.nrows()).take_while(|&i| pivot(i) > 0.0 && pivot(i) > RANK_TOLERANCE * pivot(0)).count();
     qr.q().columns(0, rank).into_owned()
 }
 

@@ -25,9 +25,9 @@ mod program;
 mod unilateral;
 
 pub use birglen::{Birglen, birglen};
-pub use equilibrium::{Ejection, Equilibrium, contact_jacobian, drive_loads, equilibrium};
+pub use equilibrium::{Ejection, Equilibrium, contact_jacobian, drive_loads, equilibrium, equilibrium_each};
 pub use error::StaticsError;
-pub use form_closure::{Certificate, Decision, FormClosure, decide, decide_by_program, form_closure};
-pub use palm::palm_force;
+pub use form_closure::{BOUNDARY, Certificate, Decision, FormClosure, decide, decide_by_program, form_closure};
+pub use palm::{palm_force, palm_force_each};
 pub use posture::{AtRest, at_rest};
 pub use unilateral::{Grip, Hand, NecessaryCount, Row, Side, Unilateral, Unknown, unilateral};

@@ -7,7 +7,12 @@ use crate::gripper::FinalPosture;
 /// Friction on the object points along each phalanx towards its joint, that is to the palm as long as the phalanx rises from
 /// its joint to its end. A second finger, the mirror image, adds the same again and balances what is parallel to the palm.
 pub fn palm_force(end: &FinalPosture, f21_n: f64, f22_n: f64, mu: f64) -> f64 {
+    palm_force_each(end, [f21_n, f22_n], [mu; 2])
+}
+
+/// [`palm_force`] of [F21, F22] with a friction coefficient for each contact.
+pub fn palm_force_each(end: &FinalPosture, [f21_n, f22_n]: [f64; 2], [mu_21, mu_22]: [f64; 2]) -> f64 {
     let (sin_c, cos_c) = end.phi_c_rad.sin_cos();
     let (sin_21, cos_21) = end.posture.q21_rad.sin_cos();
-    f22_n * (sin_c + mu * cos_c) - f21_n * (cos_21 - mu * sin_21)
+    f22_n * (sin_c + mu_22 * cos_c) - f21_n * (cos_21 - mu_21 * sin_21)
 }

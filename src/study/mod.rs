@@ -3,3 +3,4 @@
 pub mod select;
 pub mod stability;
 pub mod step_size;
+pub mod sweep;

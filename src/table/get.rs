@@ -1,5 +1,6 @@
 //! Columns by name, of the kind that is wanted.
 
+use super::value::read;
 use super::{Kind, Table, TableError, Value};
 
 impl Table {
@@ -73,11 +74,30 @@ impl Table {
         get: impl Fn(&'a Value) -> Option<T>,
     ) -> Result<Vec<Option<T>>, TableError> {
         let at = self.column(name)?;
-        let one = |(index, row): (usize, &'a Vec<Value>)| match row.get(at) {
-            None | Some(Value::Missing) => Ok(None),
-            Some(value) => get(value).map(Some).ok_or_else(|| self.cell(index, name, value, wanted)),
+        let mut found = Vec::with_capacity(self.rows.len());
+        for row in &self.rows {
+            match row.get(at) {
+                None | Some(Value::Missing) => found.push(None),
+                Some(value) => match get(value) {
+                    Some(value) => found.push(Some(value)),
+                    None => return Err(self.odd(at, name, wanted)),
+                },
+            }
+        }
+        Ok(found)
+    }
+
+    /// The value that makes a column something else than is wanted. In a text file one slip makes texts of all its values:
+    /// the first that cannot be read otherwise is to blame.
+    fn odd(&self, at: usize, name: &str, wanted: Kind) -> TableError {
+        let fits = |value: &Value| match value {
+            Value::Missing => true,
+            Value::Integer(_) => matches!(wanted, Kind::Integer | Kind::Number),
+            Value::Text(text) => read(text, wanted).is_some(),
+            value => value.kind() == Some(wanted),
         };
-        self.rows.iter().enumerate().map(one).collect()
+        let row = self.rows.iter().position(|row| row.get(at).is_some_and(|value| !fits(value))).unwrap_or(0);
+        self.cell(row, name, &self.rows[row][at], wanted)
     }
 
     /// That a value is not what is wanted.

@@ -12,5 +12,6 @@ mod table;
 
 pub use format::format;
 pub(crate) use format::number;
+pub(crate) use parse::split;
 pub use parse::{QuantityError, parse};
 pub use table::{Dimension, Unit};

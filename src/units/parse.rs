@@ -74,6 +74,13 @@ fn to_si(number: &str, factor: f64) -> Option<f64> {
     number.parse::<f64>().ok().map(|value| value * factor)
 }
 
+/// The number a text begins with, and what follows it: its unit.
+pub(crate) fn split(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    (number, unit.trim_start())
+}
+
 /// Length in bytes of the number `text` begins with; 0 if it begins with none.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();

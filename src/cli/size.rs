@@ -1,0 +1,138 @@
+//! `phalanx size`: spring and motor for a finger.
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::output::print;
+use super::overrides::positive;
+use super::validate_files::save;
+use super::{Failure, Status};
+use crate::gripper::{Circle, contact_angle_proximal};
+use crate::plot::{self, DrawError};
+use crate::report::{SizingReport, sizing_csv, sizing_json, sizing_text};
+use crate::scene::{self, Actuation, Scene, SpringKind};
+use crate::sizing::{CLOSING_S, Rule, SizingError, Task, profile};
+use crate::units::Dimension;
+
+/// Samples of the profile that is written.
+const SAMPLES: usize = 400;
+
+/// Size spring and motor of a finger: what a test trajectory asks of them.
+///
+/// The motor link goes from the start of the scene to the closed finger in 10 ms. The spring must hold the finger straight until
+/// the proximal phalanx meets the object; the motor has the RMS torque. Whatever torques the scene itself has are shown beside.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx size scenes/experiment-95.toml\n  phalanx size scenes/experiment-95.toml --closing-time \"8 \
+                  ms\" --json\n  phalanx size my-gripper.toml --out sizing\n\nA scene that says sizing = \"rigid\" (or \"whole\") at \
+                  its top takes these torques by itself. Exit status: 0 done; 2 bad input, or a finger that cannot be sized."
+)]
+pub struct SizeArgs {
+    /// Scene file of a finger (TOML)
+    scene: PathBuf,
+
+    /// Over what the motor torque is averaged
+    #[arg(long, value_enum, default_value_t = RuleArg::Rigid)]
+    rule: RuleArg,
+
+    /// Length of the test trajectory with its unit [default: 10 ms]
+    #[arg(long, value_name = "TIME", value_parser = closing_time)]
+    closing_time: Option<f64>,
+
+    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight [default: 90 deg]
+    #[arg(long, value_name = "ANGLE", value_parser = preload)]
+    preload: Option<f64>,
+
+    /// Write size.txt, .json, .csv (the profile), and trajectory.svg, springs.svg and spring-types.svg there; the directory is
+    /// made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum RuleArg {
+    /// RMS of the net torque until the proximal contact
+    Rigid,
+    /// RMS over all the trajectory, against the constant spring
+    Whole,
+}
+
+impl RuleArg {
+    pub(super) fn rule(self) -> Rule {
+        match self {
+            RuleArg::Rigid => Rule::Rigid,
+            RuleArg::Whole => Rule::Whole,
+        }
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
+    let scene = scene::load(&args.scene)?;
+    let task = task(&scene, args.closing_time.unwrap_or(CLOSING_S))?;
+    let preload_rad = args.preload.unwrap_or(0.5 * PI);
+    let profile = profile(&scene.finger, &task, preload_rad, SAMPLES).map_err(Failure::bad_input)?;
+    let report = SizingReport {
+        scene: &scene.name,
+        profile: &profile,
+        rule: args.rule.rule(),
+        preload_rad,
+        given_motor_n_m: match scene.actuation {
+            Actuation::Constant { torque_n_m } => Some(torque_n_m),
+            _ => None,
+        },
+        given_spring_n_m: scene.spring.and_then(|spring| match spring.kind {
+            SpringKind::Constant { torque_n_m } => Some(torque_n_m),
+            SpringKind::Torsional { .. } => None,
+        }),
+    };
+    if let Some(out) = &args.out {
+        fs::create_dir_all(out).map_err(|error| {
+            let out = out.display();
+            Failure::bad_input(format!("cannot make the directory {out}: {error}; give one where you may write"))
+        })?;
+        let undrawn = |error: DrawError| Failure::incomplete(format!("cannot draw the pictures: {error}"));
+        for (file, text) in [
+            ("size.txt", sizing_text(&report)),
+            ("size.json", sizing_json(&report)),
+            ("size.csv", sizing_csv(&profile)),
+            ("trajectory.svg", plot::sizing_trajectory(&scene.name, &profile).map_err(undrawn)?),
+            ("springs.svg", plot::sizing_springs(&scene.name, &profile).map_err(undrawn)?),
+            ("spring-types.svg", plot::sizing_spring_types(&scene.name, &profile).map_err(undrawn)?),
+        ] {
+            save(&out.join(file), &text)?;
+        }
+    }
+    print(&if args.json { sizing_json(&report) } else { sizing_text(&report) })?;
+    Ok(Status::Done)
+}
+
+/// What the finger of a scene is sized for: its object, from where it starts.
+fn task(scene: &Scene, closing_s: f64) -> Result<Task, Failure> {
+    let Some(object) = scene.object else {
+        return Err(Failure::bad_input(format!(
+            "{} has no object to close on, so nothing says how far its finger goes; give a scene without [object] present = \
+             false",
+            scene.name
+        )));
+    };
+    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let contact_rad = contact_angle_proximal(scene.finger.lengths.half_width_m, disc)
+        .map_err(|error| Failure::bad_input(SizingError::from(error)))?;
+    Ok(Task { disc, opening_rad: contact_rad - scene.initial.q21_rad, gravity_m_s2: scene.gravity_m_s2, closing_s })
+}
+
+fn closing_time(text: &str) -> Result<f64, String> {
+    positive(text, Dimension::Time, "the closing takes some time; expected one such as \"10 ms\"")
+}
+
+fn preload(text: &str) -> Result<f64, String> {
+    positive(text, Dimension::Angle, "a preload must be more than 0; expected an angle such as \"90 deg\"")
+}

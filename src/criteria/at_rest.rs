@@ -1,0 +1,43 @@
+//! The grasp of a scene at rest: where the finger ends if it grasps the object, and with what forces.
+
+use super::FinalAngles;
+use crate::gripper::{Circle, FinalPosture, GraspError, final_posture};
+use crate::scene::{self, Disc, Scene};
+use crate::statics::{Equilibrium, StaticsError, drive_loads, equilibrium_each};
+
+/// The grasp of a scene at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtRest {
+    pub end: FinalPosture,
+    /// With the torque that the motor has in the end.
+    pub forces: Result<Equilibrium, StaticsError>,
+    /// μ_s of the proximal and of the distal contact.
+    pub mu_static: [f64; 2],
+}
+
+impl AtRest {
+    /// Where the finger is in position.
+    pub fn angles(&self) -> FinalAngles {
+        FinalAngles { q11_rad: self.end.posture.q11_rad, q21_rad: self.end.posture.q21_rad }
+    }
+
+    /// Force positiveness. Where statics say nothing, nothing speaks against what is seen to hold.
+    pub fn is_stable(&self) -> bool {
+        self.forces.as_ref().map_or(true, Equilibrium::is_force_positive)
+    }
+}
+
+/// The grasp of a scene's finger on its object.
+///
+/// # Errors
+/// Why the finger cannot grasp the object.
+pub fn at_rest(scene: &Scene, object: Disc) -> Result<AtRest, GraspError> {
+    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc)?;
+    let mu_static =
+        [scene.contact.proximal, scene.contact.distal].map(|law| law.friction.map_or(0.0, |law| law.mu_static));
+    let motor_n_m = scene::torque(&scene.actuation, scene.duration_s).0;
+    let forces = drive_loads(&scene.finger, &end, motor_n_m, scene.spring.as_ref())
+        .and_then(|loads| equilibrium_each(&scene.finger, &end, loads, mu_static));
+    Ok(AtRest { end, forces, mu_static })
+}

@@ -1,0 +1,91 @@
+//! The base scene: its keys and values are checked once, as far as that can be said without the axes; whether the finger
+//! closes, say, is found run by run.
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::Value as Json;
+use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
+use toml::{Spanned, Table};
+
+use super::field::{Holds, join};
+use super::read::problem;
+use crate::scene::entry::Any;
+use crate::scene::file::{read, syntax};
+use crate::scene::kinds::Words;
+use crate::scene::schema::schema_of;
+use crate::scene::words::SceneKind;
+use crate::scene::{Problem, SceneError, keys};
+
+/// A base scene.
+pub struct Base {
+    pub table: Table,
+    /// The text of its file; empty if it stands in the study.
+    pub text: String,
+}
+
+/// Why there is no base scene: because of what the study says of it, or because of what its own file says.
+pub enum Refusal {
+    Study(Problem),
+    Scene(SceneError),
+}
+
+/// Reads the scene file that a study names, from the study's directory; `span`: where it does.
+pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result<Base, Refusal> {
+    let path = Path::new(study_file).parent().unwrap_or(Path::new("")).join(scene);
+    let (text, file) = read(&path).map_err(|error| match error {
+        SceneError::Read { file, reason } => Refusal::Study(problem(
+            span.clone(),
+            format!("cannot read the base scene {file}: {reason}"),
+            "this file".to_string(),
+            "name a scene file; its path is seen from the directory of the study".to_string(),
+        )),
+        error => Refusal::Scene(error),
+    })?;
+    let refuse = |problems| Refusal::Scene(SceneError::Invalid { file: file.clone(), text: text.clone(), problems });
+    let document = DeTable::parse(&text).map_err(|error| refuse(vec![syntax(&error)]))?;
+    let mut problems = Vec::new();
+    let table = check(document, "", &mut problems);
+    match problems.is_empty() {
+        true => Ok(Base { table, text }),
+        false => Err(refuse(problems)),
+    }
+}
+
+/// Checks a scene or a part of one, which stands under `path` in its file.
+pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, problems: &mut Vec<Problem>) -> Table {
+    let [finger, bodies] = [SceneKind::Finger, SceneKind::Bodies];
+    if let Some(kind) = document.get_ref().get("kind").filter(|kind| kind.get_ref().as_str() == Some(bodies.word())) {
+        problems.push(problem(
+            Some(kind.span()),
+            "a sweep simulates fingers, but this is a scene of kind \"bodies\"".to_string(),
+            "another kind".to_string(),
+            "give the scene of a finger (kind = \"finger\", or no kind at all)".to_string(),
+        ));
+        return Table::new();
+    }
+    let allowed = keys::Allowed {
+        kind: finger.word(),
+        schema: schema_of(finger),
+        other_kind: bodies.word(),
+        other_schema: schema_of(bodies),
+    };
+    problems.extend(keys::weed(document.get_mut(), &allowed));
+    leaves(document.get_ref(), schema_of(finger), path, problems);
+    Table::deserialize(Deserializer::from(document)).unwrap_or_default()
+}
+
+/// Checks single values: their kinds, their units.
+fn leaves(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
+    for (key, value) in table {
+        let key = key.get_ref().as_ref();
+        let (here, part) = (join(path, key), &schema["properties"][key]);
+        if let DeValue::Table(inner) = value.get_ref() {
+            leaves(inner, part, &here, problems);
+        } else if let Ok(given) = Any::deserialize(ValueDeserializer::from(value.clone())) {
+            let given = Spanned::new(value.span(), given);
+            problems.extend(Holds::of(part).read(&here, &given).err().into_iter().flatten());
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Fields of a scene: found by their path, their values read as a scene reads them.
+
+use serde_json::Value as Json;
+use toml::Spanned;
+
+use crate::scene::entry::Any;
+use crate::scene::kinds::{at, quantity, word};
+use crate::scene::{Problem, nearest};
+use crate::table::{Kind, Value};
+use crate::units::Dimension;
+
+/// A field that a study varies.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Its place in a scene: `contact.friction.mu_static`.
+    pub path: String,
+    pub holds: Holds,
+}
+
+/// What a field holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Holds {
+    Quantity(Dimension),
+    Number,
+    /// A whole number within bounds.
+    Whole(i64, i64),
+    Flag,
+    Word(Vec<String>),
+    Text,
+    List(Box<Holds>),
+}
+
+/// One value of a field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// As it stands in a scene file.
+    pub text: String,
+    /// As it stands in the results: in SI.
+    pub value: Value,
+}
+
+/// Why a path names no field: message, remark and help.
+pub type Unknown = (String, String, String);
+
+impl Field {
+    /// The field of that path in scenes of that schema.
+    pub fn find(path: &str, schema: &Json) -> Result<Self, Unknown> {
+        let mut here = schema;
+        let mut parent = String::new();
+        for name in path.split('.') {
+            let Some(keys) = here.get("properties").and_then(Json::as_object) else {
+                return Err((
+                    format!("`{path}` is no field of a scene: `{parent}` is a single value"),
+                    "too long".to_string(),
+                    format!("name the field itself: \"{parent}\""),
+                ));
+            };
+            let Some(found) = keys.get(name) else {
+                return Err(unknown(path, name, &parent, here, schema));
+            };
+            here = found;
+            parent = join(&parent, name);
+        }
+        match here.get("properties").and_then(Json::as_object) {
+            Some(keys) => {
+                let fields: Vec<String> = keys.keys().map(|key| format!("\"{path}.{key}\"")).collect();
+                Err((
+                    format!("`{path}` is a table of a scene, but a field is a single value"),
+                    "a table".to_string(),
+                    format!("name one of its fields: {}", fields.join(", ")),
+                ))
+            }
+            None => Ok(Field { path: path.to_string(), holds: Holds::of(here) }),
+        }
+    }
+
+    /// Name of its column: the path with the unit of its SI value.
+    pub fn column(&self) -> String {
+        match self.holds {
+            Holds::Quantity(dimension) => format!("{}_{}", self.path, suffix(dimension)),
+            _ => self.path.clone(),
+        }
+    }
+
+    /// Kind of its column.
+    pub fn kind(&self) -> Kind {
+        match self.holds {
+            Holds::Quantity(_) | Holds::Number => Kind::Number,
+            Holds::Whole(..) => Kind::Integer,
+            Holds::Flag => Kind::Flag,
+            Holds::Word(_) | Holds::Text | Holds::List(_) => Kind::Text,
+        }
+    }
+
+    /// Reads a value given for the field in a study.
+    pub fn read(&self, value: &Spanned<Any>) -> Result<Point, Vec<Problem>> {
+        self.holds.read(&self.path, value).map(|value_si| Point { text: toml(value.get_ref()), value: value_si })
+    }
+}
+
+impl Holds {
+    /// What the part of a schema says.
+    pub fn of(schema: &Json) -> Self {
+        if let Some(unit) = schema.get("x-units").and_then(|units| units.get(0)).and_then(Json::as_str)
+            && let Some(dimension) = Dimension::ALL.into_iter().find(|of| of.units()[0].name == unit)
+        {
+            return Holds::Quantity(dimension);
+        }
+        if let Some(words) = schema.get("enum").and_then(Json::as_array) {
+            return Holds::Word(words.iter().filter_map(Json::as_str).map(String::from).collect());
+        }
+        let bound = |key| schema.get(key).and_then(Json::as_i64);
+        match (schema.get("type").and_then(Json::as_str), schema.get("items")) {
+            (Some("array"), Some(items)) => Holds::List(Box::new(Holds::of(items))),
+            (Some("number"), _) => Holds::Number,
+            (Some("integer"), _) => {
+                Holds::Whole(bound("minimum").unwrap_or(i64::MIN), bound("maximum").unwrap_or(i64::MAX))
+            }
+            (Some("boolean"), _) => Holds::Flag,
+            _ => Holds::Text,
+        }
+    }
+
+    /// Checks a value as far as the field alone says what it may be; `key` is for messages.
+    pub fn read(&self, key: &str, value: &Spanned<Any>) -> Result<Value, Vec<Problem>> {
+        let found = value.get_ref();
+        let wrong = |wanted: &str, help: &str| {
+            let name = match found {
+                Any::Integer(integer) => integer.to_string(),
+                Any::Float(number) if !number.is_finite() => number.to_string(),
+                other => other.name().to_string(),
+            };
+            Err(vec![at(value, format!("`{key}` is {name}, but must be {wanted}"), wanted, help.to_string())])
+        };
+        match (self, found) {
+            (Holds::Quantity(dimension), _) => quantity(key, value, *dimension).map(Value::Number),
+            (Holds::Number, Any::Integer(integer)) => Ok(Value::Number(*integer as f64)),
+            (Holds::Number, Any::Float(number)) if number.is_finite() => Ok(Value::Number(*number)),
+            (Holds::Number, _) => wrong("a plain number", "write a number such as 0.8 or 1e8, without quotes"),
+            (Holds::Whole(least, most), Any::Integer(integer)) if (least..=most).contains(&integer) => {
+                Ok(Value::Integer(*integer))
+            }
+            (Holds::Whole(least, most), _) => {
+                let upto = if *most == i64::MAX { String::new() } else { format!(" to {most}") };
+                wrong(&format!("a whole number from {least}{upto}"), "write it without point, exponent or quotes")
+            }
+            (Holds::Flag, Any::Flag(flag)) => Ok(Value::Flag(*flag)),
+            (Holds::Flag, _) => wrong("true or false", "write true or false, without quotes"),
+            (Holds::Word(words), _) => {
+                let words: Vec<&str> = words.iter().map(String::as_str).collect();
+                word(key, value, &words).map(|index| Value::from(words[index]))
+            }
+            (Holds::Text, Any::Text(text)) if !text.trim().is_empty() && !text.contains(char::is_control) => {
+                Ok(Value::from(text.as_str()))
+            }
+            (Holds::Text, _) => wrong("a text of one line", "write a text in quotes"),
+            (Holds::List(holds), Any::List(items)) => {
+                let problems: Vec<Problem> =
+                    items.iter().filter_map(|item| holds.read(key, item).err()).flatten().collect();
+                if problems.is_empty() { Ok(Value::from(toml(found))) } else { Err(problems) }
+            }
+            (Holds::List(_), _) => wrong("a list", "write its values in brackets: [.., ..]"),
+        }
+    }
+}
+
+/// A value as TOML.
+fn toml(value: &Any) -> String {
+    match value {
+        Any::Text(text) => toml::Value::from(text.as_str()).to_string(),
+        Any::Integer(integer) => integer.to_string(),
+        Any::Float(number) => format!("{number:?}"),
+        Any::Flag(flag) => flag.to_string(),
+        Any::List(items) => {
+            let items: Vec<String> = items.iter().map(|item| toml(item.get_ref())).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Any::Table => "{}".to_string(),
+    }
+}
+
+/// A path that leads nowhere, with what was probably meant.
+fn unknown(path: &str, name: &str, parent: &str, here: &Json, schema: &Json) -> Unknown {
+    let mut all = Vec::new();
+    paths(schema, "", &mut all);
+    let keys: Vec<&str> =
+        here.get("properties").and_then(Json::as_object).into_iter().flatten().map(|(key, _)| key.as_str()).collect();
+    let tail = format!(".{name}");
+    let label = match (nearest(name, &keys), all.iter().find(|other| other.ends_with(&tail))) {
+        (_, Some(other)) => format!("did you mean \"{other}\"?"),
+        (Some(near), None) => format!("did you mean \"{}\"?", join(parent, near)),
+        (None, None) => "not a field of a scene".to_string(),
+    };
+    let place =
+        if parent.is_empty() { "at the top level of a scene".to_string() } else { format!("in [{parent}] of a scene") };
+    (format!("unknown field `{}`", path.escape_debug()), label, format!("keys {place}: {}", keys.join(", ")))
+}
+
+/// Paths of all fields.
+fn paths(schema: &Json, path: &str, found: &mut Vec<String>) {
+    match schema.get("properties").and_then(Json::as_object) {
+        Some(keys) => keys.iter().for_each(|(key, part)| paths(part, &join(path, key), found)),
+        None => found.push(path.to_string()),
+    }
+}
+
+pub fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
+}
+
+/// The SI unit of a dimension at the end of a name.
+fn suffix(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Length => "m",
+        Dimension::Angle => "rad",
+        Dimension::Time => "s",
+        Dimension::Mass => "kg",
+        Dimension::Force => "n",
+        Dimension::Torque => "n_m",
+        Dimension::Speed => "m_s",
+        Dimension::AngularRate => "rad_s",
+        Dimension::Acceleration => "m_s2",
+        Dimension::Density => "kg_m3",
+        Dimension::Inertia => "kg_m2",
+        Dimension::Frequency => "hz",
+        Dimension::Pressure => "pa",
+        Dimension::AngularStiffness => "n_m_per_rad",
+        Dimension::LinearDamping => "n_s_per_m",
+        Dimension::AngularDamping => "n_m_s_per_rad",
+    }
+}

@@ -1,0 +1,183 @@
+//! From a study file to a study.
+
+use std::io::ErrorKind;
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::de::{DeTable, DeValue, Deserializer};
+use toml::{Spanned, Table};
+
+use super::axis::{Axis, Points};
+use super::base::{self, Base};
+use super::error::StudyError;
+use super::raw::{RawSample, RawStudy, schema_json};
+use super::read_axis;
+use super::sequence::{MOST_HALTON, Method, Sequence};
+use super::template::Template;
+use super::{Filter, MOST_RUNS, Study};
+use crate::scene::check::Checker;
+use crate::scene::entry::Section;
+use crate::scene::error::line_column;
+use crate::scene::file::syntax;
+use crate::scene::{Problem, SceneError, keys};
+use crate::trace::Model;
+
+/// Reads and checks a study file and the base scene it names.
+///
+/// # Errors
+/// What is wrong with either, with file, line and column.
+pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
+    let path = path.as_ref();
+    let file = path.display().to_string();
+    let unreadable = |reason: String| StudyError::Read { file: file.clone(), reason };
+    if path.is_dir() {
+        return Err(unreadable("it is a directory; name a study file (.toml) in it".to_string()));
+    }
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
+        _ => unreadable(error.to_string()),
+    })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+        let (line, column) = line_column(&before, before.len());
+        unreadable(format!("it is not UTF-8 text at {line}:{column}; save it as UTF-8, a study is a TOML file"))
+    })?;
+    parse(&text, &file)
+}
+
+/// Checks the text of a study; `file_name` appears in messages, gives the default name, and the directory from which a
+/// base scene is looked for.
+///
+/// # Errors
+/// What is wrong with the study or its base scene.
+pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
+    let refuse = |problems| {
+        StudyError::Invalid(SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems })
+    };
+    let mut document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
+    let inline = take(document.get_mut(), "scene");
+    let set = take(document.get_mut(), "set");
+    let schema = schema_json();
+    let allowed =
+        keys::Allowed { kind: "study", schema: &schema, other_kind: "", other_schema: &serde_json::Value::Null };
+    let mut problems = keys::weed(document.get_mut(), &allowed);
+    let raw = RawStudy::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
+    let has_scene = inline.is_some();
+    let mut part = |table: Option<Spanned<DeTable<'_>>>, path: &str| {
+        table.map_or(Table::new(), |table| base::check(table, path, &mut problems))
+    };
+    let (inline, set) = (part(inline, "scene"), part(set, "set"));
+
+    let mut c = Checker::new(text, problems);
+    let scene = c.get("scene", &raw.scene);
+    if scene.is_none() && !has_scene && !raw.scene.is_given() {
+        let help = "say which scene is the base: scene = \"experiment-95.toml\", or give it here as a table [scene]";
+        c.push(None, "`scene` is missing", "", help);
+    }
+    let axes = read_axis::axes(&mut c, &raw.axes);
+    let range = raw.axes.iter().find(|axis| axis.from.is_given() && axis.to.is_given() && !axis.count.is_given());
+    let sequence = sample(&mut c, &raw.sample, &axes, raw.axes.len(), range.map(|axis| axis.from.span()));
+    let filter = Filter {
+        force_positive: c.get("filter.force_positive", &raw.filter.force_positive),
+        palm_force_positive: c.get("filter.palm_force_positive", &raw.filter.palm_force_positive),
+        form_closed: c.get("filter.form_closed", &raw.filter.form_closed),
+    };
+    let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
+    let description = c.get("description", &raw.description).unwrap_or_default();
+    let model = c.or("model", &raw.model, Model::Analytic);
+    if c.is_clean() && total(&axes, sequence.as_ref()).is_none() {
+        c.push(
+            None,
+            format!("the study has more than {MOST_RUNS} runs"),
+            "",
+            "leave out values, or sample the axes: [sample]",
+        );
+    }
+    if !c.is_clean() {
+        return Err(refuse(c.into_problems()));
+    }
+
+    let Base { mut table, text: base } = match scene {
+        Some(scene) => base::load(&scene, file_name, raw.scene.span()).map_err(|error| match error {
+            base::Refusal::Study(problem) => refuse(vec![problem]),
+            base::Refusal::Scene(error) => StudyError::Invalid(error),
+        })?,
+        None => Base { table: inline, text: String::new() },
+    };
+    super::template::merge(&mut table, set);
+    let fields: Vec<&str> = axes.iter().flat_map(|axis| &axis.fields).map(|field| field.path.as_str()).collect();
+    let broken = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
+    let template = Template::new(table, &fields).map_err(broken)?;
+    let runs = total(&axes, sequence.as_ref()).unwrap_or(0);
+    Ok(Study { name, description, model, filter, axes, sequence, template, runs, source: text.to_string(), base })
+}
+
+/// Takes a table out of the document; anything else of that name stays, to be complained about.
+fn take<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTable<'a>>> {
+    document.get(key).filter(|value| matches!(value.get_ref(), DeValue::Table(_)))?;
+    let value = document.remove(key)?;
+    let span = value.span();
+    match value.into_inner() {
+        DeValue::Table(table) => Some(Spanned::new(span, table)),
+        _ => None,
+    }
+}
+
+/// The sample of all ranges; notes what is wrong with it, or lacking.
+fn sample(
+    c: &mut Checker<'_>,
+    raw: &Section<RawSample>,
+    axes: &[Axis],
+    given: usize,
+    first_range: Option<Option<Range<usize>>>,
+) -> Option<Sequence> {
+    let ranges = axes.iter().filter(|axis| axis.len().is_none()).count();
+    if !raw.is_given() {
+        if let Some(range) = first_range {
+            let help = "say how many values: count = 10, or spread points over all ranges: [sample] with count = 1000";
+            c.push(range, "a range has no `count`, and there is no [sample]", "how many values?", help);
+        }
+        return None;
+    }
+    let method = c.or("sample.method", &raw.method, Method::Halton);
+    let seed = c.or("sample.seed", &raw.seed, 1);
+    if !raw.count.is_given() {
+        c.missing("count", raw, "say how many points: count = 1000");
+    }
+    let count = c.get("sample.count", &raw.count)?;
+    if count > MOST_RUNS {
+        let help = format!("take at most {MOST_RUNS} points");
+        c.push(raw.count.span(), format!("`sample.count` is {count}, too many to be run"), "too many", help);
+        return None;
+    }
+    if ranges == 0 && axes.len() == given {
+        let help = "give axes with `from` and `to` and without `count`, or remove [sample]";
+        c.push(raw.span.clone(), "[sample] has no range to take its points from", "nothing to sample", help);
+    }
+    if method == Method::Halton && ranges > MOST_HALTON {
+        let message = format!("a halton sample has at most {MOST_HALTON} axes, and these are {ranges}");
+        c.push(raw.method.span(), message, "too many axes", "use method = \"latin-hypercube\"");
+    }
+    Some(Sequence::new(method, count, seed, ranges))
+}
+
+/// How many runs there are; `None` if more than anybody can run.
+fn total(axes: &[Axis], sequence: Option<&Sequence>) -> Option<u64> {
+    let given = axes.iter().filter_map(Axis::len).map(|len| len as u64);
+    let sampled = axes.iter().any(|axis| matches!(axis.points, Points::Range(_)));
+    let points = sequence.filter(|_| sampled).map_or(1, Sequence::count);
+    let product = given.chain([points]).try_fold(1u64, u64::checked_mul);
+    product.filter(|total| *total <= MOST_RUNS)
+}
+
+/// The file's name without its extension.
+fn stem(file_name: &str) -> String {
+    let stem = Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy();
+    if stem.trim().is_empty() { "study".into() } else { stem.into_owned() }
+}
+
+/// A problem at a place of the study, for other readers of its parts.
+pub(super) fn problem(span: Option<Range<usize>>, message: String, label: String, help: String) -> Problem {
+    Problem { span, message, label, help }
+}

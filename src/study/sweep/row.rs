@@ -1,0 +1,131 @@
+//! Rows and columns of the results.
+
+use std::collections::BTreeMap;
+
+use super::Study;
+use crate::table::{Column, Kind, Table, Value};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Simulated to the end.
+    Completed,
+    /// Not simulated, because of its statics.
+    Filtered,
+    /// The scene is not valid.
+    Refused,
+    /// The simulation did not come to its end.
+    Failed,
+}
+
+impl Status {
+    pub const ALL: [Status; 4] = [Status::Completed, Status::Filtered, Status::Refused, Status::Failed];
+
+    /// In results and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Completed => "completed",
+            Status::Filtered => "filtered",
+            Status::Refused => "refused",
+            Status::Failed => "failed",
+        }
+    }
+}
+
+/// One row of the results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    pub run: u64,
+    pub status: Status,
+    /// A value for each of [`columns`].
+    pub cells: Vec<Value>,
+}
+
+/// Columns after those of the axes, in order.
+const FOUND: [(&str, Kind); 25] = [
+    ("l12_m", Kind::Number),
+    ("l21_m", Kind::Number),
+    ("l22_m", Kind::Number),
+    ("t22_m", Kind::Number),
+    ("mass_kg", Kind::Number),
+    ("trajectory_rad", Kind::Number),
+    ("motor_n_m", Kind::Number),
+    ("spring_n_m", Kind::Number),
+    ("static_f21_n", Kind::Number),
+    ("static_f22_n", Kind::Number),
+    ("static_pfp_n", Kind::Number),
+    ("force_positive", Kind::Flag),
+    ("form_closed", Kind::Flag),
+    ("status", Kind::Text),
+    ("reason", Kind::Text),
+    ("t_geo_s", Kind::Number),
+    ("tts_s", Kind::Number),
+    ("rebound_percent", Kind::Number),
+    ("class", Kind::Text),
+    ("f21_n", Kind::Number),
+    ("f22_n", Kind::Number),
+    ("pfp_n", Kind::Number),
+    ("peak_f21_n", Kind::Number),
+    ("peak_f22_n", Kind::Number),
+    ("steps", Kind::Integer),
+];
+
+/// The columns of a study's results: `run`, `design`, the axes, and what is found.
+pub fn columns(study: &Study) -> Vec<Column> {
+    let first = [Column::new("run", Kind::Integer), Column::new("design", Kind::Integer)];
+    let axes = study.axes.iter().flat_map(|axis| &axis.fields).map(|field| Column::new(field.column(), field.kind()));
+    let found = FOUND.map(|(name, kind)| Column::new(name, kind));
+    first.into_iter().chain(axes).chain(found).collect()
+}
+
+/// The results as a table, by run.
+pub fn table(study: &Study, rows: &[Row]) -> Table {
+    sorted(study, rows.iter().map(|row| row.cells.clone()))
+}
+
+/// Rows of cells as a table, by run; of a run that is there twice, the first.
+pub fn sorted(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Table {
+    let mut by_run = BTreeMap::new();
+    for row in rows {
+        if let Some(Value::Integer(run)) = row.first() {
+            by_run.entry(*run).or_insert(row);
+        }
+    }
+    Table::new(columns(study), by_run.into_values().collect())
+}
+
+/// The cells of a row, named while it is made.
+pub(super) struct Cells {
+    cells: Vec<Value>,
+    /// Where the found ones begin.
+    from: usize,
+}
+
+impl Cells {
+    pub fn new(first: Vec<Value>) -> Self {
+        let from = first.len();
+        let mut cells = first;
+        cells.resize(from + FOUND.len(), Value::Missing);
+        Cells { cells, from }
+    }
+
+    /// Sets what was found; numbers that are not finite are missing.
+    pub fn set(&mut self, name: &str, value: impl Into<Value>) {
+        let value = match value.into() {
+            Value::Number(number) if !number.is_finite() => Value::Missing,
+            value => value,
+        };
+        debug_assert!(FOUND.iter().any(|(found, _)| *found == name), "{name}");
+        if let Some(at) = FOUND.iter().position(|(found, _)| *found == name) {
+            self.cells[self.from + at] = value;
+        }
+    }
+
+    pub fn row(mut self, run: u64, status: Status, reason: &str) -> Row {
+        self.set("status", status.name());
+        // One row is one line of the file that grows.
+        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+        self.set("reason", Some(reason).filter(|reason| !reason.is_empty()));
+        Row { run, status, cells: self.cells }
+    }
+}

@@ -1,0 +1,79 @@
+//! What came out of a sweep, from its results.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Status;
+use super::one::CLASSES;
+use crate::table::{Table, TableError};
+
+/// Counts of a sweep's rows.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Summary {
+    pub runs: u64,
+    /// Runs by how they ended, in the order of [`Status::ALL`].
+    pub by_status: Vec<(String, u64)>,
+    /// Completed runs by dynamic class, from good to bad.
+    pub by_class: Vec<(String, u64)>,
+    /// Why runs were not completed: status, reason without its numbers, how many, and the first run of them.
+    pub reasons: Vec<Reason>,
+}
+
+/// Runs that ended for one reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Reason {
+    pub status: String,
+    /// As it is in the first of these runs; others differ in their numbers.
+    pub reason: String,
+    pub runs: u64,
+    pub first_run: u64,
+}
+
+impl Summary {
+    /// How many runs ended so.
+    pub fn with(&self, status: Status) -> u64 {
+        self.by_status.iter().find(|(name, _)| name == status.name()).map_or(0, |(_, count)| *count)
+    }
+}
+
+/// Counts the rows of a sweep's results.
+///
+/// # Errors
+/// The table is no sweep's.
+pub fn summary(table: &Table) -> Result<Summary, TableError> {
+    let (runs, status) = (table.integers("run")?, table.texts("status")?);
+    let (class, reason) = (table.texts("class")?, table.texts("reason")?);
+    let count = |column: &[Option<&str>], name: &str| column.iter().filter(|cell| **cell == Some(name)).count() as u64;
+    let mut reasons: BTreeMap<(usize, String), Reason> = BTreeMap::new();
+    for ((run, status), reason) in runs.iter().zip(&status).zip(&reason) {
+        let (Some(run), Some(status), Some(reason)) = (run, status, reason) else { continue };
+        let rank = Status::ALL.iter().position(|known| known.name() == *status).unwrap_or(Status::ALL.len());
+        let run = run.unsigned_abs();
+        let found = reasons.entry((rank, without_numbers(reason))).or_insert_with(|| Reason {
+            status: status.to_string(),
+            reason: reason.to_string(),
+            runs: 0,
+            first_run: run,
+        });
+        found.runs += 1;
+    }
+    let mut reasons: Vec<Reason> = reasons.into_values().collect();
+    // The sort is stable: by status, the most frequent first.
+    reasons.sort_by_key(|reason| {
+        let rank = Status::ALL.iter().position(|status| status.name() == reason.status);
+        (rank, std::cmp::Reverse(reason.runs), reason.first_run)
+    });
+    Ok(Summary {
+        runs: table.rows.len() as u64,
+        by_status: Status::ALL.map(|of| (of.name().to_string(), count(&status, of.name()))).to_vec(),
+        by_class: CLASSES.map(|of| (of.name().to_string(), count(&class, of.name()))).to_vec(),
+        reasons,
+    })
+}
+
+/// A reason by its words: the same thing happens at other times and lengths.
+fn without_numbers(reason: &str) -> String {
+    let numeric = |word: &str| word.contains(|c: char| c.is_ascii_digit()) && !word.starts_with('`');
+    reason.split_whitespace().map(|word| if numeric(word) { "#" } else { word }).collect::<Vec<_>>().join(" ")
+}
