@@ -20,6 +20,7 @@ mod replay_pair;
 mod replay_read;
 mod replay_recover;
 mod replay_verify;
+mod reproduce;
 mod run;
 mod run_bodies;
 pub mod scene;
@@ -60,6 +61,7 @@ enum Command {
     Run(run::RunArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
+    Reproduce(reproduce::ReproduceArgs),
     Size(size::SizeArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
@@ -112,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
         Command::Scene(command) => scene::run(command),
         Command::Select(args) => select::run(args),
         Command::Size(args) => size::run(args),

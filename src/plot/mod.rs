@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `axis` | ranges and ticks, linear and logarithmic |
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
+//! | `closings` | angles of closings over time |
 //! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
@@ -17,6 +18,7 @@
 mod axis;
 mod bodies;
 mod canvas;
+mod closings;
 mod curve;
 mod difference;
 mod overlay;
@@ -28,6 +30,7 @@ mod step_size;
 
 pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
+pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};

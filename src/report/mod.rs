@@ -3,8 +3,10 @@
 mod bodies;
 mod csv;
 mod document;
+mod paper;
 mod quantity;
 mod replay;
+mod reproduce;
 mod select;
 mod sizing;
 mod stability;
@@ -18,11 +20,15 @@ pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,
 };
+pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
 pub use quantity::Quantity;
 pub use replay::{
     AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
     GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
     against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
+};
+pub use reproduce::{
+    Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
 };
 pub use select::{
     AxisReport, ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, condition_name,
