@@ -10,6 +10,8 @@ mod step_size;
 mod table;
 mod text;
 mod validation;
+mod volume;
+mod volume_points;
 
 pub use bodies::{BodiesReport, DiscReport, PairReport, bodies_json, bodies_text};
 pub use document::{
@@ -31,6 +33,11 @@ pub use validation::{
     ModelReport, PairDifference, SettingReport, StatisticReport, StatisticsReport, Status, ValidationReport,
     bodies_series, bodies_validation_json, bodies_validation_text, series, validation_json, validation_text,
 };
+pub use volume::{
+    AxesReport, AxisReport, BestReport, IntersectionReport, ReasonReport, ShareReport, VolumeReport, volume_json,
+    volume_text,
+};
+pub use volume_points::volume_points;
 
 use serde::Serialize;
 
