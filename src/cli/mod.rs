@@ -32,6 +32,9 @@ mod study_stability;
 mod validate;
 mod validate_bodies;
 mod validate_files;
+mod volume;
+mod volume_args;
+mod volume_files;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -70,6 +73,7 @@ enum Command {
     /// See what a choice of settings does to a result
     #[command(subcommand)]
     Study(study::StudyCommand),
+    Volume(volume::VolumeArgs),
 }
 
 /// How a command ended, see the [module](self).
@@ -119,6 +123,7 @@ pub fn main() -> ExitCode {
         Command::Select(args) => select::run(args),
         Command::Size(args) => size::run(args),
         Command::Study(command) => study::run(command),
+        Command::Volume(args) => volume::run(args),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

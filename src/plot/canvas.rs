@@ -217,15 +217,20 @@ fn anchored(area: &Area, text: &str, at: Pixel, (size, colour): (u32, RGBColor),
     area.draw(&Text::new(text.to_string(), at, style))
 }
 
-/// A box without an edge, from one corner to the other.
-pub fn block(area: &Area, corners: [Pixel; 2], fill: RGBColor) -> Result<(), DrawError> {
+/// A box without an edge.
+pub fn tile_plain(area: &Area, corners: [Pixel; 2], fill: RGBColor) -> Result<(), DrawError> {
     area.draw(&Rectangle::new(corners, ShapeStyle::from(&fill).filled()))
+}
+
+/// The edge of a box.
+pub fn outline(area: &Area, corners: [Pixel; 2], edge: RGBColor) -> Result<(), DrawError> {
+    area.draw(&Rectangle::new(corners, edge.stroke_width(1)))
 }
 
 /// A box with its edge, from one corner to the other.
 pub fn tile(area: &Area, corners: [Pixel; 2], fill: RGBColor, edge: RGBColor) -> Result<(), DrawError> {
-    area.draw(&Rectangle::new(corners, ShapeStyle::from(&fill).filled()))?;
-    area.draw(&Rectangle::new(corners, edge.stroke_width(1)))
+    tile_plain(area, corners, fill)?;
+    outline(area, corners, edge)
 }
 
 fn sign(area: &Area, at: Pixel, mark: Mark, colour: RGBColor) -> Result<(), DrawError> {

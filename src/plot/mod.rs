@@ -13,12 +13,15 @@
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
+//! | `volume` | slices of grasp-state volumes |
+//! | `colours` | colour scales of a quantity |
 //! | `difference` | difference of two runs over time |
 
 mod axis;
 mod bodies;
 mod canvas;
 mod closings;
+pub mod colours;
 mod curve;
 mod difference;
 mod overlay;
@@ -27,6 +30,7 @@ mod sizing;
 mod speed_error;
 mod stability;
 mod step_size;
+mod volume;
 
 pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
@@ -38,3 +42,4 @@ pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
 pub use speed_error::{bodies_speed_error, speed_error};
 pub use stability::stability;
 pub use step_size::step_size;
+pub use volume::{intersection_slices, volume_slices};

@@ -14,6 +14,8 @@ mod step_size;
 mod table;
 mod text;
 mod validation;
+mod volume;
+mod volume_points;
 
 pub use bodies::{BodiesReport, DiscReport, PairReport, bodies_json, bodies_text};
 pub use document::{
@@ -31,7 +33,7 @@ pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
 };
 pub use select::{
-    AxisReport, ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, condition_name,
+    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, condition_name,
     criterion_key, criterion_name, percent_of, ranking_table, selection_json, selection_text,
 };
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
@@ -44,6 +46,11 @@ pub use validation::{
     ModelReport, PairDifference, SettingReport, StatisticReport, StatisticsReport, Status, ValidationReport,
     bodies_series, bodies_validation_json, bodies_validation_text, series, validation_json, validation_text,
 };
+pub use volume::{
+    AxesReport, AxisReport, BestReport, IntersectionReport, ReasonReport, ShareReport, VolumeReport, volume_json,
+    volume_text,
+};
+pub use volume_points::volume_points;
 
 use serde::Serialize;
 

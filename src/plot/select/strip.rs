@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use crate::plot::canvas::{Area, BLACK, DrawError, GREY, Pixel, block, line_between, tile, words_from};
+use crate::plot::canvas::{Area, BLACK, DrawError, GREY, Pixel, line_between, tile, tile_plain, words_from};
 
 /// Colours of cells beside those of the canvas. Lightness alone keeps them apart too.
 pub const PALE_BLUE: RGBColor = RGBColor(178, 211, 233);
@@ -42,7 +42,7 @@ pub fn strip(
         let mut above = top;
         for (&below, &colour) in alike[0].iter().zip(palette) {
             if below > above {
-                block(area, [(start, above), (end, below)], colour)?;
+                tile_plain(area, [(start, above), (end, below)], colour)?;
             }
             above = below;
         }

@@ -17,7 +17,7 @@ pub struct SelectionReport {
     pub designs: usize,
     /// Runs that are missing up to the largest number.
     pub missing_runs: usize,
-    pub axes: Vec<AxisReport>,
+    pub axes: Vec<VariedReport>,
     pub classes: Vec<ClassesReport>,
     pub criteria: Vec<CriterionReport>,
     pub selected: usize,
@@ -28,7 +28,7 @@ pub struct SelectionReport {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub struct AxisReport {
+pub struct VariedReport {
     pub column: String,
     /// Different values.
     pub values: usize,
@@ -101,7 +101,7 @@ impl SelectionReport {
             designs: selection.designs(),
             missing_runs: selection.missing_runs.len(),
             axes: axes
-                .map(|axis| AxisReport { column: axis.column.clone(), values: axis.values.len(), again: axis.again })
+                .map(|axis| VariedReport { column: axis.column.clone(), values: axis.values.len(), again: axis.again })
                 .collect(),
             classes: classes(selection),
             criteria: criteria(selection),

@@ -14,7 +14,7 @@ mod words;
 
 pub use data::ranking_table;
 pub use document::{
-    AxisReport, ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, selection_json,
+    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, selection_json,
 };
 pub use text::selection_text;
 pub use words::{condition_name, criterion_key, criterion_name, percent_of};

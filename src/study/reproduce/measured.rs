@@ -14,7 +14,9 @@ pub const CHOSEN: i64 = 95;
 /// A value for every key of [`super::figures`].
 pub fn measured(found: &Reproduction) -> BTreeMap<String, f64> {
     let mut values = BTreeMap::new();
-    let mut set = |key: &str, value: f64| drop(values.insert(key.to_string(), value));
+    let mut set = |key: &str, value: f64| {
+        values.insert(key.to_string(), value);
+    };
     let (sizing, designs) = (&found.sizing, &found.designs);
     set("sizing.motor_rigid_n_m", sizing.rigid.motor_n_m);
     set("sizing.motor_whole_n_m", sizing.whole.motor_n_m);

@@ -59,7 +59,7 @@ pub struct Reproduction {
 }
 
 /// Why there is no reproduction. All of it is shipped with the program, so that any of these is a mistake in the program.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} could not be computed: {reason}")]
 pub struct ReproduceError {
     pub what: &'static str,
