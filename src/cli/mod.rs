@@ -20,9 +20,11 @@ mod replay_pair;
 mod replay_read;
 mod replay_recover;
 mod replay_verify;
+mod reproduce;
 mod run;
 mod run_bodies;
 pub mod scene;
+mod select;
 mod simulate;
 mod size;
 mod statics;
@@ -33,6 +35,9 @@ mod sweep_store;
 mod validate;
 mod validate_bodies;
 mod validate_files;
+mod volume;
+mod volume_args;
+mod volume_files;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -63,14 +68,17 @@ enum Command {
     Statics(statics::StaticsArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
+    Reproduce(reproduce::ReproduceArgs),
     Size(size::SizeArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
+    Select(select::SelectArgs),
     /// See what a choice of settings does to a result
     #[command(subcommand)]
     Study(study::StudyCommand),
     Sweep(sweep::SweepArgs),
+    Volume(volume::VolumeArgs),
 }
 
 /// How a command ended, see the [module](self).
@@ -116,10 +124,13 @@ pub fn main() -> ExitCode {
         Command::Statics(args) => statics::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
         Command::Scene(command) => scene::run(command),
+        Command::Select(args) => select::run(args),
         Command::Size(args) => size::run(args),
         Command::Study(command) => study::run(command),
         Command::Sweep(args) => sweep::run(args),
+        Command::Volume(args) => volume::run(args),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

@@ -1,5 +1,7 @@
 //! Mass, centre of mass and inertia of each body: its outline, homogeneous, of one depth.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::outline::{outlines, polygon_moments};
 use super::{Bodies, Body, Lengths};
 
@@ -46,6 +48,50 @@ pub fn bodies(lengths: &Lengths, density_kg_m3: f64, depth_m: f64) -> Result<Bod
         l12: body("l12", &outlines.l12_m, areal)?,
         l21: body("l21", &outlines.l21_m, areal)?,
         l22: body("l22", &outlines.l22_m, areal)?,
+    })
+}
+
+/// Mass properties that are given for one body, in place of those of its outline.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyOverride {
+    pub mass_kg: Option<f64>,
+    pub com_m: Option<[f64; 2]>,
+    pub inertia_kg_m2: Option<f64>,
+}
+
+impl BodyOverride {
+    pub fn is_complete(&self) -> bool {
+        self.mass_kg.is_some() && self.com_m.is_some() && self.inertia_kg_m2.is_some()
+    }
+
+    /// A mass without inertia keeps the outline's radius of gyration.
+    pub fn apply(&self, outline: Body) -> Body {
+        let mass_kg = self.mass_kg.unwrap_or(outline.mass_kg);
+        let scale = self.mass_kg.map_or(1.0, |m| m / outline.mass_kg);
+        Body {
+            mass_kg,
+            com_m: self.com_m.unwrap_or(outline.com_m),
+            inertia_kg_m2: self.inertia_kg_m2.unwrap_or(outline.inertia_kg_m2 * scale),
+        }
+    }
+}
+
+/// [`bodies`] with what is given of l11, l12, l21 and l22 in place of what their outlines say.
+pub fn bodies_with(
+    lengths: &Lengths,
+    density_kg_m3: f64,
+    depth_m: f64,
+    overrides: &[BodyOverride; 4],
+) -> Result<Bodies, MassError> {
+    // The outline of a distal body that is given completely does not matter, not even if there is none.
+    let phi22_rad = if overrides[3].is_complete() { FRAC_PI_2 } else { lengths.phi22_rad };
+    let outline = bodies(&Lengths { phi22_rad, ..*lengths }, density_kg_m3, depth_m)?;
+    let [l11, l12, l21, l22] = overrides;
+    Ok(Bodies {
+        l11: l11.apply(outline.l11),
+        l12: l12.apply(outline.l12),
+        l21: l21.apply(outline.l21),
+        l22: l22.apply(outline.l22),
     })
 }
 

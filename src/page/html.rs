@@ -59,7 +59,7 @@ fn filled(template: &str, fields: &[(&str, String)]) -> String {
 }
 
 /// Text between tags or in an attribute with quotes.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -27,6 +27,7 @@ mod thin;
 pub use discs::discs_film;
 pub use film::{Body, Film, Mark, Panel, Scale, Series, Touch};
 pub use finger::finger_film;
+pub(crate) use html::escaped;
 pub use html::page;
 pub use reel::Reel;
 pub use thin::MOST_SAMPLES;

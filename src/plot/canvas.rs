@@ -48,8 +48,18 @@ pub enum Mark {
     Square,
     Cross,
     Ring,
-    Line { width: u32 },
-    Pale { width: u32 },
+    /// Smaller ones, for hundreds of points, and a single pixel for thousands.
+    SmallTriangle,
+    SmallRing,
+    Dot,
+    SmallDot,
+    Speck,
+    Line {
+        width: u32,
+    },
+    Pale {
+        width: u32,
+    },
 }
 
 /// One line of a legend.
@@ -165,6 +175,28 @@ pub fn legend(area: &Area, entries: &[Entry]) -> Result<(), DrawError> {
     Ok(())
 }
 
+/// A legend in one line, from the left of an area.
+pub fn legend_across(area: &Area, entries: &[Entry]) -> Result<(), DrawError> {
+    let mut x = 16;
+    for entry in entries {
+        sign(area, (x + 10, 16), entry.mark, entry.colour)?;
+        area.draw(&Text::new(entry.text.clone(), (x + 26, 16 - TEXT_SIZE as i32 / 2), font(TEXT_SIZE)))?;
+        // A little generous for the width of letters.
+        x += 26 + (entry.text.chars().count() as f64 * 0.56 * f64::from(TEXT_SIZE)) as i32 + 24;
+    }
+    Ok(())
+}
+
+/// A mark at a place of an area, in pixels.
+pub fn mark(area: &Area, at: Pixel, mark: Mark, colour: RGBColor) -> Result<(), DrawError> {
+    sign(area, at, mark, colour)
+}
+
+/// A thin line between two places of an area, in pixels.
+pub fn line_between(area: &Area, ends: [Pixel; 2], colour: RGBColor) -> Result<(), DrawError> {
+    area.draw(&PathElement::new(ends.to_vec(), colour.stroke_width(1)))
+}
+
 /// Words around a place of an area, in pixels.
 pub fn words(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColor) -> Result<(), DrawError> {
     anchored(area, text, at, (size, colour), HPos::Center)
@@ -175,15 +207,30 @@ pub fn words_from(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColo
     anchored(area, text, at, (size, colour), HPos::Left)
 }
 
+/// Words up to a place.
+pub fn words_to(area: &Area, text: &str, at: Pixel, size: u32, colour: RGBColor) -> Result<(), DrawError> {
+    anchored(area, text, at, (size, colour), HPos::Right)
+}
+
 fn anchored(area: &Area, text: &str, at: Pixel, (size, colour): (u32, RGBColor), side: HPos) -> Result<(), DrawError> {
     let style = (FONT, size).into_font().color(&colour).pos(Pos::new(side, VPos::Center));
     area.draw(&Text::new(text.to_string(), at, style))
 }
 
+/// A box without an edge.
+pub fn tile_plain(area: &Area, corners: [Pixel; 2], fill: RGBColor) -> Result<(), DrawError> {
+    area.draw(&Rectangle::new(corners, ShapeStyle::from(&fill).filled()))
+}
+
+/// The edge of a box.
+pub fn outline(area: &Area, corners: [Pixel; 2], edge: RGBColor) -> Result<(), DrawError> {
+    area.draw(&Rectangle::new(corners, edge.stroke_width(1)))
+}
+
 /// A box with its edge, from one corner to the other.
 pub fn tile(area: &Area, corners: [Pixel; 2], fill: RGBColor, edge: RGBColor) -> Result<(), DrawError> {
-    area.draw(&Rectangle::new(corners, ShapeStyle::from(&fill).filled()))?;
-    area.draw(&Rectangle::new(corners, edge.stroke_width(1)))
+    tile_plain(area, corners, fill)?;
+    outline(area, corners, edge)
 }
 
 fn sign(area: &Area, at: Pixel, mark: Mark, colour: RGBColor) -> Result<(), DrawError> {
@@ -194,6 +241,11 @@ fn sign(area: &Area, at: Pixel, mark: Mark, colour: RGBColor) -> Result<(), Draw
         Mark::Square => area.draw(&Rectangle::new([(at.0 - 5, at.1 - 5), (at.0 + 5, at.1 + 5)], filled)),
         Mark::Cross => area.draw(&Cross::new(at, 6, colour.stroke_width(3))),
         Mark::Ring => area.draw(&Circle::new(at, 10, colour.stroke_width(2))),
+        Mark::SmallTriangle => area.draw(&TriangleMarker::new(at, 5, filled)),
+        Mark::SmallRing => area.draw(&Circle::new(at, 5, colour.stroke_width(1))),
+        Mark::Dot => area.draw(&Circle::new(at, 3, filled)),
+        Mark::SmallDot => area.draw(&Circle::new(at, 2, filled)),
+        Mark::Speck => area.draw(&Circle::new(at, 1, filled)),
         Mark::Line { .. } | Mark::Pale { .. } => Ok(()),
     }
 }

@@ -3,7 +3,11 @@
 mod bodies;
 mod csv;
 mod document;
+mod paper;
+mod quantity;
 mod replay;
+mod reproduce;
+mod select;
 mod sizing;
 mod stability;
 mod statics;
@@ -12,16 +16,27 @@ mod sweep;
 mod table;
 mod text;
 mod validation;
+mod volume;
+mod volume_points;
 
 pub use bodies::{BodiesReport, DiscReport, PairReport, bodies_json, bodies_text};
 pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,
 };
+pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
+pub use quantity::Quantity;
 pub use replay::{
     AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
     GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
     against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
+};
+pub use reproduce::{
+    Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
+};
+pub use select::{
+    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, condition_name,
+    criterion_key, criterion_name, percent_of, ranking_table, selection_json, selection_text,
 };
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
@@ -39,6 +54,11 @@ pub use validation::{
     ModelReport, PairDifference, SettingReport, StatisticReport, StatisticsReport, Status, ValidationReport,
     bodies_series, bodies_validation_json, bodies_validation_text, series, validation_json, validation_text,
 };
+pub use volume::{
+    AxesReport, AxisReport, BestReport, IntersectionReport, ReasonReport, ShareReport, VolumeReport, volume_json,
+    volume_text,
+};
+pub use volume_points::volume_points;
 
 use serde::Serialize;
 

@@ -14,7 +14,7 @@ use super::raw_bodies::RawBodiesScene;
 use super::schema::schema_of;
 use super::suggest::nearest;
 use super::words::SceneKind;
-use super::{AnyScene, Scene, keys, resolve};
+use super::{AnyScene, Scene, Template, keys, resolve};
 
 /// Reads, checks and resolves the scene file of a finger.
 ///
@@ -50,6 +50,28 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
         text: text.to_string(),
         problems,
     })
+}
+
+/// Reads the scene of a finger as what many designs have in common.
+///
+/// # Errors
+/// What is wrong with the file, or what ties the scene to one design.
+pub fn load_template(path: impl AsRef<Path>) -> Result<Template, SceneError> {
+    let (text, file) = read(path.as_ref())?;
+    parse_template(&text, &file)
+}
+
+/// [`load_template`] of a text; `file_name` appears in messages and gives the default name.
+///
+/// # Errors
+/// What is wrong with the text, or what ties the scene to one design.
+pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneError> {
+    // Whatever is wrong with the scene by itself is said first.
+    let scene = parse(text, file_name)?;
+    let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
+    let read = Deserializer::parse(text).and_then(RawScene::deserialize);
+    let raw = read.map_err(|e| refuse(vec![syntax(&e)]))?;
+    resolve::template(&raw, Checker::new(text, Vec::new()), &scene).map_err(refuse)
 }
 
 /// The text of a file, and what messages call it.

@@ -8,6 +8,7 @@
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
 //! | `resolve`, `defaults` | raw → [`Scene`] or [`BodiesScene`], physics checked |
 //! | `show` | either → a complete scene file |
+//! | `template` | what all designs of a study have in common |
 //! | `torque` | the motor torque of an actuation over time |
 //! | `bodies` | scenes of discs instead of a finger |
 
@@ -25,16 +26,18 @@ mod resolve;
 pub(crate) mod schema;
 mod show;
 mod suggest;
+mod template;
 mod torque;
 pub(crate) mod words;
 
 pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
-pub use file::{load, load_any, parse, parse_any};
+pub use file::{load, load_any, load_template, parse, parse_any, parse_template};
 pub use schema::schema;
 pub use show::{show, show_any, show_bodies};
 pub(crate) use suggest::nearest;
+pub use template::Template;
 pub use torque::{next_corner, torque};
 
 use crate::gripper::Finger;

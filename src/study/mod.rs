@@ -1,6 +1,19 @@
-//! Studies: what a choice of settings does to a result.
+//! Studies: what a choice of settings does to a result, and what a choice of design does.
+//!
+//! | file | job |
+//! |---|---|
+//! | `grasp` | a grasp at rest, all of it: for a report and a picture |
+//! | `reproduce` | the thesis's figures again, beside what it prints |
+//! | `select` | which designs of a sweep meet the criteria, and which is best |
+//! | `stability` | where the engine is stable, and where it is right |
+//! | `step_size` | the force of an impact against the step |
+//! | `sweep` | a scene again and again, with other values in some of its fields |
+//! | `volume` | grasp-state volumes: which designs hold the object |
 
 pub mod grasp;
+pub mod reproduce;
+pub mod select;
 pub mod stability;
 pub mod step_size;
 pub mod sweep;
+pub mod volume;

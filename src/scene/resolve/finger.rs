@@ -8,7 +8,7 @@ use super::super::defaults;
 use super::super::entry::Section;
 use super::super::raw::{RawBody, RawDesign, RawLengths, RawScene};
 use crate::gripper::{
-    self, Assembly, Bodies, Body, Design, DesignError, Finger, HEIGHT_RATIO, Lengths, MassError, ProximalLength,
+    self, Assembly, BodyOverride, Design, DesignError, Finger, HEIGHT_RATIO, Lengths, MassError, ProximalLength,
     TIP_CONTACT_MIN_RAD,
 };
 
@@ -24,9 +24,14 @@ pub struct Plan {
     pub base_m: Option<f64>,
 }
 
+/// Half width w of every link.
+pub fn half_width(c: &mut Checker<'_>, raw: &RawScene) -> f64 {
+    c.number_or("half_width", &raw.half_width, POSITIVE, defaults::HALF_WIDTH_M)
+}
+
 /// Lengths from [design] or [lengths].
 pub fn plan(c: &mut Checker<'_>, raw: &RawScene, object_radius_m: f64) -> Plan {
-    let half_width_m = c.number_or("half_width", &raw.half_width, POSITIVE, defaults::HALF_WIDTH_M);
+    let half_width_m = half_width(c, raw);
     let assembly = c.or("assembly", &raw.assembly, Assembly::Reference);
     let (mut lengths, mut base_m) = (None, None);
     match (raw.design.is_given(), raw.lengths.is_given()) {
@@ -55,7 +60,12 @@ pub fn plan(c: &mut Checker<'_>, raw: &RawScene, object_radius_m: f64) -> Plan {
     Plan { lengths, assembly, base_m }
 }
 
-fn design(c: &mut Checker<'_>, raw: &Section<RawDesign>, half_width_m: f64, object_radius_m: f64) -> Option<Design> {
+pub fn design(
+    c: &mut Checker<'_>,
+    raw: &Section<RawDesign>,
+    half_width_m: f64,
+    object_radius_m: f64,
+) -> Option<Design> {
     let base_m =
         c.required("design.base", &raw.base, POSITIVE, raw, "add the distance to the object: base = \"15.5 mm\"");
     let l21 = match (raw.l21.is_given(), raw.l21_fraction.is_given()) {
@@ -137,67 +147,46 @@ fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f
 
 /// Bodies from the outlines, with the scene's overrides.
 pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger> {
-    let density = c.number_or("material.density", &raw.material.density, POSITIVE, defaults::DENSITY_KG_M3);
-    let depth = c.number_or("material.depth", &raw.material.depth, POSITIVE, defaults::DEPTH_M);
-    let overrides = [
-        Override::read(c, "bodies.l11", &raw.bodies.l11),
-        Override::read(c, "bodies.l12", &raw.bodies.l12),
-        Override::read(c, "bodies.l21", &raw.bodies.l21),
-        Override::read(c, "bodies.l22", &raw.bodies.l22),
-    ];
+    let Matter { density_kg_m3, depth_m, overrides } = matter(c, raw);
     let lengths = plan.lengths?;
-    // The outline of a distal body that is given completely does not matter, not even if there is none.
-    let outlined =
-        Lengths { phi22_rad: if overrides[3].is_complete() { FRAC_PI_2 } else { lengths.phi22_rad }, ..lengths };
-    let outline = match gripper::bodies(&outlined, density, depth) {
-        Ok(bodies) => bodies,
+    match gripper::bodies_with(&lengths, density_kg_m3, depth_m, &overrides) {
+        Ok(bodies) => Some(Finger { lengths, bodies, assembly: plan.assembly }),
         Err(e) => {
             let place = match e {
                 MassError::DegenerateTriangle { .. } => raw.lengths.phi22.span().or(raw.design.phi22.span()),
                 _ => raw.material.span.clone(),
             };
             geometry(c, place, "the links have no mass", &e.to_string());
-            return None;
-        }
-    };
-    let bodies = Bodies {
-        l11: overrides[0].apply(outline.l11),
-        l12: overrides[1].apply(outline.l12),
-        l21: overrides[2].apply(outline.l21),
-        l22: overrides[3].apply(outline.l22),
-    };
-    Some(Finger { lengths, bodies, assembly: plan.assembly })
-}
-
-/// Mass properties a scene gives for one body.
-struct Override {
-    mass_kg: Option<f64>,
-    com_m: Option<[f64; 2]>,
-    inertia_kg_m2: Option<f64>,
-}
-
-impl Override {
-    fn read(c: &mut Checker<'_>, path: &str, raw: &Section<RawBody>) -> Self {
-        Override {
-            mass_kg: c.number(&format!("{path}.mass"), &raw.mass, POSITIVE),
-            com_m: c.get(&format!("{path}.com"), &raw.com),
-            inertia_kg_m2: c.number(&format!("{path}.inertia"), &raw.inertia, POSITIVE),
+            None
         }
     }
+}
 
-    fn is_complete(&self) -> bool {
-        self.mass_kg.is_some() && self.com_m.is_some() && self.inertia_kg_m2.is_some()
+/// What the bodies are made of, and what is given of each of l11, l12, l21, l22.
+pub struct Matter {
+    pub density_kg_m3: f64,
+    pub depth_m: f64,
+    pub overrides: [BodyOverride; 4],
+}
+
+pub fn matter(c: &mut Checker<'_>, raw: &RawScene) -> Matter {
+    Matter {
+        density_kg_m3: c.number_or("material.density", &raw.material.density, POSITIVE, defaults::DENSITY_KG_M3),
+        depth_m: c.number_or("material.depth", &raw.material.depth, POSITIVE, defaults::DEPTH_M),
+        overrides: [
+            body(c, "bodies.l11", &raw.bodies.l11),
+            body(c, "bodies.l12", &raw.bodies.l12),
+            body(c, "bodies.l21", &raw.bodies.l21),
+            body(c, "bodies.l22", &raw.bodies.l22),
+        ],
     }
+}
 
-    /// A mass without inertia keeps the outline's radius of gyration.
-    fn apply(&self, outline: Body) -> Body {
-        let mass_kg = self.mass_kg.unwrap_or(outline.mass_kg);
-        let scale = self.mass_kg.map_or(1.0, |m| m / outline.mass_kg);
-        Body {
-            mass_kg,
-            com_m: self.com_m.unwrap_or(outline.com_m),
-            inertia_kg_m2: self.inertia_kg_m2.unwrap_or(outline.inertia_kg_m2 * scale),
-        }
+fn body(c: &mut Checker<'_>, path: &str, raw: &Section<RawBody>) -> BodyOverride {
+    BodyOverride {
+        mass_kg: c.number(&format!("{path}.mass"), &raw.mass, POSITIVE),
+        com_m: c.get(&format!("{path}.com"), &raw.com),
+        inertia_kg_m2: c.number(&format!("{path}.inertia"), &raw.inertia, POSITIVE),
     }
 }
 

@@ -12,8 +12,10 @@ mod object;
 mod run;
 mod sizing;
 mod start;
+mod template;
 
 pub use bodies::bodies;
+pub use template::template;
 
 use std::path::Path;
 

@@ -1,0 +1,94 @@
+//! `phalanx reproduce`: the thesis's figures again, with reasons where ours differ.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+
+use super::output::{complain, print};
+use super::progress::Count;
+use super::validate_files::{broken, directory, save};
+use super::{Failure, Status};
+use crate::report::{
+    Block, Verdict, comparisons, duration, paper_html, paper_markdown, ranking_table, reproduction_json,
+    reproduction_paper, reproduction_text,
+};
+use crate::study::reproduce::{Reproduction, reproduce};
+use crate::table;
+
+/// Reproduce the thesis: sizing, statics, volumes, 384 simulations, selection, design 95 and its CAD model.
+///
+/// Every figure that the thesis prints is computed again and set beside it, beside what the corrected equations are expected
+/// to give, and beside the reason for the difference. Simulations whose class changes with the tolerances are found and
+/// named.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx reproduce\n  phalanx reproduce --out report\n  phalanx reproduce --quick --json > \
+                  report.json\n\nExit status: 0 every figure is as expected; 1 one is outside of its bounds; 3 something could \
+                  not be computed or written."
+)]
+pub struct ReproduceArgs {
+    /// Write report.md with figures/, report.html (self-contained), report.json, results.csv and ranking.csv there; the
+    /// directory is made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Volumes of 10³ points instead of 20³ (they are shown, but not judged), and no runs at the reference preset
+    #[arg(long)]
+    quick: bool,
+
+    /// Threads; as many as there are cores if it is not given
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+
+    /// Print one JSON document with SI values instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
+    if let Some(out) = &args.out {
+        directory(out)?;
+    }
+    let start = Instant::now();
+    let mut count = Count::new();
+    let result = reproduce(args.quick, args.threads, &mut |done, total, next| count.show(done, total, next));
+    count.clear();
+    let found = result.map_err(Failure::incomplete)?;
+    let wall_s = start.elapsed().as_secs_f64();
+    if let Some(out) = &args.out {
+        write(out, &found)?;
+    }
+    print(&match args.json {
+        true => reproduction_json(&found),
+        false => reproduction_text(&found),
+    })?;
+    if !args.json {
+        complain(&format!("computed in {}", duration(wall_s)));
+    }
+    let outside = comparisons(&found).iter().any(|one| one.verdict == Verdict::Outside);
+    Ok(if outside { Status::CheckFailed } else { Status::Done })
+}
+
+/// The files of `--out`; the report comes last.
+fn write(out: &Path, found: &Reproduction) -> Result<(), Failure> {
+    let paper = reproduction_paper(found).map_err(|error| broken(&out.join("figures"), error))?;
+    let figures = out.join("figures");
+    directory(&figures)?;
+    for section in &paper.sections {
+        for block in &section.blocks {
+            if let Block::Figure(figure) = block {
+                save(&figures.join(&figure.file), &figure.svg)?;
+            }
+        }
+    }
+    for (file, of) in
+        [("results.csv", &found.results), ("ranking.csv", &ranking_table(&found.results, &found.selection))]
+    {
+        table::write(&out.join(file), of).map_err(Failure::incomplete)?;
+    }
+    save(&out.join("report.json"), &reproduction_json(found))?;
+    save(&out.join("report.html"), &paper_html(&paper))?;
+    save(&out.join("report.md"), &paper_markdown(&paper))
+}

@@ -1,0 +1,52 @@
+//! The files of `phalanx volume --out`.
+
+use std::path::Path;
+
+use super::Failure;
+use super::validate_files::{broken, save};
+use super::volume_args::DataArg;
+use crate::plot::{self, DrawError};
+use crate::report::{VolumeReport, volume_json, volume_points, volume_text};
+use crate::study::volume::{Quantity, Volume, VolumeRequest};
+use crate::table;
+
+/// Writes everything, and says in the report what was written; the table that says so comes last.
+pub fn write(
+    out: &Path,
+    request: &VolumeRequest,
+    volumes: &[Volume],
+    quantities: &[Quantity],
+    data: DataArg,
+    report: &mut VolumeReport,
+) -> Result<(), Failure> {
+    let mut files = Vec::new();
+    let mut keep = |file: String, drawn: Result<String, DrawError>| {
+        let path = out.join(&file);
+        let text = drawn.map_err(|error| broken(&path, error))?;
+        files.push(file);
+        save(&path, &text)
+    };
+    for &quantity in quantities {
+        for frictions in volumes.chunks(request.mu_static.len()) {
+            let of_base: Vec<&Volume> = frictions.iter().collect();
+            let base = format!("{}", (frictions[0].base_m * 1e9).round() / 1e6);
+            keep(format!("slices-{base}mm-{}.svg", quantity.key()), plot::volume_slices(&of_base, quantity))?;
+        }
+        if request.bases_m.len() > 1 {
+            let of_friction = |mu: &f64| volumes.iter().filter(|volume| volume.mu_static == *mu).collect::<Vec<_>>();
+            let frictions: Vec<_> = request.mu_static.iter().map(of_friction).collect();
+            let drawn = plot::intersection_slices(&frictions, quantity);
+            keep(format!("slices-intersection-{}.svg", quantity.key()), drawn)?;
+        }
+    }
+    let points = match data {
+        DataArg::Csv => "points.csv",
+        DataArg::Parquet => "points.parquet",
+    };
+    table::write(&out.join(points), &volume_points(volumes)).map_err(Failure::incomplete)?;
+    files.insert(0, points.to_string());
+    report.directory = Some(out.display().to_string());
+    report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
+    save(&out.join("table.json"), &volume_json(report))?;
+    save(&out.join("table.txt"), &volume_text(report))
+}

@@ -1,0 +1,101 @@
+//! The JSON document of a reproduction.
+
+use serde::Serialize;
+
+use super::{Comparison, Verdict, comparisons};
+use crate::report::document_text;
+use crate::report::select::SelectionReport;
+use crate::study::reproduce::Reproduction;
+
+/// Everything that is judged, in SI.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReproductionReport {
+    pub quick: bool,
+    /// Figures with an expectation, and those of them that are outside of it.
+    pub judged: usize,
+    pub outside: usize,
+    pub figures: Vec<Comparison>,
+    pub other_sizings: Vec<OtherSizingReport>,
+    pub near_chaotic: ChaosReport,
+    pub selection: SelectionReport,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct OtherSizingReport {
+    pub torques: &'static str,
+    pub statically_stable_mu_0: usize,
+    pub statically_stable_mu_0_8: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct ChaosReport {
+    pub variations: Vec<&'static str>,
+    pub conditions: Vec<SpreadReport>,
+    pub runs: Vec<FlipReport>,
+}
+
+/// Dynamically stable runs of one condition.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpreadReport {
+    pub study: usize,
+    /// In the order of the variations.
+    pub by_variation: Vec<usize>,
+    pub in_all: usize,
+    pub in_any: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct FlipReport {
+    pub run: i64,
+    pub design: i64,
+    pub class: &'static str,
+    /// In the order of the variations.
+    pub by_variation: Vec<&'static str>,
+}
+
+impl ReproductionReport {
+    pub fn of(found: &Reproduction) -> ReproductionReport {
+        let figures = comparisons(found);
+        let count = |verdict: Verdict| figures.iter().filter(|one| one.verdict == verdict).count();
+        let chaos = &found.chaos;
+        let spread = |condition: usize| SpreadReport {
+            study: chaos.stable[condition][0],
+            by_variation: chaos.stable[condition][1..].to_vec(),
+            in_all: chaos.always[condition],
+            in_any: chaos.ever[condition],
+        };
+        let flips = chaos.flips.iter().map(|flip| FlipReport {
+            run: flip.run,
+            design: flip.design,
+            class: flip.class.name(),
+            by_variation: flip.classes.iter().map(|class| class.name()).collect(),
+        });
+        ReproductionReport {
+            quick: found.quick,
+            judged: count(Verdict::Inside) + count(Verdict::Outside),
+            outside: count(Verdict::Outside),
+            other_sizings: found
+                .designs
+                .other_sizings
+                .iter()
+                .map(|of| OtherSizingReport {
+                    torques: of.name,
+                    statically_stable_mu_0: of.stable[0],
+                    statically_stable_mu_0_8: of.stable[1],
+                })
+                .collect(),
+            near_chaotic: ChaosReport {
+                variations: chaos.variations.iter().map(|of| of.name()).collect(),
+                conditions: (0..chaos.stable.len()).map(spread).collect(),
+                runs: flips.collect(),
+            },
+            selection: SelectionReport::of("thesis.toml", &found.selection),
+            figures,
+        }
+    }
+}
+
+/// One JSON document; the unit of a figure is at the end of its name.
+pub fn reproduction_json(found: &Reproduction) -> String {
+    document_text(&ReproductionReport::of(found))
+}

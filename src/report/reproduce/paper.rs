@@ -1,0 +1,97 @@
+//! The paper: its sections in order.
+
+use super::parts::{compared, of_key};
+use super::{Comparison, Verdict, chosen, comparisons, errata, selection, sizing, statics, sweep, volumes};
+use crate::plot::DrawError;
+use crate::report::paper::{Paper, Section};
+use crate::study::reproduce::Reproduction;
+
+/// The figures that are looked at first.
+const FIRST: [&str; 27] = [
+    "design.trajectory_min_rad",
+    "design.trajectory_max_rad",
+    "design.mass_min_kg",
+    "design.mass_max_kg",
+    "design.mass_kg",
+    "statics.stable_mu_0",
+    "statics.stable_mu_0.8",
+    "sweep.stable_mu_0",
+    "sweep.stable_mu_0.8",
+    "statics.form_closed",
+    "sweep.palm_stable_mu_0",
+    "selection.selected",
+    "volume.stable_percent.base_12_mm.mu_0",
+    "volume.stable_percent.base_15.5_mm.mu_0",
+    "volume.stable_percent.base_19_mm.mu_0",
+    "volume.stable_percent.base_22.5_mm.mu_0",
+    "volume.stable_percent.base_12_mm.mu_0.8",
+    "volume.stable_percent.base_15.5_mm.mu_0.8",
+    "volume.stable_percent.base_19_mm.mu_0.8",
+    "volume.stable_percent.base_22.5_mm.mu_0.8",
+    "volume.closed_percent.base_12_mm",
+    "volume.closed_percent.base_15.5_mm",
+    "volume.closed_percent.base_19_mm",
+    "volume.closed_percent.base_22.5_mm",
+    "design_95.pfp_n",
+    "sizing.motor_rigid_n_m",
+    "sizing.spring_n_m",
+];
+
+/// The paper of a reproduction.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn reproduction_paper(found: &Reproduction) -> Result<Paper, DrawError> {
+    let all = comparisons(found);
+    Ok(Paper {
+        title: "The thesis again".to_string(),
+        sections: vec![
+            summary(found, &all),
+            sizing::section(found, &all)?,
+            statics::designs(found, &all)?,
+            statics::section(found, &all)?,
+            volumes::section(found, &all)?,
+            sweep::section(found, &all)?,
+            selection::section(found, &all)?,
+            chosen::section(found, &all)?,
+            errata::section(),
+        ],
+    })
+}
+
+fn summary(found: &Reproduction, all: &[Comparison]) -> Section {
+    let judged = all.iter().filter(|one| one.verdict != Verdict::NotJudged).count();
+    let outside: Vec<&Comparison> = all.iter().filter(|one| one.verdict == Verdict::Outside).collect();
+    let verdict = match outside.is_empty() {
+        true => format!("All {judged} figures that have an expectation are within it."),
+        false => format!(
+            "{} of {judged} figures that have an expectation are outside of it: {}.",
+            outside.len(),
+            outside.iter().map(|one| one.what).collect::<Vec<_>>().join("; ")
+        ),
+    };
+    let quick = match found.quick {
+        true => {
+            " This was a quick run: volumes have fewer points and are not judged, and nothing was run at the reference preset."
+        }
+        false => "",
+    };
+    let chaotic: Vec<i64> = found.chaos.flips.iter().map(|flip| flip.run).collect();
+    let chaotic = match chaotic.len() {
+        0 => "No simulation changes its class with the tolerances.".to_string(),
+        count => format!(
+            "{count} of {} simulations are near-chaotic: their class changes with the tolerances, or with a torque a \
+             billionth larger or smaller.",
+            found.selection.runs.len()
+        ),
+    };
+    let section = Section::new("Summary")
+        .words(
+            "What the thesis prints, what phalanx computes from the corrected equations, and why the two differ where they \
+             do. No definition was changed to meet a number. \"Expected\" is what an independent implementation of the same \
+             definitions has found.",
+        )
+        .words(format!("{verdict}{quick} {chaotic}"));
+    let first: Vec<&Comparison> = FIRST.iter().filter_map(|key| of_key(all, key)).collect();
+    compared(section, "The main figures.", &first)
+}

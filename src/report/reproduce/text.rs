@@ -1,0 +1,57 @@
+//! A table for the terminal.
+
+use super::{Comparison, ReproductionReport, Verdict};
+use crate::report::table::{row, table};
+use crate::study::reproduce::Reproduction;
+
+/// Every figure with its verdict, the near-chaotic runs, and what is outside.
+pub fn reproduction_text(found: &Reproduction) -> String {
+    let report = ReproductionReport::of(found);
+    let mut text = String::new();
+    let mut section = "";
+    let mut rows = Vec::new();
+    let flush = |text: &mut String, rows: &mut Vec<Vec<String>>| {
+        if !rows.is_empty() {
+            text.push_str(&format!("{}\n", table(rows)));
+            rows.clear();
+        }
+    };
+    for one in &report.figures {
+        if one.section != section {
+            flush(&mut text, &mut rows);
+            section = one.section;
+            rows.push(row([section, "thesis", "ours", "expected", ""]));
+        }
+        rows.push(line(one));
+    }
+    flush(&mut text, &mut rows);
+    let chaotic: Vec<String> = report.near_chaotic.runs.iter().map(|flip| flip.run.to_string()).collect();
+    text.push_str(&match chaotic.is_empty() {
+        true => "no run changes its class with the tolerances\n".to_string(),
+        false => format!("near-chaotic, their class changes with the tolerances: runs {}\n", chaotic.join(", ")),
+    });
+    for (of, condition) in report.near_chaotic.conditions.iter().zip(&found.selection.conditions) {
+        let spread = of.by_variation.iter().chain([&of.study]);
+        text.push_str(&format!(
+            "dynamically stable, {}: {} to {} by variation, {} in all of them, {} in any\n",
+            crate::report::condition_name(condition),
+            spread.clone().min().unwrap_or(&0),
+            spread.max().unwrap_or(&0),
+            of.in_all,
+            of.in_any
+        ));
+    }
+    text.push_str(&match report.outside {
+        0 => format!("all {} figures with an expectation are within it\n", report.judged),
+        outside => format!("{outside} of {} figures with an expectation are outside of it\n", report.judged),
+    });
+    text
+}
+
+fn line(one: &Comparison) -> Vec<String> {
+    let verdict = match one.verdict {
+        Verdict::Outside => "outside",
+        _ => "",
+    };
+    vec![format!("  {}", one.what), one.thesis_text(), one.ours_text(), one.expected_text(), verdict.to_string()]
+}

@@ -1,0 +1,198 @@
+//! The JSON document of a selection.
+
+use serde::Serialize;
+use serde_json::Value as Json;
+
+use super::words::{criterion_key, criterion_name};
+use crate::report::document_text;
+use crate::study::select::{CLASSES, Criterion, Parts, RunStatus, Selection, Side, Weights};
+use crate::table::Value;
+
+/// Everything the tables say, with SI values.
+#[derive(Clone, Debug, Serialize)]
+pub struct SelectionReport {
+    /// What was selected from.
+    pub source: String,
+    pub runs: usize,
+    pub designs: usize,
+    /// Runs that are missing up to the largest number.
+    pub missing_runs: usize,
+    pub axes: Vec<VariedReport>,
+    pub classes: Vec<ClassesReport>,
+    pub criteria: Vec<CriterionReport>,
+    pub selected: usize,
+    /// The criterion that removed the last run, where none is left.
+    pub emptied_by: Option<String>,
+    pub weights: Weights,
+    pub ranking: Vec<RankedReport>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct VariedReport {
+    pub column: String,
+    /// Different values.
+    pub values: usize,
+    /// Whether it varies within a design.
+    pub again: bool,
+}
+
+/// One condition.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClassesReport {
+    /// Values of the axes that make the condition.
+    pub condition: serde_json::Map<String, Json>,
+    pub runs: usize,
+    pub statuses: StatusesReport,
+    pub statically_stable: usize,
+    pub statically_unstable: usize,
+    pub form_closed: usize,
+    pub stable: usize,
+    pub semi_stable: usize,
+    pub semi_unstable: usize,
+    pub unstable: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct StatusesReport {
+    pub completed: usize,
+    pub filtered: usize,
+    pub refused: usize,
+    pub failed: usize,
+}
+
+/// One criterion.
+#[derive(Clone, Debug, Serialize)]
+pub struct CriterionReport {
+    /// `completed`, `force_positive`, `form_closed`, `class`, `settled`, or the column of a bound.
+    pub criterion: String,
+    pub words: String,
+    /// The least class, or the bound in the unit of its column.
+    pub at_least: Option<Json>,
+    pub at_most: Option<f64>,
+    pub holds: usize,
+    pub fails: usize,
+    pub unknown: usize,
+    pub left: usize,
+    pub removed_by_it_alone: usize,
+}
+
+/// A selected run.
+#[derive(Clone, Debug, Serialize)]
+pub struct RankedReport {
+    pub place: usize,
+    pub run: i64,
+    pub design: i64,
+    pub axes: serde_json::Map<String, Json>,
+    pub class: Option<&'static str>,
+    pub pfp_n: Option<f64>,
+    pub tts_s: Option<f64>,
+    pub f21_n: Option<f64>,
+    pub f22_n: Option<f64>,
+    pub parts: Parts,
+    pub r_wc: f64,
+}
+
+impl SelectionReport {
+    pub fn of(source: &str, selection: &Selection) -> SelectionReport {
+        let axes = selection.axes.iter();
+        SelectionReport {
+            source: source.to_string(),
+            runs: selection.runs.len(),
+            designs: selection.designs(),
+            missing_runs: selection.missing_runs.len(),
+            axes: axes
+                .map(|axis| VariedReport { column: axis.column.clone(), values: axis.values.len(), again: axis.again })
+                .collect(),
+            classes: classes(selection),
+            criteria: criteria(selection),
+            selected: selection.ranking.len(),
+            emptied_by: selection.emptied_by().map(|tally| criterion_key(&tally.criterion).to_string()),
+            weights: selection.weights,
+            ranking: ranking(selection),
+        }
+    }
+}
+
+/// One JSON document, with SI units in every key.
+pub fn selection_json(source: &str, selection: &Selection) -> String {
+    document_text(&SelectionReport::of(source, selection))
+}
+
+fn classes(selection: &Selection) -> Vec<ClassesReport> {
+    let one = |(condition, of): (&crate::study::select::Condition, &crate::study::select::Classes)| {
+        let status = |status: RunStatus| of.statuses[status as usize];
+        ClassesReport {
+            condition: condition.values.iter().map(|(column, value)| (column.clone(), json(value))).collect(),
+            runs: of.runs,
+            statuses: StatusesReport {
+                completed: status(RunStatus::Completed),
+                filtered: status(RunStatus::Filtered),
+                refused: status(RunStatus::Refused),
+                failed: status(RunStatus::Failed),
+            },
+            statically_stable: of.statically_stable,
+            statically_unstable: of.statically_unstable,
+            form_closed: of.form_closed,
+            stable: of.dynamic[0],
+            semi_stable: of.dynamic[1],
+            semi_unstable: of.dynamic[2],
+            unstable: of.dynamic[3],
+        }
+    };
+    const { assert!(CLASSES.len() == 4) };
+    selection.conditions.iter().zip(&selection.classes).map(one).collect()
+}
+
+fn criteria(selection: &Selection) -> Vec<CriterionReport> {
+    let one = |tally: &crate::study::select::Tally| {
+        let (at_least, at_most) = match &tally.criterion {
+            Criterion::Class(least) => (Some(Json::from(least.name())), None),
+            Criterion::Bound(bound) if bound.side == Side::AtLeast => (Some(Json::from(bound.value)), None),
+            Criterion::Bound(bound) => (None, Some(bound.value)),
+            _ => (None, None),
+        };
+        CriterionReport {
+            criterion: criterion_key(&tally.criterion).to_string(),
+            words: criterion_name(&tally.criterion),
+            at_least,
+            at_most,
+            holds: tally.holds,
+            fails: tally.fails,
+            unknown: tally.unknown,
+            left: tally.left,
+            removed_by_it_alone: tally.only,
+        }
+    };
+    selection.tallies.iter().map(one).collect()
+}
+
+fn ranking(selection: &Selection) -> Vec<RankedReport> {
+    let one = |ranked: &crate::study::select::Ranked| {
+        let run = &selection.runs[ranked.run_index];
+        let axes = selection.axes.iter().zip(&run.axes);
+        RankedReport {
+            place: ranked.place,
+            run: run.run,
+            design: run.design,
+            axes: axes.map(|(axis, value)| (axis.column.clone(), json(value))).collect(),
+            class: run.class.map(|class| class.name()),
+            pfp_n: run.pfp_n,
+            tts_s: run.tts_s,
+            f21_n: run.f21_n,
+            f22_n: run.f22_n,
+            parts: ranked.parts,
+            r_wc: ranked.r_wc,
+        }
+    };
+    selection.ranking.iter().map(one).collect()
+}
+
+fn json(value: &Value) -> Json {
+    match value {
+        Value::Integer(value) => Json::from(*value),
+        Value::Number(value) => Json::from(*value),
+        Value::Flag(value) => Json::from(*value),
+        Value::Text(text) => Json::from(text.clone()),
+        Value::Missing => Json::Null,
+    }
+}

@@ -1,0 +1,20 @@
+//! A selection as tables, as JSON, and as a table of data.
+//!
+//! | file | job |
+//! |---|---|
+//! | `words` | criteria, conditions and counts as people say them |
+//! | `text` | tables for people |
+//! | `document` | the JSON document |
+//! | `data` | the ranking as a typed table |
+
+mod data;
+mod document;
+mod text;
+mod words;
+
+pub use data::ranking_table;
+pub use document::{
+    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, selection_json,
+};
+pub use text::selection_text;
+pub use words::{condition_name, criterion_key, criterion_name, percent_of};

@@ -1,0 +1,301 @@
+//! Grasp-state volumes as tables (thesis Tables 3.3–3.5) and JSON.
+
+use serde::Serialize;
+
+use super::document_text;
+use super::table::table;
+use crate::sizing::Rule;
+use crate::study::volume::{Axis, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
+
+/// Reasons for missing fingers that are told of one volume; there may be as many as points.
+const MOST_REASONS: usize = 3;
+
+/// What is reported of volumes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeReport {
+    /// Name of the scene that the designs vary.
+    pub scene: String,
+    /// How motor and spring were sized.
+    pub sizing: &'static str,
+    pub axes: AxesReport,
+    /// Bases slowest, as they were asked for.
+    pub volumes: Vec<ShareReport>,
+    /// What holds at every base, for each friction.
+    pub intersections: Vec<IntersectionReport>,
+    /// Designs that were sized, in how much time, on how many threads.
+    pub designs: usize,
+    pub wall_s: f64,
+    pub threads: usize,
+    /// Where files were written, and which.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directory: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+/// The axes of every volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxesReport {
+    pub l21_fraction: AxisReport,
+    pub phi22_rad: AxisReport,
+    pub arm_ratio: AxisReport,
+}
+
+/// Evenly spaced values, both ends included.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisReport {
+    pub from: f64,
+    pub to: f64,
+    pub points: usize,
+}
+
+/// Shares of one volume, of all its points.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ShareReport {
+    pub base_m: f64,
+    pub mu_static: f64,
+    pub points: usize,
+    /// Points where there is a finger.
+    pub fingers: usize,
+    pub stable_percent: f64,
+    /// Stable with PFP ≥ 0.
+    pub palm_positive_percent: f64,
+    /// Stable and form-closed.
+    pub form_closed_percent: f64,
+    /// Form-closed, stable or not.
+    pub form_closed_anyway_percent: f64,
+    /// The largest palm force of the stable region; null where nothing is stable.
+    pub largest_palm_force: Option<BestReport>,
+    /// Why there are no fingers: the most frequent reasons.
+    pub no_finger: Vec<ReasonReport>,
+}
+
+/// Where a palm force is largest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BestReport {
+    pub static_pfp_n: f64,
+    pub l21_fraction: f64,
+    pub phi22_rad: f64,
+    pub arm_ratio: f64,
+}
+
+/// A reason for missing fingers, in the words of the first of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReasonReport {
+    pub points: usize,
+    pub reason: String,
+}
+
+/// Shares of the points that hold at every base.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IntersectionReport {
+    pub mu_static: f64,
+    pub points: usize,
+    pub fingers: usize,
+    pub stable_percent: f64,
+    pub palm_positive_percent: f64,
+    pub form_closed_percent: f64,
+    pub form_closed_anyway_percent: f64,
+}
+
+impl VolumeReport {
+    /// Counts the volumes of a request.
+    pub fn new(request: &VolumeRequest, volumes: &[Volume], wall_s: f64, threads: usize) -> Self {
+        let axes = &request.axes;
+        let axis = |axis: &Axis| AxisReport { from: axis.from, to: axis.to, points: axis.points };
+        Self {
+            scene: request.template.name.clone(),
+            sizing: match request.rule {
+                Rule::Rigid => "rigid",
+                Rule::Whole => "whole",
+            },
+            axes: AxesReport {
+                l21_fraction: axis(&axes.l21_fraction),
+                phi22_rad: axis(&axes.phi22_rad),
+                arm_ratio: axis(&axes.arm_ratio),
+            },
+            volumes: volumes.iter().map(|volume| share(volume, &shares(volume))).collect(),
+            intersections: intersections(volumes).iter().map(common).collect(),
+            designs: request.bases_m.len() * axes.len(),
+            wall_s,
+            threads,
+            directory: None,
+            files: Vec::new(),
+        }
+    }
+}
+
+fn share(volume: &Volume, counted: &Shares) -> ShareReport {
+    let of = |part| percent(part, counted.points);
+    let best = counted.best.map(|best| {
+        let Point { l21_fraction, phi22_rad, arm_ratio, .. } = volume.points[best.point];
+        BestReport { static_pfp_n: best.pfp_n, l21_fraction, phi22_rad, arm_ratio }
+    });
+    ShareReport {
+        base_m: counted.base_m,
+        mu_static: counted.mu_static,
+        points: counted.points,
+        fingers: counted.fingers,
+        stable_percent: of(counted.stable),
+        palm_positive_percent: of(counted.palm_positive),
+        form_closed_percent: of(counted.form_closed),
+        form_closed_anyway_percent: of(counted.form_closed_anyway),
+        largest_palm_force: best,
+        no_finger: reasons(volume),
+    }
+}
+
+fn common(counted: &Intersection) -> IntersectionReport {
+    let of = |part| percent(part, counted.points);
+    IntersectionReport {
+        mu_static: counted.mu_static,
+        points: counted.points,
+        fingers: counted.fingers,
+        stable_percent: of(counted.stable),
+        palm_positive_percent: of(counted.palm_positive),
+        form_closed_percent: of(counted.form_closed),
+        form_closed_anyway_percent: of(counted.form_closed_anyway),
+    }
+}
+
+/// The most frequent reasons; two are one where they are of one kind, whatever the figures in them.
+fn reasons(volume: &Volume) -> Vec<ReasonReport> {
+    let mut found: Vec<(String, ReasonReport)> = Vec::new();
+    for error in volume.points.iter().filter_map(|point| point.state.as_ref().err()) {
+        let reason = error.to_string();
+        let kind: String = reason.chars().filter(|c| !(c.is_ascii_digit() || matches!(c, '.' | '-'))).collect();
+        match found.iter_mut().find(|(of, _)| *of == kind) {
+            Some((_, told)) => told.points += 1,
+            None => found.push((kind, ReasonReport { points: 1, reason })),
+        }
+    }
+    let mut reasons: Vec<ReasonReport> = found.into_iter().map(|(_, told)| told).collect();
+    reasons.sort_by_key(|told| std::cmp::Reverse(told.points));
+    reasons.truncate(MOST_REASONS);
+    reasons
+}
+
+/// One JSON document, with SI units in every key.
+pub fn volume_json(report: &VolumeReport) -> String {
+    document_text(report)
+}
+
+/// Tables for people.
+pub fn volume_text(report: &VolumeReport) -> String {
+    let AxesReport { l21_fraction, phi22_rad, arm_ratio } = &report.axes;
+    let [phi_from, phi_to] = [phi22_rad.from, phi22_rad.to].map(|angle| short(angle.to_degrees()));
+    let mut text = format!(
+        "{}: grasp-state volumes of {} x {} x {} points, motor and spring sized by the rule \"{}\"\nl21 {} to {} of its range, \
+         phi22 {phi_from} to {phi_to} deg, arm ratio r_l {} to {}; shares in % of all points of a volume\n",
+        report.scene,
+        l21_fraction.points,
+        phi22_rad.points,
+        arm_ratio.points,
+        report.sizing,
+        short(l21_fraction.from),
+        short(l21_fraction.to),
+        short(arm_ratio.from),
+        short(arm_ratio.to)
+    );
+    text.push_str("\nstable: F21 >= 0 and F22 >= 0, %\n");
+    text.push_str(&grid(report, |share| vec![two(share.stable_percent)], |all| vec![two(all.stable_percent)], &[""]));
+    text.push_str(
+        "\nstable with PFP >= 0 (the object is pressed on the palm), %; largest PFP of the stable region, N\n",
+    );
+    text.push_str(&grid(
+        report,
+        |share| {
+            let largest = share.largest_palm_force.as_ref().map_or("-".to_string(), |best| two(best.static_pfp_n));
+            vec![two(share.palm_positive_percent), largest]
+        },
+        |all| vec![two(all.palm_positive_percent), "-".to_string()],
+        &["%", "max"],
+    ));
+    text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
+    text.push_str(&grid(
+        report,
+        |share| vec![two(share.form_closed_percent), two(share.form_closed_anyway_percent)],
+        |all| vec![two(all.form_closed_percent), two(all.form_closed_anyway_percent)],
+        &["stable", "any"],
+    ));
+    text.push_str(&best(report));
+    text.push_str(&missing(report));
+    let threads = if report.threads == 1 { "thread" } else { "threads" };
+    text.push_str(&format!(
+        "\n{} designs sized and closed in {:.2} s on {} {threads}\n",
+        report.designs, report.wall_s, report.threads
+    ));
+    if let Some(directory) = &report.directory {
+        text.push_str(&format!("\nfiles in {directory}: {}\n", report.files.join(", ")));
+    }
+    text
+}
+
+/// A row for each base, columns for each friction, and the intersection below where there are several bases.
+fn grid(
+    report: &VolumeReport,
+    cells: impl Fn(&ShareReport) -> Vec<String>,
+    all: impl Fn(&IntersectionReport) -> Vec<String>,
+    heads: &[&str],
+) -> String {
+    let mut head = vec!["base".to_string()];
+    for of in &report.intersections {
+        for (index, sub) in heads.iter().enumerate() {
+            let mu = if index == 0 { format!("mu_s {}", short(of.mu_static)) } else { String::new() };
+            head.push(format!("{mu} {sub}").trim().to_string());
+        }
+    }
+    let mut rows = vec![head];
+    let frictions = report.intersections.len().max(1);
+    for shares in report.volumes.chunks(frictions) {
+        let base = format!("{} mm", short(shares[0].base_m * 1e3));
+        rows.push([base].into_iter().chain(shares.iter().flat_map(&cells)).collect());
+    }
+    if report.volumes.len() > frictions {
+        let name = "intersection".to_string();
+        rows.push([name].into_iter().chain(report.intersections.iter().flat_map(all)).collect());
+    }
+    table(&rows)
+}
+
+/// Where the largest palm forces are.
+fn best(report: &VolumeReport) -> String {
+    let mut rows = vec![["base", "mu_s", "PFP, N", "l21 of its range", "phi22, deg", "r_l"].map(String::from).to_vec()];
+    for share in &report.volumes {
+        if let Some(best) = &share.largest_palm_force {
+            rows.push(vec![
+                format!("{} mm", short(share.base_m * 1e3)),
+                short(share.mu_static),
+                two(best.static_pfp_n),
+                short(best.l21_fraction),
+                short(best.phi22_rad.to_degrees()),
+                short(best.arm_ratio),
+            ]);
+        }
+    }
+    if rows.len() == 1 { String::new() } else { format!("\nwhere PFP is largest\n{}", table(&rows)) }
+}
+
+/// Which designs do not exist, and why; the same for every friction.
+fn missing(report: &VolumeReport) -> String {
+    let mut text = String::new();
+    let frictions = report.intersections.len().max(1);
+    for share in report.volumes.iter().step_by(frictions).filter(|share| share.fingers < share.points) {
+        let (gone, base) = (share.points - share.fingers, short(share.base_m * 1e3));
+        text.push_str(&format!("\nbase {base} mm: {gone} of {} points have no finger\n", share.points));
+        for ReasonReport { points, reason } in &share.no_finger {
+            text.push_str(&format!("  {points} points, such as: {reason}\n"));
+        }
+    }
+    text
+}
+
+fn two(value: f64) -> String {
+    format!("{value:.2}")
+}
+
+/// A number of up to four digits without needless zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}

@@ -1,0 +1,71 @@
+//! A sound scene as the template of many designs.
+
+use super::super::check::{ANY, Checker, POSITIVE};
+use super::super::error::Problem;
+use super::super::raw::RawScene;
+use super::super::{Scene, Template, defaults};
+use super::{finger, object};
+use crate::gripper::Design;
+use crate::law::ContactLaw;
+use crate::sizing::CLOSING_S;
+
+/// Reads once more what a resolved scene does not keep; `scene` is the same one, resolved.
+pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
+    let design = design(&mut c, raw);
+    if raw.object.centre.is_given() {
+        c.push(
+            raw.object.centre.span(),
+            "designs are made for an object that stands on the palm at their base, but this scene places it",
+            "one place for all bases",
+            "leave the centre out: the base places the object",
+        );
+    }
+    for (key, entry) in [("q11", &raw.initial.q11), ("q21", &raw.initial.q21)] {
+        if entry.is_given() {
+            c.push(
+                entry.span(),
+                format!(
+                    "`initial.{key}` is the start of one finger, but the contact it closes to moves with the design"
+                ),
+                "one start for all designs",
+                "give how far before the contact all of them start: [initial] offset = \"25 deg\"",
+            );
+        }
+    }
+    let finger::Matter { density_kg_m3, depth_m, overrides } = finger::matter(&mut c, raw);
+    let opening_rad = c.number_or("initial.offset", &raw.initial.offset, ANY, defaults::OFFSET_DEG.to_radians());
+    let closing_s = c.number_or("closing_time", &raw.closing_time, POSITIVE, CLOSING_S);
+    let rule = c.get("sizing", &raw.sizing);
+    let mu = |law: &ContactLaw| law.friction.map_or(0.0, |friction| friction.mu_static);
+    match design {
+        Some(design) if c.is_clean() => Ok(Template {
+            name: scene.name.clone(),
+            design,
+            density_kg_m3,
+            depth_m,
+            overrides,
+            assembly: scene.finger.assembly,
+            opening_rad,
+            gravity_m_s2: scene.gravity_m_s2,
+            closing_s,
+            rule,
+            mu_static: [mu(&scene.contact.proximal), mu(&scene.contact.distal)],
+        }),
+        _ => Err(c.into_problems()),
+    }
+}
+
+fn design(c: &mut Checker<'_>, raw: &RawScene) -> Option<Design> {
+    if raw.lengths.is_given() {
+        c.push(
+            raw.lengths.span.clone(),
+            "this scene gives the lengths of one finger, but a template gives a design of which some numbers are free",
+            "one finger",
+            "replace [lengths] by [design] with base, l21_fraction, phi22 and arm_ratio; see scenes/experiment-95.toml",
+        );
+        return None;
+    }
+    let radius_m = object::radius(c, raw);
+    let half_width_m = finger::half_width(c, raw);
+    finger::design(c, &raw.design, half_width_m, radius_m)
+}

@@ -1,0 +1,188 @@
+//! Which of the simulations are near-chaotic: their class depends on tolerances and on torques a billionth apart.
+//!
+//! A rebound multiplies small differences. After a few of them two runs that began alike can come to rest at other times, or
+//! one of them not at all; then the class is not a property of the design alone.
+
+use std::num::NonZeroUsize;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use super::ReproduceError;
+use crate::criteria::{Class, Tracker, at_rest};
+use crate::scene::{Actuation, Preset, Scene};
+use crate::study::select::{Candidate, Selection};
+use crate::trace::{self, RunError};
+
+/// How far torques are nudged, relative.
+const NUDGE: f64 = 1e-9;
+
+/// A run that should be the same as the study's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Variation {
+    /// All tolerances a tenth.
+    Tighter,
+    /// The reference preset: another method, and the tightest tolerances.
+    Reference,
+    /// The motor torque a billionth larger, and smaller.
+    Stronger,
+    Weaker,
+}
+
+impl Variation {
+    pub const ALL: [Variation; 4] = [Variation::Tighter, Variation::Reference, Variation::Stronger, Variation::Weaker];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Variation::Tighter => "tolerances a tenth",
+            Variation::Reference => "reference preset",
+            Variation::Stronger => "torque + 1e-9",
+            Variation::Weaker => "torque − 1e-9",
+        }
+    }
+
+    fn apply(self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        match self {
+            Variation::Tighter => {
+                scene.integrator.rtol *= 0.1;
+                scene.integrator.atol_angle_rad *= 0.1;
+                scene.integrator.atol_rate_rad_s *= 0.1;
+            }
+            Variation::Reference => scene.integrator = scene.integrator.with_preset(Preset::Reference),
+            Variation::Stronger => nudge(&mut scene.actuation, 1.0 + NUDGE),
+            Variation::Weaker => nudge(&mut scene.actuation, 1.0 - NUDGE),
+        }
+        scene
+    }
+}
+
+/// The study's motors are constant.
+fn nudge(actuation: &mut Actuation, factor: f64) {
+    if let Actuation::Constant { torque_n_m } = actuation {
+        *torque_n_m *= factor;
+    }
+}
+
+/// Classes by variation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chaos {
+    /// Which were tried.
+    pub variations: Vec<Variation>,
+    /// Runs whose class is not the same in all of them.
+    pub flips: Vec<Flip>,
+    /// Dynamically stable runs (stable and semi-stable) of each condition: of the study, then of each variation.
+    pub stable: Vec<Vec<usize>>,
+    /// Of each condition: stable in every variation, and in at least one.
+    pub always: Vec<usize>,
+    pub ever: Vec<usize>,
+}
+
+/// One run whose class changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flip {
+    pub run: i64,
+    pub design: i64,
+    pub condition: usize,
+    pub class: Class,
+    /// In the order of the variations.
+    pub classes: Vec<Class>,
+}
+
+/// Runs every statically stable run of the study again, in each variation; others are unstable whatever they do.
+pub fn chaos(scenes: &[Scene], selection: &Selection, quick: bool, threads: usize) -> Result<Chaos, ReproduceError> {
+    let variations: Vec<Variation> =
+        Variation::ALL.into_iter().filter(|&of| !(quick && of == Variation::Reference)).collect();
+    let jobs: Vec<(usize, usize)> = (0..variations.len())
+        .flat_map(|variation| (0..selection.runs.len()).map(move |run| (variation, run)))
+        .filter(|&(_, run)| selection.runs[run].force_positive == Some(true))
+        .collect();
+    let found = classes(scenes, &jobs, &variations, threads)?;
+    let class = |run: &Candidate| run.class.unwrap_or(Class::Unstable);
+    let mut all: Vec<Vec<Class>> = selection.runs.iter().map(|run| vec![class(run); variations.len()]).collect();
+    for (&(variation, run), of) in jobs.iter().zip(found) {
+        all[run][variation] = of;
+    }
+    let flips = selection.runs.iter().zip(&all).filter(|(run, of)| of.iter().any(|of| *of != class(run)));
+    let flips = flips
+        .map(|(run, of)| Flip {
+            run: run.run,
+            design: run.design,
+            condition: run.condition,
+            class: class(run),
+            classes: of.clone(),
+        })
+        .collect();
+    let good = |class: Class| matches!(class, Class::Stable | Class::SemiStable);
+    let count = |condition: usize, test: &dyn Fn(Class, &[Class]) -> bool| {
+        let runs = selection.runs.iter().zip(&all).filter(|(run, _)| run.condition == condition);
+        runs.filter(|(run, of)| test(class(run), of)).count()
+    };
+    let conditions = 0..selection.conditions.len();
+    let by_variation = |condition: usize| {
+        let own = count(condition, &|class, _| good(class));
+        let others = (0..variations.len()).map(|index| count(condition, &|_, of| good(of[index])));
+        std::iter::once(own).chain(others).collect()
+    };
+    Ok(Chaos {
+        flips,
+        stable: conditions.clone().map(by_variation).collect(),
+        always: conditions
+            .clone()
+            .map(|condition| count(condition, &|class, of| good(class) && of.iter().all(|of| good(*of))))
+            .collect(),
+        ever: conditions
+            .map(|condition| count(condition, &|class, of| good(class) || of.iter().any(|of| good(*of))))
+            .collect(),
+        variations,
+    })
+}
+
+/// The class of every job (variation, run), on many threads.
+fn classes(
+    scenes: &[Scene],
+    jobs: &[(usize, usize)],
+    variations: &[Variation],
+    threads: usize,
+) -> Result<Vec<Class>, ReproduceError> {
+    let threads = match threads {
+        0 => thread::available_parallelism().map_or(1, NonZeroUsize::get),
+        given => given,
+    };
+    let next = AtomicUsize::new(0);
+    let found = Mutex::new(vec![None; jobs.len()]);
+    let work = || {
+        loop {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&(variation, run)) = jobs.get(job) else { break };
+            let class = class(&variations[variation].apply(&scenes[run]));
+            if let Ok(mut found) = found.lock() {
+                found[job] = Some(class);
+            }
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(work);
+        }
+        work();
+    });
+    let found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    found
+        .into_iter()
+        .map(|class| class.unwrap_or_else(|| Err(ReproduceError::of("a variation")(&"it was not run"))))
+        .collect()
+}
+
+/// The class of one run. One that breaks off is unstable.
+fn class(scene: &Scene) -> Result<Class, ReproduceError> {
+    let error = ReproduceError::of("a variation");
+    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let rest = at_rest(scene, object).map_err(|reason| error(&reason))?;
+    let mut tracker = Tracker::new(rest.angles());
+    match trace::run_analytic(scene, &mut tracker) {
+        Ok(_) => Ok(tracker.criteria(rest.is_stable()).class),
+        Err(RunError::Simulation { .. }) => Ok(Class::Unstable),
+        Err(RunError::Sink(reason)) => Err(error(&reason)),
+    }
+}

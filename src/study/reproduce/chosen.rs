@@ -1,0 +1,78 @@
+//! Design 95 with the torques the thesis prints, and its CAD model (thesis §4.3, §4.4).
+
+use super::ReproduceError;
+use crate::criteria::{Criteria, Tracker, at_rest};
+use crate::gripper::total_mass;
+use crate::scene;
+use crate::statics::palm_force;
+use crate::trace::{self, Event, Outcome, Sample, Sink, SinkError};
+
+const AS_PRINTED: &str = include_str!("../../../scenes/experiment-95.toml");
+const CAD: &str = include_str!("../../../scenes/experiment-95-cad.toml");
+
+/// A closing, as far as a figure and a table need it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Closing {
+    pub name: &'static str,
+    pub mass_kg: f64,
+    pub criteria: Criteria,
+    pub outcome: Outcome,
+    /// PFP of the final forces.
+    pub pfp_n: f64,
+    pub points: Vec<ClosingPoint>,
+}
+
+/// One sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosingPoint {
+    pub time_s: f64,
+    pub q11_rad: f64,
+    pub q21_rad: f64,
+    pub q22_rad: f64,
+}
+
+/// Design 95 with the printed torques.
+pub fn chosen() -> Result<Closing, ReproduceError> {
+    closing("design 95", AS_PRINTED, "experiment-95.toml")
+}
+
+/// The same with the masses of the final parts.
+pub fn cad() -> Result<Closing, ReproduceError> {
+    closing("CAD model", CAD, "experiment-95-cad.toml")
+}
+
+fn closing(name: &'static str, text: &str, file: &str) -> Result<Closing, ReproduceError> {
+    let error = ReproduceError::of(name);
+    let scene = scene::parse(text, file).map_err(|reason| error(&reason))?;
+    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let rest = at_rest(&scene, object).map_err(|reason| error(&reason))?;
+    let mut kept = Kept { tracker: Tracker::new(rest.angles()), points: Vec::new() };
+    let outcome = trace::run_analytic(&scene, &mut kept).map_err(|reason| error(&reason))?;
+    let forces = [outcome.last.proximal.normal_n, outcome.last.distal.normal_n];
+    Ok(Closing {
+        name,
+        mass_kg: total_mass(&scene.finger.bodies),
+        criteria: kept.tracker.criteria(rest.is_stable()),
+        pfp_n: palm_force(&rest.end, forces[0], forces[1], rest.mu_static[0]),
+        outcome,
+        points: kept.points,
+    })
+}
+
+/// Keeps angles beside the criteria.
+struct Kept {
+    tracker: Tracker,
+    points: Vec<ClosingPoint>,
+}
+
+impl Sink for Kept {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let Sample { time_s, q11_rad, q21_rad, q22_rad, .. } = *sample;
+        self.points.push(ClosingPoint { time_s, q11_rad, q21_rad, q22_rad });
+        self.tracker.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.tracker.event(event)
+    }
+}
