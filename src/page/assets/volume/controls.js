@@ -9,7 +9,7 @@ const put = (id, text) => {
 function controls(app) {
   const { data } = app;
   const options = (id, entries) => byId(id).append(...entries.map(([value, text]) => element("option", { value }, text)));
-  options("base", data.bases.map((base, index) => [index, `${fact(base.base_m, 1e3, "mm")}`]));
+  options("base", data.bases.map((base, index) => [index, baseText(base)]));
   if (data.bases.length > 1) options("base", [[-1, "all bases at once"]]);
   options("friction", data.mu_static.map((mu, index) => [index, String(mu)]));
   options("quantity", data.quantities.map((quantity, index) => [index, quantity.unit ? `${quantity.name}, ${quantity.unit}` : quantity.name]));
@@ -73,14 +73,14 @@ function slice(app, axis, index) {
 }
 
 function shares(app) {
-  const texts = [["stable", "stable"], ["palm", "stable, PFP ≥ 0"], ["closed", "stable, form-closed"]];
+  const texts = [["stable", "stable"], ["palm", "with PFP ≥ 0"], ["closed", "form-closed"]];
   const key = `${app.base} ${app.friction}`;
   const body = byId("shares");
   if (body.dataset.shown === key) return;
   body.dataset.shown = key;
-  body.replaceChildren(...texts.map(([region, name]) => {
+  body.replaceChildren(...texts.flatMap(([region, name]) => {
     const share = `${shareOf(app.volume, region).toFixed(2)}\u202f%`;
-    return element("tr", {}, element("th", { scope: "row" }, name), element("td", { "data-region": region }, share));
+    return [element("dt", {}, name), element("dd", { "data-region": region }, share)];
   }));
 }
 

@@ -7,6 +7,9 @@ function fact(value, factor, unit) {
   return `${minus(shown.toFixed(Math.min(digits, 4)))}\u202f${unit}`;
 }
 
+// A base as it was asked for, without needless zeros.
+const baseText = (base) => `${Number((base.base_m * 1e3).toPrecision(7))}\u202fmm`;
+
 function rows(facts) {
   const body = element("tbody");
   for (const [name, text] of facts) body.append(element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, text)));
@@ -18,11 +21,11 @@ function designFacts(app, cell) {
   const { data, friction, quantity } = app;
   const n = data.index(cell);
   const [l21, phi22, arm] = data.axes.map((axis, k) => axisText(axis, axis.values[cell[k]]));
-  const place = [["l21 in its range", l21], ["φ22", phi22], ["r_l", arm]];
+  const place = [["l21 fraction", l21], ["φ22", phi22], ["r_l", arm]];
   const base = data.bases[app.base];
   if (!base) {
     const each = data.bases.map((own) => {
-      const name = `at ${fact(own.base_m, 1e3, "mm")}`;
+      const name = `at ${baseText(own)}`;
       if (own.reason[n]) return [name, "no finger"];
       const flags = own.frictions[friction].flags[n];
       if (!(flags & STABLE)) return [name, "not stable"];
