@@ -25,6 +25,7 @@ mod run_bodies;
 pub mod scene;
 mod simulate;
 mod size;
+mod statics;
 mod study;
 mod study_stability;
 mod sweep;
@@ -62,6 +63,7 @@ enum Command {
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
     Size(size::SizeArgs),
+    Statics(statics::StaticsArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
@@ -115,6 +117,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
         Command::Size(args) => size::run(args),
+        Command::Statics(args) => statics::run(args),
         Command::Study(command) => study::run(command),
         Command::Sweep(args) => sweep::run(args),
     };

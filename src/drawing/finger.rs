@@ -38,10 +38,11 @@ pub fn finger(scene: &Scene) -> Drawing {
 pub fn finger_poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     let posture =
         Posture { q11_rad: sample.q11_rad, q21_rad: sample.q21_rad, q12_rad: sample.q12_rad, q22_rad: sample.q22_rad };
-    poses(scene, &posture)
+    finger_poses_at(scene, &posture)
 }
 
-fn poses(scene: &Scene, posture: &Posture) -> Vec<Pose> {
+/// The same of a posture.
+pub fn finger_poses_at(scene: &Scene, posture: &Posture) -> Vec<Pose> {
     let Lengths { l11_m, l21_m, .. } = scene.finger.lengths;
     let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
     let turned = |position_m, angle_rad| Pose { position_m, angle_rad };
@@ -97,7 +98,7 @@ fn view(scene: &Scene, bodies: &[Body]) -> [[f64; 2]; 2] {
     let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * std::f64::consts::PI, q12_rad: 0.0, q22_rad: 0.0 };
     let postures = [Some(start.unwrap_or(upright)), end];
     let places: Vec<(&Body, Pose)> =
-        postures.iter().flatten().flat_map(|posture| bodies.iter().zip(poses(scene, posture))).collect();
+        postures.iter().flatten().flat_map(|posture| bodies.iter().zip(finger_poses_at(scene, posture))).collect();
     extent(&places)
 }
 

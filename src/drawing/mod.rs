@@ -11,7 +11,7 @@ mod discs;
 mod finger;
 
 pub use discs::{disc_poses, discs};
-pub use finger::{finger, finger_poses};
+pub use finger::{finger, finger_poses, finger_poses_at};
 
 /// Everything that is to be drawn of a scene.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,7 @@
 //! | `bodies` | the same of a scene of discs |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
+//! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
 //! | `difference` | difference of two runs over time |
 
 mod axis;
@@ -18,6 +19,7 @@ mod bodies;
 mod canvas;
 mod curve;
 mod difference;
+mod grasp;
 mod overlay;
 mod sizing;
 mod speed_error;
@@ -27,6 +29,7 @@ mod step_size;
 pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::DrawError;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
+pub use grasp::grasp;
 pub use overlay::{overlay, overlay_of};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
 pub use speed_error::{bodies_speed_error, speed_error};

@@ -6,6 +6,7 @@ mod document;
 mod replay;
 mod sizing;
 mod stability;
+mod statics;
 mod step_size;
 mod sweep;
 mod table;
@@ -24,6 +25,11 @@ pub use replay::{
 };
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
+pub use statics::{
+    BirglenReport, ClosureReport, ContactPlaceReport, DriveReport, FinalPostureReport, FingerMotionReport,
+    ForcesReport, MotionReport, MultiplierReport, NecessaryReport, RateReport, SpringReport, StaticsReport,
+    statics_json, statics_text,
+};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use sweep::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
 pub use text::{duration, text};

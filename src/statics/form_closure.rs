@@ -23,6 +23,9 @@ pub const BOUNDARY: f64 = 1e-9;
 /// What a certificate may be off by, relative to what it weighs.
 const RESIDUAL: f64 = 1e-9;
 
+/// Speeds below this part of the largest are rounding, and reported as 0.
+const ROUNDING: f64 = 1e-13;
+
 /// Whether a grasp is form-closed, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormClosure {
@@ -197,21 +200,27 @@ fn free(
     decision: Decision,
     margin: Option<f64>,
 ) -> Result<FormClosure, StaticsError> {
-    let residual = (-(&scaled.matrix * motion).min()).max(0.0) / motion.amax();
-    if residual.is_nan() || residual > RESIDUAL || motion.amax() == 0.0 {
+    let size = motion.amax();
+    let clean = |v: f64| if v.abs() <= ROUNDING * size { 0.0 } else { v };
+    let motion = motion.map(clean);
+    let rates = &scaled.matrix * &motion;
+    // A system without rows has no rate that could be too low.
+    let residual = rates.iter().fold(0.0, |worst: f64, rate| worst.max(-rate)) / size;
+    if !(residual <= RESIDUAL && size > 0.0) {
         return Err(StaticsError::Undecided { motion_residual: residual, multiplier_residual: f64::NAN });
     }
+    let rates: Vec<f64> = rates.iter().zip(&scaled.norms).map(|(&rate, norm)| clean(rate) * norm).collect();
     let values: Vec<f64> = motion.iter().zip(&u.scale).map(|(w, scale)| w / scale).collect();
     let object = u.unknowns.iter().zip(&values).filter(|(k, _)| matches!(k, Unknown::ObjectX | Unknown::ObjectY));
     let speed = object.map(|(_, v)| v * v).sum::<f64>().sqrt();
-    let unit = match speed > RESIDUAL * motion.amax() {
+    let unit = match speed > RESIDUAL * size {
         true => speed * 1e3,
         false => values.iter().fold(0.0, |most: f64, v| most.max(v.abs())),
     };
-    let values: Vec<f64> = values.iter().map(|v| v / unit).collect();
+    let per_unit = |values: Vec<f64>| -> Vec<f64> { values.iter().map(|v| v / unit).collect() };
     Ok(FormClosure {
         closed: false,
-        certificate: Certificate::Motion { rates: u.rates(&values), values, residual },
+        certificate: Certificate::Motion { values: per_unit(values), rates: per_unit(rates), residual },
         rows: u.rows.clone(),
         unknowns: u.unknowns.clone(),
         rank,

@@ -122,11 +122,6 @@ impl Unilateral {
         &self.matrix[index * width..(index + 1) * width]
     }
 
-    /// U ω: the rate of each row in a motion.
-    pub fn rates(&self, motion: &[f64]) -> Vec<f64> {
-        (0..self.rows.len()).map(|i| self.row(i).iter().zip(motion).map(|(u, w)| u * w).sum()).collect()
-    }
-
     /// The count of (1.19).
     pub fn necessary_count(&self) -> NecessaryCount {
         let motors = self.rows.iter().filter(|row| matches!(row, Row::Motor { .. })).count();
