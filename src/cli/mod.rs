@@ -70,6 +70,7 @@ enum Command {
     Replay(replay::ReplayArgs),
     Reproduce(reproduce::ReproduceArgs),
     Size(size::SizeArgs),
+    Statics(statics::StaticsArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
@@ -128,6 +129,7 @@ pub fn main() -> ExitCode {
         Command::Scene(command) => scene::run(command),
         Command::Select(args) => select::run(args),
         Command::Size(args) => size::run(args),
+        Command::Statics(args) => statics::run(args),
         Command::Study(command) => study::run(command),
         Command::Sweep(args) => sweep::run(args),
         Command::Volume(args) => volume::run(args),
