@@ -44,7 +44,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::files as replace;
 use crate::scene::SceneError;
 
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
