@@ -20,7 +20,7 @@ use phalanx::table;
 fn cheap(directory: &Path, count: usize) -> String {
     let scene = fs::canonicalize("scenes/free-swing.toml").expect("ships");
     let text = format!(
-        "scene = \"{}\"\n[set]\nduration = \"2 ms\"\nintegrator.max_steps = 8\n[[axes]]\nfield = \"design.l21_fraction\"\nfrom = \
+        "scene = \"{}\"\n[set]\nduration = \"2 ms\"\nintegrator.max_steps = 24\n[[axes]]\nfield = \"design.l21_fraction\"\nfrom = \
          0.0\nto = 1.1\n[[axes]]\nfield = \"motor.torque\"\nfrom = \"10 N*mm\"\nto = \"900 N*mm\"\n[sample]\ncount = {count}\n",
         scene.display()
     );
@@ -247,7 +247,11 @@ fn a_study_of_which_nothing_can_be_simulated_says_so() {
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("not one run could be simulated"), "{}", stderr(&output));
-    assert!(stdout(&output).contains("2 refused, first run 1: `phi22` is missing"), "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("2 refused, first run 1: `design.l21_fraction` is missing"),
+        "{}",
+        stdout(&output)
+    );
     assert_eq!(lines(&out), 3);
 }
 
