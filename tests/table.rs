@@ -140,7 +140,7 @@ fn what_cannot_be_read_is_named_with_its_place() {
         (b"run,run\n", "x.csv has two columns `run`"),
         (b"run,,x\n", "x.csv:1: column 2 has no name"),
         (b"", "x.csv:1: the file is empty"),
-        (b"run,mass\n", "x.csv has no column `mass_kg` (did you mean `mass`?); its columns: run, mass"),
+        (b"run,mas_kg\n", "x.csv has no column `mass_kg` (did you mean `mas_kg`?); its columns: run, mas_kg"),
     ] {
         let found = message("x.csv", bytes);
         assert!(found.starts_with(expected), "{found}");

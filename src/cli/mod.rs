@@ -44,7 +44,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::files as replace;
 use crate::scene::SceneError;
 
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
@@ -65,20 +64,20 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
-    Statics(statics::StaticsArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
-    Reproduce(reproduce::ReproduceArgs),
-    Size(size::SizeArgs),
     /// Show and check scene files, and print their schema
     #[command(subcommand)]
     Scene(scene::SceneCommand),
+    Size(size::SizeArgs),
+    Statics(statics::StaticsArgs),
+    Volume(volume::VolumeArgs),
+    Sweep(sweep::SweepArgs),
     Select(select::SelectArgs),
+    Reproduce(reproduce::ReproduceArgs),
     /// See what a choice of settings does to a result
     #[command(subcommand)]
     Study(study::StudyCommand),
-    Sweep(sweep::SweepArgs),
-    Volume(volume::VolumeArgs),
 }
 
 /// How a command ended, see the [module](self).
@@ -121,16 +120,16 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
-        Command::Statics(args) => statics::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
-        Command::Reproduce(args) => reproduce::run(args),
         Command::Scene(command) => scene::run(command),
-        Command::Select(args) => select::run(args),
         Command::Size(args) => size::run(args),
-        Command::Study(command) => study::run(command),
-        Command::Sweep(args) => sweep::run(args),
+        Command::Statics(args) => statics::run(args),
         Command::Volume(args) => volume::run(args),
+        Command::Sweep(args) => sweep::run(args),
+        Command::Select(args) => select::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
+        Command::Study(command) => study::run(command),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

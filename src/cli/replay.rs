@@ -8,9 +8,9 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{complain, print};
-use super::replace::{probe, replace};
 use super::replay_read::{Listeners, bad_log, read, tabulate};
 use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
+use crate::files::{probe, replace};
 use crate::log::Reading;
 use crate::report::{ReplayReport, replay_json, replay_text};
 

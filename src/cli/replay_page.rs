@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::replace::probe;
 use super::replay::{ReplayArgs, head, losses, refuse_the_log, said};
 use super::replay_read::{Listeners, attached, bad_log};
 use super::validate_files::save;
 use super::{Status, output::print};
+use crate::files::probe;
 use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Film, Page, Reel, page};
 use crate::report::replay_text;

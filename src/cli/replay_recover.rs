@@ -5,11 +5,11 @@ use std::path::Path;
 
 use super::interrupt::Interrupt;
 use super::output::print;
-use super::replace::{probe, replace};
 use super::replay::{ReplayArgs, head, losses, refuse_the_log};
 use super::replay_read::{Watch, bad_log};
 use super::run::unstarted;
 use super::{Failure, Status};
+use crate::files::{probe, replace};
 use crate::log::{self, ReadError, Recovery};
 use crate::report::{RecoveryReport, recovery_json, recovery_text};
 

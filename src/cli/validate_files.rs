@@ -7,9 +7,9 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::replace::{probe, replace};
 use super::run::{info, unstarted};
 use super::simulate::{self, Broken, Limits};
+use crate::files::{probe, replace};
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;

@@ -14,7 +14,7 @@ use super::volume_args::{
     resolution, threads,
 };
 use super::{Failure, Status, volume_files};
-use crate::report::{VolumeReport, volume_json, volume_text};
+use crate::report::{Effort, VolumeReport, volume_json, volume_text};
 use crate::scene::{self, Template};
 use crate::sizing::Rule;
 use crate::study::volume::{Axes, Quantity, VolumeError, VolumeRequest, all_cores, volumes_with};
@@ -120,10 +120,12 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
         (error @ VolumeError::Stopped { .. }, None) => Failure::incomplete(error),
         (error, _) => Failure::bad_input(error),
     })?;
-    let mut report = VolumeReport::new(&request, &volumes, start.elapsed().as_secs_f64(), threads);
+    let wall_s = start.elapsed().as_secs_f64();
+    let mut report = VolumeReport::new(&request, &volumes);
     if let Some(out) = &args.out {
         volume_files::write(out, &request, &volumes, &args.colour_by, args.data, &mut report)?;
     }
+    report.effort = Some(Effort { wall_s, threads });
     print(&if args.json { volume_json(&report) } else { volume_text(&report) })?;
     Ok(Status::Done)
 }

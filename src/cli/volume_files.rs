@@ -5,10 +5,14 @@ use std::path::Path;
 use super::Failure;
 use super::validate_files::{broken, save};
 use super::volume_args::DataArg;
+use crate::page::{Note, VolumePage, volume_page};
 use crate::plot::{self, DrawError};
 use crate::report::{VolumeReport, volume_json, volume_points, volume_text};
 use crate::study::volume::{Quantity, Volume, VolumeRequest};
 use crate::table;
+
+/// The volumes in three dimensions.
+const PAGE: &str = "page.html";
 
 /// Writes everything, and says in the report what was written; the table that says so comes last.
 pub fn write(
@@ -45,8 +49,28 @@ pub fn write(
     };
     table::write(&out.join(points), &volume_points(volumes)).map_err(Failure::incomplete)?;
     files.insert(0, points.to_string());
+    let path = out.join(PAGE);
+    // A page is given to others: it does not say where it was made.
+    let page = VolumePage {
+        title: format!("Grasp-state volumes: {}", request.template.name),
+        description: description(report),
+        volumes,
+        notes: vec![Note { title: "Shares".to_string(), text: volume_text(report) }],
+        pictures: Vec::new(),
+    };
+    save(&path, &volume_page(&page))?;
+    files.insert(0, PAGE.to_string());
     report.directory = Some(out.display().to_string());
     report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
     save(&out.join("table.json"), &volume_json(report))?;
     save(&out.join("table.txt"), &volume_text(report))
+}
+
+/// What the volumes are, in one sentence.
+fn description(report: &VolumeReport) -> String {
+    format!(
+        "Which designs hold the object, over three design variables: every cell is a design, sized by the rule “{}”, closed on \
+         the object and in equilibrium.",
+        report.sizing
+    )
 }

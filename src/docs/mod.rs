@@ -1,5 +1,8 @@
 //! Documentation that is longer than a docstring.
 
+#[doc = include_str!("design.md")]
+pub mod design {}
+
 #[doc = include_str!("engine.md")]
 pub mod engine {}
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Page, data};
+use super::{Note, Page, Picture, data};
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 3] =
@@ -28,25 +28,40 @@ const SCRIPTS: [&str; 14] = [
 /// The whole file. The same page gives the same bytes.
 pub fn page(page: &Page) -> String {
     let data = in_script(&data::json(&page.runs));
-    // Scripts of the page carry it; what else might pass for one does not, and is not run.
-    let nonce = format!("{:08x}", crc32fast::hash(data.as_bytes()));
-    let script = format!("(() => {{\n\"use strict\";\n{}}})();\n", SCRIPTS.concat());
+    let Script { nonce, script } = Script::new(&data, &SCRIPTS);
     let fields = [
         ("nonce", nonce),
         ("title", escaped(&page.title)),
         ("description", description(&page.description)),
         ("style", STYLES.concat()),
         ("summaries", summaries(page)),
-        ("notes", notes(page)),
-        ("pictures", pictures(page)),
+        ("notes", notes(&page.notes)),
+        ("pictures", pictures(&page.pictures)),
         ("data", data),
         ("script", script),
     ];
     filled(TEMPLATE, &fields)
 }
 
+/// The script of a page and the nonce that lets it run.
+pub(super) struct Script {
+    pub nonce: String,
+    pub script: String,
+}
+
+impl Script {
+    /// Parts in one scope of their own.
+    pub fn new(data: &str, parts: &[&str]) -> Self {
+        Self {
+            // Scripts of the page carry it; what else might pass for one does not, and is not run.
+            nonce: format!("{:08x}", crc32fast::hash(data.as_bytes())),
+            script: format!("(() => {{\n\"use strict\";\n{}}})();\n", parts.concat()),
+        }
+    }
+}
+
 /// The template with every `{{name}}` in it replaced; what is put in is not looked at again.
-fn filled(template: &str, fields: &[(&str, String)]) -> String {
+pub(super) fn filled(template: &str, fields: &[(&str, String)]) -> String {
     let mut parts = template.split("{{");
     let mut text = parts.next().unwrap_or_default().to_string();
     for part in parts {
@@ -77,7 +92,7 @@ pub(crate) fn escaped(text: &str) -> String {
 }
 
 /// JSON within a script element: nothing in it may look like the end of the element or the start of a comment.
-fn in_script(json: &str) -> String {
+pub(super) fn in_script(json: &str) -> String {
     json.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
 }
 
@@ -94,9 +109,9 @@ fn summaries(page: &Page) -> String {
     text
 }
 
-fn notes(page: &Page) -> String {
+pub(super) fn notes(notes: &[Note]) -> String {
     let mut text = String::new();
-    for note in &page.notes {
+    for note in notes {
         section(&mut text, &note.title, &note.text);
     }
     text
@@ -112,9 +127,9 @@ fn section(out: &mut String, title: &str, body: &str) {
     );
 }
 
-fn pictures(page: &Page) -> String {
+pub(super) fn pictures(pictures: &[Picture]) -> String {
     let mut text = String::new();
-    for picture in &page.pictures {
+    for picture in pictures {
         let title = escaped(&picture.title);
         let _ = writeln!(
             text,

@@ -14,6 +14,7 @@
 //! | `reel` | a sink that keeps a run for a film, in bounded memory |
 //! | `thin` | which samples stay where there are too many |
 //! | `data` | films → JSON with base64 columns |
+//! | `volume`, `volume_data` | the page of grasp-state volumes, and its data |
 //! | `html` | JSON, texts and pictures → the file, with the `assets` |
 
 mod data;
@@ -23,6 +24,8 @@ mod finger;
 mod html;
 mod reel;
 mod thin;
+mod volume;
+mod volume_data;
 
 pub use discs::discs_film;
 pub use film::{Body, Film, Mark, Panel, Scale, Series, Touch};
@@ -31,6 +34,7 @@ pub(crate) use html::escaped;
 pub use html::page;
 pub use reel::Reel;
 pub use thin::MOST_SAMPLES;
+pub use volume::{VolumePage, volume_page};
 
 /// What a page shows.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -30,7 +30,7 @@ const SHOWN_RADII: f64 = 0.2;
 const SHOWN_RAD: f64 = 0.15;
 
 /// The largest force is drawn as long as this part of the object's radius.
-const LONGEST: f64 = 0.8;
+const LONGEST: f64 = 0.65;
 
 /// From the world to pixels of an area: one scale for both axes.
 struct View {
@@ -80,7 +80,7 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
         let below = titled(area, &format!("{}: the grasp at rest{friction}", found.scene))?;
         let (left, right) = below.split_horizontally(WIDTH - BESIDE);
         if scene.palm {
-            ground(&left, &view)?;
+            ground(&left, &view, centre[0])?;
         }
         for outline in &rest {
             filled(&left, &view, &mirrored(outline, centre[0]), STEEL.mix(0.5), GREY)?;
@@ -98,10 +98,6 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
         };
         entries.extend(closure(&left, &view, found)?);
         legend(&right, &entries)?;
-        if scene.palm {
-            let [x, y] = [view.pixel([view.low[0], 0.0]).0, view.pixel([0.0, 0.0]).1];
-            words(&left, "palm", (x + 22, y + 13), 13, GREY)?;
-        }
         Ok(())
     })
 }
@@ -182,12 +178,13 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
     ghosts
 }
 
-fn ground(area: &Area, view: &View) -> Result<(), DrawError> {
+fn ground(area: &Area, view: &View, middle_x: f64) -> Result<(), DrawError> {
     let (left, right) = (view.low[0], view.high[0]);
     let below = view.low[1];
     filled(area, view, &[[left, 0.0], [right, 0.0], [right, below], [left, below]], GROUND.mix(1.0), GROUND)?;
     let line = vec![view.pixel([left, 0.0]), view.pixel([right, 0.0])];
-    area.draw(&PathElement::new(line, GREY.stroke_width(2)))
+    area.draw(&PathElement::new(line, GREY.stroke_width(2)))?;
+    words(area, "palm", view.pixel([middle_x, 0.5 * below]), 13, GREY)
 }
 
 fn filled(area: &Area, view: &View, outline: &[Point], fill: impl Color, edge: RGBColor) -> Result<(), DrawError> {

@@ -55,8 +55,8 @@ pub use validation::{
     bodies_series, bodies_validation_json, bodies_validation_text, series, validation_json, validation_text,
 };
 pub use volume::{
-    AxesReport, AxisReport, BestReport, IntersectionReport, ReasonReport, ShareReport, VolumeReport, volume_json,
-    volume_text,
+    AxesReport, AxisReport, BestReport, Effort, IntersectionReport, ReasonReport, ShareReport, VolumeReport,
+    volume_json, volume_text,
 };
 pub use volume_points::volume_points;
 

@@ -22,15 +22,23 @@ pub struct VolumeReport {
     pub volumes: Vec<ShareReport>,
     /// What holds at every base, for each friction.
     pub intersections: Vec<IntersectionReport>,
-    /// Designs that were sized, in how much time, on how many threads.
+    /// Designs that were sized.
     pub designs: usize,
-    pub wall_s: f64,
-    pub threads: usize,
+    /// In how much time and on how many threads; left out of files, so that the same request gives the same bytes.
+    #[serde(flatten)]
+    pub effort: Option<Effort>,
     /// Where files were written, and which.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<String>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
+}
+
+/// What it took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Effort {
+    pub wall_s: f64,
+    pub threads: usize,
 }
 
 /// The axes of every volume.
@@ -100,7 +108,7 @@ pub struct IntersectionReport {
 
 impl VolumeReport {
     /// Counts the volumes of a request.
-    pub fn new(request: &VolumeRequest, volumes: &[Volume], wall_s: f64, threads: usize) -> Self {
+    pub fn new(request: &VolumeRequest, volumes: &[Volume]) -> Self {
         let axes = &request.axes;
         let axis = |axis: &Axis| AxisReport { from: axis.from, to: axis.to, points: axis.points };
         Self {
@@ -117,8 +125,7 @@ impl VolumeReport {
             volumes: volumes.iter().map(|volume| share(volume, &shares(volume))).collect(),
             intersections: intersections(volumes).iter().map(common).collect(),
             designs: request.bases_m.len() * axes.len(),
-            wall_s,
-            threads,
+            effort: None,
             directory: None,
             files: Vec::new(),
         }
@@ -220,11 +227,10 @@ pub fn volume_text(report: &VolumeReport) -> String {
     ));
     text.push_str(&best(report));
     text.push_str(&missing(report));
-    let threads = if report.threads == 1 { "thread" } else { "threads" };
-    text.push_str(&format!(
-        "\n{} designs sized and closed in {:.2} s on {} {threads}\n",
-        report.designs, report.wall_s, report.threads
-    ));
+    if let Some(Effort { wall_s, threads }) = report.effort {
+        let of = if threads == 1 { "thread" } else { "threads" };
+        text.push_str(&format!("\n{} designs sized and closed in {wall_s:.2} s on {threads} {of}\n", report.designs));
+    }
     if let Some(directory) = &report.directory {
         text.push_str(&format!("\nfiles in {directory}: {}\n", report.files.join(", ")));
     }

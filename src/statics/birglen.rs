@@ -22,7 +22,7 @@ pub struct Birglen {
 /// Forces of (1.11) for the loads τ_a + τ_s on (q11, q21) of [`drive_loads`](super::drive_loads).
 ///
 /// Birglen's phalanges are lines: a normal force has the same lever at any width, but friction on the surface of a phalanx of
-/// half width w has the lever w about its joint. So this agrees with [`equilibrium`](super::equilibrium) where μ w = 0.
+/// half width w has the lever w about its joint. So this agrees with [`equilibrium`](fn@super::equilibrium) where μ w = 0.
 ///
 /// # Errors
 /// The singular postures of [`at_rest`]; a tip contact on its joint, where J cannot be inverted.

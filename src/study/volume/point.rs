@@ -85,7 +85,7 @@ pub struct Closed {
     loads_n_m: [f64; 2],
 }
 
-/// Builds, sizes and closes the finger of a design. Nothing is allocated on the way.
+/// Builds, sizes and closes the finger of a design. Nothing is allocated on the way but by the certificate of form closure.
 ///
 /// # Errors
 /// Why the design has no finger, or none that can be sized.

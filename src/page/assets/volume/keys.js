@@ -1,0 +1,80 @@
+// Everything by keyboard, and the help that says so.
+
+const KEYS = [
+  [["←", "→", "↑", "↓"], "turn the volume"],
+  [["+", "−", "0"], "zoom in or out, or show everything"],
+  [["1", "2", "3", "4"], "from a corner, or along one axis"],
+  [["b", "Shift b"], "next or previous base"],
+  [["m", "Shift m"], "next or previous friction"],
+  [["c", "Shift c"], "next or previous colour"],
+  [["g"], "region in colour: stable, PFP ≥ 0, form-closed"],
+  [["s"], "show or hide the rest"],
+  [["l", "Shift l"], "design: longer or shorter l21"],
+  [["p", "Shift p"], "design: larger or smaller φ22"],
+  [["r", "Shift r"], "design: larger or smaller r_l"],
+  [["x", "y", "z"], "cut to the slice of the design: l21, r_l, φ22"],
+  [["a"], "all slices"],
+  [["Esc"], "let the design go"],
+  [["d"], "light or dark"],
+  [["?"], "this help"],
+];
+
+function keyboard(app) {
+  const help = byId("help");
+  for (const [keys, what] of KEYS) {
+    const names = element("span");
+    keys.forEach((key, index) => names.append(index ? " " : "", element("kbd", {}, key)));
+    byId("keys").append(names, element("span", {}, what));
+  }
+  const open = () => { if (!help.open) help.showModal(); };
+  byId("help-open").addEventListener("click", open);
+  const STEP = 0.0873;
+  const actions = {
+    ArrowLeft: () => app.turn(-STEP, 0),
+    ArrowRight: () => app.turn(STEP, 0),
+    ArrowUp: () => app.turn(0, -STEP),
+    ArrowDown: () => app.turn(0, STEP),
+    "+": () => app.zoom(1.25),
+    "=": () => app.zoom(1.25),
+    "-": () => app.zoom(0.8),
+    "−": () => app.zoom(0.8),
+    0: app.fit,
+    1: () => app.view("corner"),
+    2: () => app.view("front"),
+    3: () => app.view("top"),
+    4: () => app.view("side"),
+    b: () => app.nextBase(1),
+    B: () => app.nextBase(-1),
+    m: () => app.nextFriction(1),
+    M: () => app.nextFriction(-1),
+    c: () => app.nextQuantity(1),
+    C: () => app.nextQuantity(-1),
+    g: app.nextRegion,
+    s: () => app.setRest(!app.rest),
+    l: () => app.moveDesign(0, 1),
+    L: () => app.moveDesign(0, -1),
+    p: () => app.moveDesign(1, 1),
+    P: () => app.moveDesign(1, -1),
+    r: () => app.moveDesign(2, 1),
+    R: () => app.moveDesign(2, -1),
+    x: () => app.cut(0),
+    z: () => app.cut(1),
+    y: () => app.cut(2),
+    a: app.allSlices,
+    Escape: () => app.choose(null),
+    d: app.toggleTheme,
+    "?": open,
+  };
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
+    const { tagName, type } = event.target;
+    // Where an element has a use of its own for a key, it keeps it.
+    if (tagName === "SELECT") return;
+    if (tagName === "INPUT" && type === "range" && /^(Arrow|Home|End|Page)/.test(event.key)) return;
+    if (tagName === "PRE" && event.key.startsWith("Arrow")) return;
+    const action = actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+}
