@@ -78,8 +78,8 @@ fn summary(found: &Reproduction, all: &[Comparison]) -> Section {
         false => "",
     };
     let chaotic = format!(
-        "{} of {} simulations change their class with the tolerances, or with a torque a billionth larger or smaller; the time \
-         to stability moves by more than {} in {}.",
+        "Simulations whose class changes with the tolerances, or with a torque a billionth larger or smaller: {} of {}; whose \
+         time to stability moves by more than {}: {}.",
         found.chaos.flips.len(),
         found.selection.runs.len(),
         duration(DRIFT_S),

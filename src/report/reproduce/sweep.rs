@@ -117,8 +117,8 @@ fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
         );
     let edge = chaos.flips.iter().filter(|flip| !chaos.drifting.contains(&flip.run)).count();
     let section = section.words(format!(
-        "The time to stability moves by more than {} in {} runs: those are near-chaotic. Of the {} that change their class, \
-         {edge} do not move in time and lie at the edge of a class.",
+        "Near-chaotic runs, whose time to stability moves by more than {}: {}. Runs whose class changes: {}, of which {edge} at \
+         the edge of a class, without moving in time.",
         duration(DRIFT_S),
         chaos.drifting.len(),
         chaos.flips.len()
