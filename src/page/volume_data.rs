@@ -130,12 +130,15 @@ fn quantity(quantity: Quantity) -> QuantityData {
     }
 }
 
+/// A quantity of a design, whatever the friction.
+type OfDesign = fn(&Sized) -> f64;
+
 fn base(frictions: &[Volume], kept: &[Vec<usize>; 3]) -> Base {
     let points: Vec<Vec<&Point>> = frictions.iter().map(|volume| picked(volume, kept)).collect();
-    let of_design = |value: fn(&Sized) -> f64| {
+    let of_design = |value: OfDesign| {
         floats(points[0].iter().map(|point| point.state.as_ref().map_or(f64::NAN, |state| value(&state.sized))))
     };
-    let columns: [(&'static str, fn(&Sized) -> f64); 8] = [
+    let columns: [(&'static str, OfDesign); 8] = [
         ("l11_m", |sized| sized.lengths.l11_m),
         ("l12_m", |sized| sized.lengths.l12_m),
         ("l21_m", |sized| sized.lengths.l21_m),
