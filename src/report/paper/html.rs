@@ -40,6 +40,10 @@ fn section((index, section): (usize, &Section), tables: &mut usize, figures: &mu
     for block in &section.blocks {
         text.push_str(&match block {
             Block::Words(words) => format!("<p>{}</p>\n", escaped(words)),
+            Block::Notes(notes) => {
+                let items: String = notes.iter().map(|note| format!("<li>{}</li>\n", escaped(note))).collect();
+                format!("<ul class=\"notes\">\n{items}</ul>\n")
+            }
             Block::Table(grid) => {
                 *tables += 1;
                 table(grid, *tables)
@@ -55,11 +59,17 @@ fn section((index, section): (usize, &Section), tables: &mut usize, figures: &mu
 }
 
 fn table(grid: &Grid, number: usize) -> String {
-    let head: String = grid.head.iter().map(|cell| format!("<th scope=\"col\">{}</th>", escaped(cell))).collect();
+    // Words and their head begin at the left.
+    let column = |(index, cell): (usize, &String)| {
+        let words = grid.rows.iter().filter_map(|row| row.get(index)).any(|cell| cell.tone == Tone::Words);
+        let class = if words { " class=\"words\"" } else { "" };
+        format!("<th scope=\"col\"{class}>{}</th>", escaped(cell))
+    };
+    let head: String = grid.head.iter().enumerate().map(column).collect();
     let rows: String = grid.rows.iter().map(|row| line(row)).collect();
     format!(
-        "<div class=\"grid\" tabindex=\"0\" role=\"region\" aria-label=\"Table {number}\"><table><caption><b>Table {number}.</b> \
-         {}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n",
+        "<p class=\"caption\" id=\"t{number}\"><b>Table {number}.</b> {}</p>\n<div class=\"grid\" tabindex=\"0\" role=\"region\" \
+         aria-labelledby=\"t{number}\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n",
         escaped(&grid.caption)
     )
 }

@@ -12,6 +12,9 @@ pub fn paper_markdown(paper: &Paper) -> String {
             text.push('\n');
             match block {
                 Block::Words(words) => text.push_str(&format!("{words}\n")),
+                Block::Notes(notes) => {
+                    text.extend(notes.iter().flat_map(|note| ["- ", note.as_str(), "\n"]));
+                }
                 Block::Table(grid) => {
                     tables += 1;
                     text.push_str(&table(grid, tables));

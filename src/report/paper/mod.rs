@@ -27,11 +27,13 @@ pub struct Section {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
     Words(String),
+    /// Short notes, one under the other.
+    Notes(Vec<String>),
     Table(Grid),
     Figure(Figure),
 }
 
-/// A table: the first column is read as text, the others as figures unless their head is in `texts`.
+/// A table: the first column is read as text, the others as figures unless a cell of them is in words.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
     pub caption: String,
@@ -87,6 +89,11 @@ impl Section {
 
     pub fn words(mut self, text: impl Into<String>) -> Section {
         self.blocks.push(Block::Words(text.into()));
+        self
+    }
+
+    pub fn notes(mut self, notes: Vec<String>) -> Section {
+        self.blocks.push(Block::Notes(notes));
         self
     }
 

@@ -88,6 +88,12 @@ impl Comparison {
         if self.of.printed.is_empty() { "–".to_string() } else { with_unit(&self.of.printed, self.of.unit) }
     }
 
+    /// Whether ours rounds to what is printed.
+    pub fn as_printed(&self) -> bool {
+        let decimals = self.of.printed.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+        format!("{:.decimals$}", self.ours * self.of.scale) == self.of.printed
+    }
+
     /// Ours with as many digits as the thesis or the expectation has.
     pub fn ours_text(&self) -> String {
         match self.ours.is_finite() {

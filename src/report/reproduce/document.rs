@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Comparison, Verdict, comparisons};
 use crate::report::document_text;
 use crate::report::select::SelectionReport;
-use crate::study::reproduce::Reproduction;
+use crate::study::reproduce::{DRIFT_S, Reproduction};
 
 /// Everything that is judged, in SI.
 #[derive(Clone, Debug, Serialize)]
@@ -31,7 +31,11 @@ pub struct OtherSizingReport {
 pub struct ChaosReport {
     pub variations: Vec<&'static str>,
     pub conditions: Vec<SpreadReport>,
+    /// Runs whose class changes.
     pub runs: Vec<FlipReport>,
+    /// Runs whose time to stability moves by more than `drift_s`.
+    pub drifting_runs: Vec<i64>,
+    pub drift_s: f64,
 }
 
 /// Dynamically stable runs of one condition.
@@ -88,6 +92,8 @@ impl ReproductionReport {
                 variations: chaos.variations.iter().map(|of| of.name()).collect(),
                 conditions: (0..chaos.stable.len()).map(spread).collect(),
                 runs: flips.collect(),
+                drifting_runs: chaos.drifting.clone(),
+                drift_s: DRIFT_S,
             },
             selection: SelectionReport::of("thesis.toml", &found.selection),
             figures,

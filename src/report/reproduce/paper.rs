@@ -3,8 +3,9 @@
 use super::parts::{compared, of_key};
 use super::{Comparison, Verdict, chosen, comparisons, errata, selection, sizing, statics, sweep, volumes};
 use crate::plot::DrawError;
+use crate::report::duration;
 use crate::report::paper::{Paper, Section};
-use crate::study::reproduce::Reproduction;
+use crate::study::reproduce::{DRIFT_S, Reproduction};
 
 /// The figures that are looked at first.
 const FIRST: [&str; 27] = [
@@ -76,15 +77,14 @@ fn summary(found: &Reproduction, all: &[Comparison]) -> Section {
         }
         false => "",
     };
-    let chaotic: Vec<i64> = found.chaos.flips.iter().map(|flip| flip.run).collect();
-    let chaotic = match chaotic.len() {
-        0 => "No simulation changes its class with the tolerances.".to_string(),
-        count => format!(
-            "{count} of {} simulations are near-chaotic: their class changes with the tolerances, or with a torque a \
-             billionth larger or smaller.",
-            found.selection.runs.len()
-        ),
-    };
+    let chaotic = format!(
+        "{} of {} simulations change their class with the tolerances, or with a torque a billionth larger or smaller; the time \
+         to stability moves by more than {} in {}.",
+        found.chaos.flips.len(),
+        found.selection.runs.len(),
+        duration(DRIFT_S),
+        found.chaos.drifting.len()
+    );
     let section = Section::new("Summary")
         .words(
             "What the thesis prints, what phalanx computes from the corrected equations, and why the two differ where they \

@@ -4,10 +4,22 @@ use super::{Comparison, Verdict};
 use crate::report::paper::{Cell, Section, Tone};
 
 /// Head of a table of comparisons.
-const HEAD: [&str; 6] = ["figure", "thesis", "ours", "expected", "source", "why ours differs"];
+const HEAD: [&str; 6] = ["figure", "thesis", "ours", "expected", "source", "why"];
 
-/// A table of comparisons.
+/// A table of comparisons, with the reasons below it, each once.
 pub fn compared(section: Section, caption: &str, of: &[&Comparison]) -> Section {
+    let mut reasons: Vec<String> = Vec::new();
+    let mut letter = |one: &Comparison| {
+        let reason = why(one);
+        if reason.is_empty() {
+            return String::new();
+        }
+        let place = reasons.iter().position(|known| *known == reason).unwrap_or_else(|| {
+            reasons.push(reason);
+            reasons.len() - 1
+        });
+        note(place)
+    };
     let row = |one: &&Comparison| {
         vec![
             Cell::words(one.what),
@@ -15,10 +27,19 @@ pub fn compared(section: Section, caption: &str, of: &[&Comparison]) -> Section 
             ours(one),
             Cell::new(one.expected_text()),
             Cell::words(one.source),
-            Cell::words(why(one)),
+            Cell::words(letter(one)),
         ]
     };
-    section.table(caption, &HEAD, of.iter().map(row).collect())
+    let rows = of.iter().map(row).collect();
+    let section = section.table(caption, &HEAD, rows);
+    let notes: Vec<String> =
+        reasons.iter().enumerate().map(|(place, reason)| format!("{}: {reason}", note(place))).collect();
+    if notes.is_empty() { section } else { section.notes(notes) }
+}
+
+/// The letter of a reason.
+fn note(place: usize) -> String {
+    char::from(b'a' + (place % 26) as u8).to_string()
 }
 
 /// The comparisons of one section of the file.
@@ -41,10 +62,9 @@ pub fn ours(of: &Comparison) -> Cell {
     Cell { text: of.ours_text(), figure: Some((of.figure.to_string(), of.ours)), tone }
 }
 
-/// The reason with its errata; nothing where the shown figures are the same.
-pub fn why(of: &Comparison) -> String {
-    let same = of.thesis.is_none() || of.thesis_text() == of.ours_text();
-    if of.reason.is_empty() || same && of.verdict != Verdict::Outside {
+/// The reason with its errata; nothing where ours rounds to what is printed.
+fn why(of: &Comparison) -> String {
+    if of.reason.is_empty() || of.as_printed() && of.verdict != Verdict::Outside {
         return String::new();
     }
     match of.errata.is_empty() {

@@ -5,9 +5,9 @@ use super::parts::{compared, of_section};
 use crate::criteria::Class;
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
-use crate::report::{condition_name, percent_of};
-use crate::study::reproduce::{Chaos, Reproduction, Variation};
-use crate::study::select::{CLASSES, Classes, Selection};
+use crate::report::{condition_name, duration, percent_of};
+use crate::study::reproduce::{Chaos, DRIFT_S, Reproduction, Variation};
+use crate::study::select::{CLASSES, Classes, RunStatus, Selection};
 
 /// The section.
 pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
@@ -18,7 +18,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
          within 20 ms; unstable: the rest, and what is not statically stable.",
     );
     let section = compared(section, "Dynamic stability.", &of_section(all, "sweep"));
-    let section = classes(section, selection);
+    let section = broken(classes(section, selection), selection);
     let section = crossed(section, selection);
     let section = chaos(section, &found.chaos, selection);
     Ok(section
@@ -52,6 +52,21 @@ fn classes(section: Section, selection: &Selection) -> Section {
     section.table("Runs by class (Table 4.1).", &head, rows)
 }
 
+/// What became of the runs that did not come to their end.
+fn broken(section: Section, selection: &Selection) -> Section {
+    let failed: usize = selection.classes.iter().map(|of| of.statuses[RunStatus::Failed as usize]).sum();
+    let stable =
+        selection.runs.iter().filter(|run| run.status == RunStatus::Failed && run.force_positive == Some(true));
+    match failed {
+        0 => section,
+        _ => section.words(format!(
+            "{failed} runs end where the linkage folds and have no class; {} of them are statically stable. They count as not \
+             stable.",
+            stable.count()
+        )),
+    }
+}
+
 /// Static against dynamic stability, without against with friction.
 fn crossed(section: Section, selection: &Selection) -> Section {
     let runs = |condition: usize| selection.runs.iter().filter(move |run| run.condition == condition);
@@ -65,7 +80,8 @@ fn crossed(section: Section, selection: &Selection) -> Section {
         };
         Cell::new(pairs.iter().filter(|(without, f)| of(stable(without)) && with(stable(f))).count().to_string())
     };
-    let (yes, no): (fn(bool) -> bool, fn(bool) -> bool) = (|stable| stable, |stable| !stable);
+    let yes: fn(bool) -> bool = |stable| stable;
+    let no: fn(bool) -> bool = |stable| !stable;
     let line = |name: &str, of, with| vec![Cell::new(name), count(of, with, false), count(of, with, true)];
     section.table(
         "What friction changes, by design (Figs. 4.3, A.15).",
@@ -99,6 +115,14 @@ fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
             &head,
             (0..selection.conditions.len()).map(line).collect(),
         );
+    let edge = chaos.flips.iter().filter(|flip| !chaos.drifting.contains(&flip.run)).count();
+    let section = section.words(format!(
+        "The time to stability moves by more than {} in {} runs: those are near-chaotic. Of the {} that change their class, \
+         {edge} do not move in time and lie at the edge of a class.",
+        duration(DRIFT_S),
+        chaos.drifting.len(),
+        chaos.flips.len()
+    ));
     if chaos.flips.is_empty() {
         return section.words("No run changes its class.");
     }
@@ -114,5 +138,5 @@ fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
         cells.extend(flip.classes.iter().map(|class| Cell::new(class.name())));
         cells
     };
-    section.table("Near-chaotic runs: those whose class changes.", &head, chaos.flips.iter().map(line).collect())
+    section.table("Runs whose class changes.", &head, chaos.flips.iter().map(line).collect())
 }

@@ -1,8 +1,9 @@
 //! A table for the terminal.
 
 use super::{Comparison, ReproductionReport, Verdict};
+use crate::report::duration;
 use crate::report::table::{row, table};
-use crate::study::reproduce::Reproduction;
+use crate::study::reproduce::{DRIFT_S, Reproduction};
 
 /// Every figure with its verdict, the near-chaotic runs, and what is outside.
 pub fn reproduction_text(found: &Reproduction) -> String {
@@ -28,7 +29,12 @@ pub fn reproduction_text(found: &Reproduction) -> String {
     let chaotic: Vec<String> = report.near_chaotic.runs.iter().map(|flip| flip.run.to_string()).collect();
     text.push_str(&match chaotic.is_empty() {
         true => "no run changes its class with the tolerances\n".to_string(),
-        false => format!("near-chaotic, their class changes with the tolerances: runs {}\n", chaotic.join(", ")),
+        false => format!("class changes with tolerances or a torque nudged by 1e-9: runs {}\n", chaotic.join(", ")),
+    });
+    let drifting: Vec<String> = report.near_chaotic.drifting_runs.iter().map(i64::to_string).collect();
+    text.push_str(&match drifting.is_empty() {
+        true => format!("no time to stability moves by more than {}\n", duration(DRIFT_S)),
+        false => format!("time to stability moves by more than {}: runs {}\n", duration(DRIFT_S), drifting.join(", ")),
     });
     for (of, condition) in report.near_chaotic.conditions.iter().zip(&found.selection.conditions) {
         let spread = of.by_variation.iter().chain([&of.study]);

@@ -4,7 +4,7 @@ use super::Comparison;
 use super::parts::{of_key, ours};
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
-use crate::study::reproduce::Reproduction;
+use crate::study::reproduce::{CELLS, Grid, Reproduction};
 use crate::study::volume::{Quantity, Volume};
 
 const ROWS: [(&str, &str); 5] = [
@@ -45,7 +45,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
     ] {
         section = by_friction(section, caption, quantity, all);
     }
-    section = closed(section, all);
+    section = grids(closed(section, all), found);
     let of_base = |base_m: f64| -> Vec<&Volume> {
         found.volumes.iter().filter(|volume| (volume.base_m - base_m).abs() < 1e-9).collect()
     };
@@ -82,6 +82,46 @@ fn by_friction(section: Section, caption: &str, quantity: &str, all: &[Compariso
     };
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     section.table(caption, &head, ROWS.iter().filter_map(row).collect())
+}
+
+/// What points and torques do to the shares.
+fn grids(section: Section, found: &Reproduction) -> Section {
+    let row = |of: &Grid| {
+        let share = |value: f64| Cell::new(format!("{value:.1} %"));
+        vec![
+            Cell::new(format!("{} mm", short(1e3 * of.base_m))),
+            share(of.stable_percent[0]),
+            share(of.strong_spring_percent[0]),
+            share(of.both_percent[0]),
+            share(of.stable_percent[1]),
+            share(of.strong_spring_percent[1]),
+            share(of.both_percent[1]),
+            share(of.closed_percent),
+        ]
+    };
+    section.table(
+        &format!(
+            "How much is a matter of grids and torques: shares over {CELLS} × {CELLS} × {CELLS} points in the middles of cells, \
+             where no point lies on a face of the space (compare it where a share is outside of its expectation); by our torques, with the spring stronger by the ratio of the printed \
+             one of design 95 to ours, and with the motor weaker by its ratio too."
+        ),
+        &[
+            "base",
+            "stable, μ_s = 0",
+            "strong spring",
+            "and weak motor",
+            "stable, μ_s = 0.8",
+            "strong spring",
+            "and weak motor",
+            "form-closed",
+        ],
+        found.grids.iter().map(row).collect(),
+    )
+}
+
+/// A length in mm without the noise of its conversion.
+fn short(value_mm: f64) -> f64 {
+    (value_mm * 1e6).round() / 1e6
 }
 
 /// Form closure knows no friction.

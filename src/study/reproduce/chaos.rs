@@ -17,6 +17,9 @@ use crate::trace::{self, RunError};
 /// How far torques are nudged, relative.
 const NUDGE: f64 = 1e-9;
 
+/// Two times to stability further apart than this are not the same: an impact lasts a microsecond.
+pub const DRIFT_S: f64 = 1e-5;
+
 /// A run that should be the same as the study's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variation {
@@ -71,6 +74,8 @@ pub struct Chaos {
     pub variations: Vec<Variation>,
     /// Runs whose class is not the same in all of them.
     pub flips: Vec<Flip>,
+    /// Runs whose time to stability moves by more than [`DRIFT_S`], or which have one in some variations only.
+    pub drifting: Vec<i64>,
     /// Dynamically stable runs (stable and semi-stable) of each condition: of the study, then of each variation.
     pub stable: Vec<Vec<usize>>,
     /// Of each condition: stable in every variation, and in at least one.
@@ -97,10 +102,22 @@ pub fn chaos(scenes: &[Scene], selection: &Selection, quick: bool, threads: usiz
         .flat_map(|variation| (0..selection.runs.len()).map(move |run| (variation, run)))
         .filter(|&(_, run)| selection.runs[run].force_positive == Some(true))
         .collect();
-    let found = classes(scenes, &jobs, &variations, threads)?;
+    let found = ends(scenes, &jobs, &variations, threads)?;
     let class = |run: &Candidate| run.class.unwrap_or(Class::Unstable);
+    let mut drifting: Vec<i64> = jobs
+        .iter()
+        .zip(&found)
+        .filter(|((_, run), end)| match (selection.runs[*run].tts_s, end.1) {
+            (Some(tts_s), Some(other_s)) => (tts_s - other_s).abs() > DRIFT_S,
+            (None, None) => false,
+            _ => true,
+        })
+        .map(|((_, run), _)| selection.runs[*run].run)
+        .collect();
+    drifting.sort_unstable();
+    drifting.dedup();
     let mut all: Vec<Vec<Class>> = selection.runs.iter().map(|run| vec![class(run); variations.len()]).collect();
-    for (&(variation, run), of) in jobs.iter().zip(found) {
+    for (&(variation, run), (of, _)) in jobs.iter().zip(found) {
         all[run][variation] = of;
     }
     let flips = selection.runs.iter().zip(&all).filter(|(run, of)| of.iter().any(|of| *of != class(run)));
@@ -126,6 +143,7 @@ pub fn chaos(scenes: &[Scene], selection: &Selection, quick: bool, threads: usiz
     };
     Ok(Chaos {
         flips,
+        drifting,
         stable: conditions.clone().map(by_variation).collect(),
         always: conditions
             .clone()
@@ -138,13 +156,16 @@ pub fn chaos(scenes: &[Scene], selection: &Selection, quick: bool, threads: usiz
     })
 }
 
-/// The class of every job (variation, run), on many threads.
-fn classes(
+/// How a run ends: its class and its time to stability.
+type End = (Class, Option<f64>);
+
+/// The end of every job (variation, run), on many threads.
+fn ends(
     scenes: &[Scene],
     jobs: &[(usize, usize)],
     variations: &[Variation],
     threads: usize,
-) -> Result<Vec<Class>, ReproduceError> {
+) -> Result<Vec<End>, ReproduceError> {
     let threads = match threads {
         0 => thread::available_parallelism().map_or(1, NonZeroUsize::get),
         given => given,
@@ -155,9 +176,9 @@ fn classes(
         loop {
             let job = next.fetch_add(1, Ordering::Relaxed);
             let Some(&(variation, run)) = jobs.get(job) else { break };
-            let class = class(&variations[variation].apply(&scenes[run]));
+            let end = end(&variations[variation].apply(&scenes[run]));
             if let Ok(mut found) = found.lock() {
-                found[job] = Some(class);
+                found[job] = Some(end);
             }
         }
     };
@@ -170,19 +191,22 @@ fn classes(
     let found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     found
         .into_iter()
-        .map(|class| class.unwrap_or_else(|| Err(ReproduceError::of("a variation")(&"it was not run"))))
+        .map(|end| end.unwrap_or_else(|| Err(ReproduceError::of("a variation")(&"it was not run"))))
         .collect()
 }
 
-/// The class of one run. One that breaks off is unstable.
-fn class(scene: &Scene) -> Result<Class, ReproduceError> {
+/// The end of one run. One that breaks off is unstable.
+fn end(scene: &Scene) -> Result<End, ReproduceError> {
     let error = ReproduceError::of("a variation");
     let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
     let rest = at_rest(scene, object).map_err(|reason| error(&reason))?;
     let mut tracker = Tracker::new(rest.angles());
     match trace::run_analytic(scene, &mut tracker) {
-        Ok(_) => Ok(tracker.criteria(rest.is_stable()).class),
-        Err(RunError::Simulation { .. }) => Ok(Class::Unstable),
+        Ok(_) => {
+            let criteria = tracker.criteria(rest.is_stable());
+            Ok((criteria.class, criteria.tts_s))
+        }
+        Err(RunError::Simulation { .. }) => Ok((Class::Unstable, None)),
         Err(RunError::Sink(reason)) => Err(error(&reason)),
     }
 }

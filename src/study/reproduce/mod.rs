@@ -6,6 +6,7 @@
 //! | `thesis` | the thesis's figures with their sources, what is expected, and the reasons for differences (`thesis.csv`, `reasons.toml`) |
 //! | `sizing` | spring and motor of design 95; places and types of the spring over all designs |
 //! | `designs` | masses, trajectories and statics of the 192 designs, also by other sizings |
+//! | `grids` | volumes with points elsewhere and by other torques |
 //! | `chaos` | which of the simulations change their class with the tolerances |
 //! | `chosen` | design 95 as printed, and its CAD model |
 //! | `measured` | everything found, by the keys of the figures |
@@ -15,15 +16,17 @@
 mod chaos;
 mod chosen;
 mod designs;
+mod grids;
 mod measured;
 mod sizing;
 mod thesis;
 
 use std::collections::HashSet;
 
-pub use chaos::{Chaos, Flip, Variation};
+pub use chaos::{Chaos, DRIFT_S, Flip, Variation};
 pub use chosen::{Closing, ClosingPoint};
 pub use designs::{Designs, OtherSizing};
+pub use grids::{CELLS, Grid};
 pub use measured::{CHOSEN, measured};
 pub use sizing::SizingFound;
 pub use thesis::{Figure, Reason, UNITS, figures, reasons};
@@ -49,6 +52,7 @@ pub struct Reproduction {
     pub sizing: SizingFound,
     pub designs: Designs,
     pub volumes: Vec<Volume>,
+    pub grids: Vec<Grid>,
     /// Results of the 384 simulations.
     pub results: Table,
     pub selection: Selection,
@@ -102,11 +106,12 @@ pub fn reproduce(
     let designs = designs::designs(&scenes, &results, &selection, chosen_run, &sizing)?;
     next("grasp-state volumes");
     let volumes = volumes(quick, threads)?;
+    let grids = grids::grids(&sizing)?;
     next("runs that are near-chaotic");
     let chaos = chaos::chaos(&scenes, &selection, quick, threads)?;
     next("design 95");
     let (chosen, cad) = (chosen::chosen()?, chosen::cad()?);
-    Ok(Reproduction { quick, sizing, designs, volumes, results, selection, chaos, chosen, cad })
+    Ok(Reproduction { quick, sizing, designs, volumes, grids, results, selection, chaos, chosen, cad })
 }
 
 /// The scene of every run.

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::ReproduceError;
 use crate::gripper::Circle;
 use crate::scene::{self, Scene};
-use crate::sizing::{Profile, Sizing, Task, profile};
+use crate::sizing::{Profile, ProfilePoint, Sizing, Task, profile};
 
 /// The finger of Figs. 3.2 and 3.3.
 const EXAMPLE: &str =
@@ -49,8 +49,9 @@ pub fn sizing(designs: &[Scene], chosen: &Scene) -> Result<SizingFound, Reproduc
         let profile = profiled(design, FEW_SAMPLES)?;
         let [s1, s2, s3, s4] = profile.placements_n_m;
         found.best_places += usize::from(s3.max(s4) < s1.min(s2));
-        // Before the contact both springs have the same length, so rounding is all that differs.
-        let better = |point: &crate::sizing::ProfilePoint| point.constant_n_m <= point.torsional_n_m * (1.0 + 1e-12);
+        // Up to the contact both springs are alike, but for rounding.
+        let better =
+            |point: &ProfilePoint| point.constant_n_m <= point.torsional_n_m + 1e-12 * point.torsional_n_m.abs();
         found.constant_better += usize::from(profile.points.iter().all(better));
     }
     Ok(found)
