@@ -6,8 +6,9 @@
     tools/readme_figures.py --dry-run       print, leave README.md alone
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
-blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate, log. Needs
-only Python's own library, and GNU time for the block memory. The block engine also puts its picture into tools/figures.
+blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate, log,
+reproduce, design. Needs only Python's own library, and GNU time for the block memory. The blocks engine and reproduce also put
+their pictures into tools/figures.
 """
 
 import argparse
@@ -19,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -246,7 +248,47 @@ def log(_):
     return "\n".join(line for line in found.stdout.splitlines() if line.startswith("|"))
 
 
-BLOCKS = {"accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log}
+def reproduce(scratch):
+    """The thesis's figures that have an expectation, beside ours; pictures of a volume and of the selection."""
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    out = scratch / "reproduce"
+    command = [PHALANX, "reproduce", "--out", out, "--json"]
+    print("$", *command, file=sys.stderr)
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    # Status 1 is a figure that is not as expected, which the document says.
+    if result.returncode not in (0, 1) or not result.stdout:
+        sys.exit(f"reproduce: status {result.returncode}\n{result.stderr}")
+    for ours, theirs in (("volume-19.svg", "volume.svg"), ("criteria.svg", "selection.svg")):
+        shutil.copy(out / "figures" / ours, ROOT / "tools" / "figures" / theirs)
+    lines = (out / "report.md").read_text().split("**Table 1.**")[1].splitlines()
+    rows = [line for line in lines[1:lines.index("", 2)] if line.startswith("|")]
+    # The sources and reasons stay in the report.
+    return "\n".join("|".join(row.split("|")[:5]) + "|" for row in rows)
+
+
+def design(scratch):
+    """Speed of sweeps, volumes and the reproduction; the tables of the first two are the benches' own."""
+    bench = lambda name: call("cargo", "bench", "--locked", "--bench", name, stdout=subprocess.PIPE, text=True)  # noqa: E731
+    tables = []
+    for name in ("sweep", "volume"):
+        lines = [line for line in bench(name).stdout.splitlines() if line.startswith("|")]
+        # A bench can have several tables: each begins with a line that a line of dashes follows.
+        for line, after in zip(lines, lines[1:] + [""]):
+            tables.append(("\n" if after.startswith("|---") and tables else "") + line)
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        subprocess.run([PHALANX, "reproduce", "--out", scratch / "again"], capture_output=True, check=False)
+        times.append(time.perf_counter() - start)
+    whole = f"The whole of `phalanx reproduce`, with its pictures, takes {sorted(times)[1]:.1f} s on {os.cpu_count()} cores."
+    return "\n".join(tables) + "\n\n" + whole
+
+
+BLOCKS = {
+    "accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log,
+    "reproduce": reproduce, "design": design,
+}
 
 
 def put(text, name, content):

@@ -130,7 +130,7 @@ fn quantity(quantity: Quantity) -> QuantityData {
     }
 }
 
-/// A figure of a design.
+/// A quantity of a design, whatever the friction.
 type OfDesign = fn(&Sized) -> f64;
 
 fn base(frictions: &[Volume], kept: &[Vec<usize>; 3]) -> Base {

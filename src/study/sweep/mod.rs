@@ -48,8 +48,8 @@ use template::Template;
 
 use crate::trace::Model;
 
-/// Most runs of one study.
-pub const MOST_RUNS: u64 = 10_000_000;
+/// Most runs of one study: their rows are sorted in memory in the end, a kilobyte each.
+pub const MOST_RUNS: u64 = 1_000_000;
 
 /// Which designs are simulated: those whose static criteria are as is said here, if anything is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

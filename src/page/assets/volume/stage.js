@@ -133,7 +133,7 @@ class Stage {
         const [x, y] = place(part);
         label(ctx, axisText(data, value), x + 9 * normal[0], y + 12 * normal[1], "soft", align);
       }
-      const away = align === "center" ? 32 : 50;
+      const away = align === "center" ? 32 : 62;
       label(ctx, data.name, sx + away * normal[0], sy + (align === "center" ? 30 : 34) * normal[1] + (align === "center" ? 0 : 14), "ink", align);
     }
   }
