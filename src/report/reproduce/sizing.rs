@@ -25,11 +25,12 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
         &["spring at", "k_s, N·mm"],
         places.iter().zip(profile.placements_n_m).map(row).collect(),
     );
-    let largest =
-        |of: fn(&crate::sizing::ProfilePoint) -> f64| profile.points.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    // Up to the contact both springs are alike.
+    let bent = || profile.points.iter().filter(|point| point.net_n_m.is_none());
+    let largest = |of: fn(&crate::sizing::ProfilePoint) -> f64| bent().map(of).fold(f64::NEG_INFINITY, f64::max);
     let section = section.table(
-        "Largest motor torque along the trajectory by type of the spring, same finger; the torsional spring is turned by 90° \
-         where the finger is straight, which the thesis does not say.",
+        "Largest closing torque of the motor after the proximal contact by type of the spring, same finger; the torsional spring \
+         is turned by 90° where the finger is straight, which the thesis does not say.",
         &["spring", "largest torque, N·mm"],
         vec![
             vec![Cell::new("constant"), n_mm(largest(|point| point.constant_n_m))],
