@@ -1,36 +1,25 @@
 //! `phalanx size`: its tables, its JSON, its files, its refusals.
 
-use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+mod cli_support;
 
+use std::fs;
+
+use cli_support::{ANCHOR, directory, phalanx, stderr, write};
 use serde_json::Value;
 
-const ANCHOR: &str = "scenes/experiment-95.toml";
-
-fn phalanx(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_phalanx")).args(args).output().expect("phalanx starts")
-}
-
-fn stdout(output: &Output) -> String {
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout.clone()).unwrap()
+fn done(args: &[&str]) -> String {
+    let output = phalanx(args);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    cli_support::stdout(&output).to_string()
 }
 
 fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&stdout(&phalanx(args))).unwrap()
-}
-
-/// A directory of this test's own.
-fn directory(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("size-{name}"));
-    let _ = fs::remove_dir_all(&path);
-    path
+    serde_json::from_str(&done(args)).unwrap()
 }
 
 fn refused(args: &[&str], parts: &[&str]) {
     let output = phalanx(args);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    let message = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
     assert!(output.stdout.is_empty());
     for part in parts {
@@ -40,7 +29,7 @@ fn refused(args: &[&str], parts: &[&str]) {
 
 #[test]
 fn the_table_says_both_sizings_and_what_the_scene_has() {
-    let text = stdout(&phalanx(&["size", ANCHOR]));
+    let text = done(&["size", ANCHOR]);
     for line in ["516.60            117.72    <-", "440.88            117.72", "480.00            132.60"] {
         assert!(text.contains(line), "{line}\n{text}");
     }
@@ -58,12 +47,9 @@ fn the_json_has_the_chosen_rule_and_agrees_with_a_scene_that_sizes_itself() {
     assert_eq!(report["given"]["motor_n_m"], 0.48);
     assert!(report["convergence_relative"].as_f64().unwrap() < 1e-6);
 
-    let directory = directory("scene");
-    fs::create_dir_all(&directory).unwrap();
-    let scene = directory.join("sized.toml");
     let design = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
-    fs::write(&scene, format!("sizing = \"whole\"\n{design}")).unwrap();
-    let sized = json(&["size", scene.to_str().unwrap(), "--json"]);
+    let scene = write(&directory("size-scene"), "sized.toml", &format!("sizing = \"whole\"\n{design}"));
+    let sized = json(&["size", &scene, "--json"]);
     assert_eq!(sized["given"], report["whole"]);
     // Faster takes more, about as the square of the time.
     let fast = json(&["size", ANCHOR, "--closing-time", "5 ms", "--json"]);
@@ -73,8 +59,8 @@ fn the_json_has_the_chosen_rule_and_agrees_with_a_scene_that_sizes_itself() {
 
 #[test]
 fn files_are_written_whole() {
-    let out = directory("files");
-    stdout(&phalanx(&["size", ANCHOR, "--out", out.to_str().unwrap()]));
+    let out = directory("size-files");
+    done(&["size", ANCHOR, "--out", out.to_str().unwrap()]);
     let read = |file: &str| fs::read_to_string(out.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
     for picture in ["trajectory.svg", "springs.svg", "spring-types.svg"] {
         let svg = read(picture);
@@ -86,7 +72,7 @@ fn files_are_written_whole() {
     assert!(csv.lines().count() > 400);
     assert!(csv.lines().all(|line| line.split(',').count() == columns));
     assert_eq!(serde_json::from_str::<Value>(&read("size.json")).unwrap()["rule"], "rigid");
-    assert_eq!(read("size.txt"), stdout(&phalanx(&["size", ANCHOR])));
+    assert_eq!(read("size.txt"), done(&["size", ANCHOR]));
 }
 
 #[test]

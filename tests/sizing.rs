@@ -1,12 +1,13 @@
 //! Sizing of spring and motor (2-design §2.2): design 95's figures, convergence, placements, and scenes that ask for it.
 
+mod gripper_support;
+
 use std::f64::consts::FRAC_PI_2;
 
+use gripper_support::{THIRDS, design_95, sweep};
 use phalanx::fivebar::dynamics::{Dynamics, inverse_dynamics};
 use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
-use phalanx::gripper::{
-    Assembly, Design, Finger, Placement, ProximalLength, Spring, SpringKind, bodies, disc, lengths, total_mass,
-};
+use phalanx::gripper::{Assembly, Design, Finger, Placement, Spring, SpringKind, bodies, disc, lengths, total_mass};
 use phalanx::scene::{self, Actuation, Scene};
 use phalanx::sizing::{INTERVALS, Rule, SizingError, Task, profile, size, size_with};
 
@@ -15,24 +16,9 @@ fn finger(design: &Design) -> Finger {
     Finger { lengths, bodies: bodies(&lengths, 1070.0, 0.04).unwrap(), assembly: Assembly::Reference }
 }
 
-fn design_95() -> Design {
-    Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5)
-}
-
 /// The 192 designs of the thesis (§4.2 with errata 15), in its order.
 fn thesis_designs() -> Vec<Design> {
-    let mut designs = Vec::new();
-    for base_mm in [12.0, 15.5, 19.0, 22.5] {
-        for third in 0..4 {
-            for phi22_deg in [90.0f64, 100.0, 110.0, 120.0] {
-                for arm_ratio in [1.0 / 3.0, 0.5, 2.0 / 3.0] {
-                    let l21 = ProximalLength::Fraction(f64::from(third) / 3.0);
-                    designs.push(Design::thesis(base_mm * 1e-3, l21, phi22_deg.to_radians(), arm_ratio));
-                }
-            }
-        }
-    }
-    designs
+    sweep(THIRDS)
 }
 
 /// 2-design §2.2 has 117.72, 516.5 and 440.8 N·mm, the latter two from a mean over some thousand samples.

@@ -3,11 +3,8 @@
 use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
 use phalanx::law::FrictionLaw;
 use phalanx::scene::{Actuation, Disc, Initial, Placement, Scene, Spring, SpringKind};
+use phalanx::sizing::{OPENING_RAD, Rule, Sizing, Task, size};
 
-use super::sizing::{self, Sizing};
-
-/// How far before the proximal contact the finger starts.
-const OPENING_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
 const DENSITY_KG_M3: f64 = 1070.0;
 const DEPTH_M: f64 = 0.040;
 
@@ -56,7 +53,10 @@ pub fn next(draw: &mut Draw, template: &Scene, drive: Drive) -> Option<Scene> {
     let start = start_posture(&lengths, circle, OPENING_RAD).ok()?;
     let Sizing { motor_n_m, spring_n_m } = match drive {
         Drive::Random => random,
-        Drive::Sized => sizing::rigid(&finger, circle, OPENING_RAD, template.gravity_m_s2)?,
+        Drive::Sized => {
+            let task = Task { gravity_m_s2: template.gravity_m_s2, ..Task::thesis(circle) };
+            size(&finger, &task, Rule::Rigid).ok()?
+        }
     };
 
     let friction = (!frictionless).then_some(FrictionLaw {

@@ -4,13 +4,14 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::PathBuf;
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::output::print;
 use super::overrides::positive;
 use super::validate_files::save;
 use super::{Failure, Status};
-use crate::gripper::{Circle, contact_angle_proximal};
+use crate::gripper::contact_angle_proximal;
 use crate::plot::{self, DrawError};
 use crate::report::{SizingReport, sizing_csv, sizing_json, sizing_text};
 use crate::scene::{self, Actuation, Scene, SpringKind};
@@ -35,8 +36,8 @@ pub struct SizeArgs {
     scene: PathBuf,
 
     /// Over what the motor torque is averaged
-    #[arg(long, value_enum, default_value_t = RuleArg::Rigid)]
-    rule: RuleArg,
+    #[arg(long, value_enum, default_value_t = Rule::Rigid)]
+    rule: Rule,
 
     /// Length of the test trajectory with its unit [default: 10 ms]
     #[arg(long, value_name = "TIME", value_parser = closing_time)]
@@ -56,20 +57,17 @@ pub struct SizeArgs {
     json: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum RuleArg {
-    /// RMS of the net torque until the proximal contact
-    Rigid,
-    /// RMS over all the trajectory, against the constant spring
-    Whole,
-}
+impl ValueEnum for Rule {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Rule::Rigid, Rule::Whole]
+    }
 
-impl RuleArg {
-    pub(super) fn rule(self) -> Rule {
-        match self {
-            RuleArg::Rigid => Rule::Rigid,
-            RuleArg::Whole => Rule::Whole,
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Rule::Rigid => "RMS of the net motor torque until the proximal contact",
+            Rule::Whole => "RMS over all the trajectory, against the constant spring",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
     }
 }
 
@@ -82,7 +80,7 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let report = SizingReport {
         scene: &scene.name,
         profile: &profile,
-        rule: args.rule.rule(),
+        rule: args.rule,
         preload_rad,
         given_motor_n_m: match scene.actuation {
             Actuation::Constant { torque_n_m } => Some(torque_n_m),
@@ -123,7 +121,7 @@ fn task(scene: &Scene, closing_s: f64) -> Result<Task, Failure> {
             scene.name
         )));
     };
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let disc = object.circle();
     let contact_rad = contact_angle_proximal(scene.finger.lengths.half_width_m, disc)
         .map_err(|error| Failure::bad_input(SizingError::from(error)))?;
     Ok(Task { disc, opening_rad: contact_rad - scene.initial.q21_rad, gravity_m_s2: scene.gravity_m_s2, closing_s })

@@ -10,8 +10,8 @@ use super::output::print;
 use super::progress::Count;
 use super::validate_files::directory;
 use super::volume_args::{
-    DataArg, Limits, List, Resolution, SizingArg, angle_limits, bases, fraction_limits, frictions, ratio_limits,
-    resolution, threads,
+    DataArg, Limits, List, Resolution, angle_limits, bases, fraction_limits, frictions, ratio_limits, resolution,
+    threads,
 };
 use super::{Failure, Status, volume_files};
 use crate::report::{Effort, VolumeReport, volume_json, volume_text};
@@ -67,7 +67,7 @@ pub struct VolumeArgs {
 
     /// How motor and spring are sized [default: rigid, or as the scene says]
     #[arg(long, value_enum)]
-    sizing: Option<SizingArg>,
+    sizing: Option<Rule>,
 
     /// What the pictures show within the stable region; several between commas. The page shows all of them
     #[arg(
@@ -158,11 +158,7 @@ fn request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
             (true, Some(_)) => vec![one_friction(&template)?],
             (true, None) => usual.mu_static,
         },
-        rule: match args.sizing {
-            Some(SizingArg::Rigid) => Rule::Rigid,
-            Some(SizingArg::Whole) => Rule::Whole,
-            None => template.rule.unwrap_or(usual.rule),
-        },
+        rule: args.sizing.or(template.rule).unwrap_or(usual.rule),
         template,
         axes,
     })

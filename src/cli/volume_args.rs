@@ -19,14 +19,6 @@ pub struct Limits(pub f64, pub f64);
 pub struct Resolution(pub [usize; 3]);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SizingArg {
-    /// Motor torque: root mean square over the swing, up to the proximal contact
-    Rigid,
-    /// Motor torque: root mean square over the whole closing, against the spring
-    Whole,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DataArg {
     /// Comma-separated values: text that everything reads
     Csv,

@@ -1,7 +1,7 @@
 //! The grasp of a scene at rest: where the finger ends if it grasps the object, and with what forces.
 
 use super::FinalAngles;
-use crate::gripper::{Circle, FinalPosture, GraspError, final_posture};
+use crate::gripper::{FinalPosture, GraspError, final_posture};
 use crate::scene::{self, Disc, Scene};
 use crate::statics::{Equilibrium, StaticsError, drive_loads, equilibrium_each};
 
@@ -32,10 +32,9 @@ impl AtRest {
 /// # Errors
 /// Why the finger cannot grasp the object.
 pub fn at_rest(scene: &Scene, object: Disc) -> Result<AtRest, GraspError> {
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let disc = object.circle();
     let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc)?;
-    let mu_static =
-        [scene.contact.proximal, scene.contact.distal].map(|law| law.friction.map_or(0.0, |law| law.mu_static));
+    let mu_static = scene.contact.mu_static();
     let motor_n_m = scene::torque(&scene.actuation, scene.duration_s).0;
     let forces = drive_loads(&scene.finger, &end, motor_n_m, scene.spring.as_ref())
         .and_then(|loads| equilibrium_each(&scene.finger, &end, loads, mu_static));

@@ -1,7 +1,7 @@
 //! The finger, its object and its palm.
 
 use super::{Body, Drawing, Part, Pose, Shape, extent};
-use crate::gripper::{Circle, Lengths, Posture, close, final_posture, link_outline, tip_outline};
+use crate::gripper::{Lengths, Posture, close, final_posture, link_outline, tip_outline};
 use crate::scene::{Actuation, Scene};
 use crate::trace::Sample;
 
@@ -91,7 +91,7 @@ fn view(scene: &Scene, bodies: &[Body]) -> [[f64; 2]; 2] {
     let finger = &scene.finger;
     let start = close(&finger.lengths, finger.assembly, scene.initial.q11_rad, scene.initial.q21_rad);
     let end = scene.object.and_then(|object| {
-        let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+        let disc = object.circle();
         final_posture(&finger.lengths, finger.assembly, disc).ok().map(|end| end.posture)
     });
     // A start that does not close is the end of a run before its first step: the straight finger shows what was meant.

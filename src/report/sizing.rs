@@ -154,9 +154,9 @@ pub fn sizing_json(report: &SizingReport<'_>) -> String {
     let closing = &profile.closing;
     let torques =
         |sizing: &Sizing| TorquesDocument { motor_n_m: Some(sizing.motor_n_m), spring_n_m: Some(sizing.spring_n_m) };
-    let (rule, chosen) = match report.rule {
-        Rule::Rigid => ("rigid", profile.rigid),
-        Rule::Whole => ("whole", profile.whole),
+    let chosen = match report.rule {
+        Rule::Rigid => profile.rigid,
+        Rule::Whole => profile.whole,
     };
     let [constant, torsional] = after_contact(profile);
     let spring_type = |spring, stiffness_n_m_per_rad, preload_rad, [peak, rms]: [f64; 2]| SpringTypeDocument {
@@ -168,7 +168,7 @@ pub fn sizing_json(report: &SizingReport<'_>) -> String {
     };
     document_text(&SizingDocument {
         scene: report.scene.to_string(),
-        rule,
+        rule: report.rule.name(),
         motor_n_m: chosen.motor_n_m,
         spring_n_m: chosen.spring_n_m,
         rigid: torques(&profile.rigid),

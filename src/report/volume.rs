@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use super::document_text;
 use super::table::table;
-use crate::sizing::Rule;
 use crate::study::volume::{Axis, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
 
 /// Reasons for missing fingers that are told of one volume; there may be as many as points.
@@ -113,10 +112,7 @@ impl VolumeReport {
         let axis = |axis: &Axis| AxisReport { from: axis.from, to: axis.to, points: axis.points };
         Self {
             scene: request.template.name.clone(),
-            sizing: match request.rule {
-                Rule::Rigid => "rigid",
-                Rule::Whole => "whole",
-            },
+            sizing: request.rule.name(),
             axes: AxesReport {
                 l21_fraction: axis(&axes.l21_fraction),
                 phi22_rad: axis(&axes.phi22_rad),

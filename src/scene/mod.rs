@@ -40,7 +40,7 @@ pub(crate) use suggest::nearest;
 pub use template::Template;
 pub use torque::{next_corner, torque};
 
-use crate::gripper::Finger;
+use crate::gripper::{Circle, Finger};
 pub use crate::gripper::{Placement, Spring, SpringKind};
 use crate::law::{ContactLaw, NormalLaw};
 
@@ -79,11 +79,25 @@ pub struct Disc {
     pub centre_m: [f64; 2],
 }
 
+impl Disc {
+    /// The disc as postures and grasps know it.
+    pub fn circle(&self) -> Circle {
+        Circle { radius_m: self.radius_m, centre_m: self.centre_m }
+    }
+}
+
 /// Laws of the proximal (l21) and the distal (t22) contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contacts {
     pub proximal: ContactLaw,
     pub distal: ContactLaw,
+}
+
+impl Contacts {
+    /// μ_s of both contacts; 0 without friction.
+    pub fn mu_static(&self) -> [f64; 2] {
+        [self.proximal, self.distal].map(|law| law.friction.map_or(0.0, |law| law.mu_static))
+    }
 }
 
 /// Motor torque τ11 on l11.

@@ -81,7 +81,8 @@ impl Words for Assembly {
 }
 
 impl Words for Rule {
-    const WORDS: &'static [(&'static str, Self)] = &[("rigid", Rule::Rigid), ("whole", Rule::Whole)];
+    const WORDS: &'static [(&'static str, Self)] =
+        &[(Rule::Rigid.name(), Rule::Rigid), (Rule::Whole.name(), Rule::Whole)];
 }
 
 impl Words for Interpolation {

@@ -70,6 +70,16 @@ pub enum Rule {
     Whole,
 }
 
+impl Rule {
+    /// As scenes and reports write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Rule::Rigid => "rigid",
+            Rule::Whole => "whole",
+        }
+    }
+}
+
 /// Motor and spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizing {

@@ -130,7 +130,7 @@ pub fn grasp(scene: &Scene, instead: &Instead) -> Result<Grasp, GraspStudyError>
     let Some(object) = scene.object else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let disc = object.circle();
     let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc)
         .map_err(|error| GraspStudyError::NoGrasp { scene: name(), error })?;
     at_rest_with(scene, disc, end, instead).map_err(|error| GraspStudyError::Statics { scene: name(), error })
@@ -140,7 +140,7 @@ fn at_rest_with(scene: &Scene, disc: Circle, end: FinalPosture, instead: &Instea
     let finger = scene.finger;
     let motor_n_m = instead.motor_n_m.unwrap_or_else(|| torque(&scene.actuation, scene.duration_s).0);
     let drive = drive(&finger, &end, motor_n_m, scene.spring.as_ref())?;
-    let of_scene = [scene.contact.proximal, scene.contact.distal].map(|law| law.friction.map_or(0.0, |f| f.mu_static));
+    let of_scene = scene.contact.mu_static();
     let asked: Vec<[f64; 2]> = match &instead.mu_static[..] {
         [] if of_scene == [0.0; 2] => vec![of_scene],
         [] => vec![[0.0; 2], of_scene],

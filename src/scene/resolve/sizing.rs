@@ -54,7 +54,7 @@ pub fn sizing(
         );
         return Sized::Wrong;
     };
-    let disc = Circle { radius_m: disc.radius_m, centre_m: disc.centre_m };
+    let disc = disc.circle();
     let Some(opening_rad) = opening(c, raw, finger, disc) else {
         return Sized::Wrong;
     };

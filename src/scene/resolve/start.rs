@@ -78,7 +78,7 @@ fn place(raw: &RawScene, start: &RawInitial) -> Option<Range<usize>> {
 fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Option<Disc>, offset: f64) -> Option<f64> {
     let lengths = plan.lengths?;
     let circle = match (object, plan.base_m) {
-        (Some(disc), _) => Circle { radius_m: disc.radius_m, centre_m: disc.centre_m },
+        (Some(disc), _) => disc.circle(),
         (None, Some(base_m)) => {
             let radius_m = c.number_or("object.radius", &raw.object.radius, POSITIVE, defaults::OBJECT_RADIUS_M);
             Circle { radius_m, centre_m: [-base_m, radius_m] }

@@ -3,7 +3,6 @@
 use super::ReproduceError;
 use super::sizing::SizingFound;
 use crate::criteria::at_rest;
-use crate::gripper::Circle;
 use crate::gripper::{Bodies, Lengths};
 use crate::scene::{Actuation, Scene, SpringKind, Template};
 use crate::sizing::{Rule, Task, size};
@@ -127,7 +126,7 @@ fn other_sizings(
 fn sized(scene: &Scene, rule: Rule) -> Result<[f64; 2], ReproduceError> {
     let error = ReproduceError::of("another sizing");
     let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
-    let task = Task::thesis(Circle { radius_m: object.radius_m, centre_m: object.centre_m });
+    let task = Task::thesis(object.circle());
     let sizing = size(&scene.finger, &task, rule).map_err(|reason| error(&reason))?;
     Ok([sizing.motor_n_m, sizing.spring_n_m])
 }

@@ -3,7 +3,6 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::ReproduceError;
-use crate::gripper::Circle;
 use crate::scene::{self, Scene};
 use crate::sizing::{Profile, ProfilePoint, Sizing, Task, profile};
 
@@ -60,6 +59,6 @@ pub fn sizing(designs: &[Scene], chosen: &Scene) -> Result<SizingFound, Reproduc
 fn profiled(scene: &Scene, samples: usize) -> Result<Profile, ReproduceError> {
     let error = ReproduceError::of("the sizing");
     let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
-    let task = Task::thesis(Circle { radius_m: object.radius_m, centre_m: object.centre_m });
+    let task = Task::thesis(object.circle());
     profile(&scene.finger, &task, PRELOAD_RAD, samples).map_err(|reason| error(&reason))
 }
