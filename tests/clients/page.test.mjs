@@ -3,34 +3,19 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync, statSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, describe, it } from "node:test";
-import { fileURLToPath, pathToFileURL } from "node:url";
 
 import { McapStreamReader } from "@mcap/core";
 import { decompress } from "fzstd";
-import { chromium } from "playwright-core";
 import protobuf from "protobufjs";
 import "protobufjs/ext/descriptor.js";
 
-const PROJECT = fileURLToPath(new URL("../../", import.meta.url));
-const PHALANX = process.env.PHALANX ?? path.join(PROJECT, "target/debug/phalanx");
-const CHROMIUM = execFileSync("sh", ["-c", 'command -v "$0"', process.env.CHROMIUM || "chromium"], { encoding: "utf8" }).trim();
-const SCREENSHOTS = path.join(PROJECT, "target/page-screenshots");
-const DIRECTORY = mkdtempSync(path.join(tmpdir(), "phalanx-page-"));
-const QUIET = ["--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
 
-let browser;
-before(async () => {
-  mkdirSync(SCREENSHOTS, { recursive: true });
-  browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", ...QUIET] });
-});
-after(async () => {
-  await browser?.close();
-  rmSync(DIRECTORY, { recursive: true });
-});
+before(start);
+after(stop);
 
 /** Validates a scene; the directory with its page and its logs. */
 function validated(scene, name) {
@@ -59,29 +44,6 @@ function messages(log) {
 
 /** The last message of a topic at exactly a time. */
 const at = (topic, time) => topic.findLast((message) => message.timestamp === time);
-
-/** A page in a browser that fails on anything it complains of or asks for. */
-async function opened(file, { width = 1280, height = 800, scheme = "light", ...more } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
-  const page = await context.newPage();
-  const complaints = [];
-  page.on("console", (message) => complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(error.stack));
-  page.on("request", (request) => {
-    if (request.url() !== pathToFileURL(file).href && !request.url().startsWith("data:")) complaints.push(request.url());
-  });
-  await page.goto(pathToFileURL(file).href);
-  return {
-    page,
-    complaints,
-    state: () => page.evaluate(() => window.phalanx.state()),
-    call: (name, ...args) => page.evaluate(([name, args]) => window.phalanx[name](...args), [name, args]),
-    async close() {
-      await context.close();
-      assert.deepEqual(complaints, []);
-    },
-  };
-}
 
 const near = (found, expected, relative, what) =>
   assert.ok(Math.abs(found - expected) <= relative * Math.abs(expected) + 1e-300, `${what}: ${found}, not ${expected}`);

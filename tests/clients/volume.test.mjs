@@ -3,31 +3,18 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync, statSync } from "node:fs";
 import path from "node:path";
 import { after, before, describe, it } from "node:test";
-import { fileURLToPath, pathToFileURL } from "node:url";
 
-import { chromium } from "playwright-core";
+import { DIRECTORY, PHALANX, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
 
-const PROJECT = fileURLToPath(new URL("../../", import.meta.url));
-const PHALANX = process.env.PHALANX ?? path.join(PROJECT, "target/debug/phalanx");
-const CHROMIUM = execFileSync("sh", ["-c", 'command -v "$0"', process.env.CHROMIUM || "chromium"], { encoding: "utf8" }).trim();
-const SCREENSHOTS = path.join(PROJECT, "target/page-screenshots");
-const DIRECTORY = mkdtempSync(path.join(tmpdir(), "phalanx-volume-"));
-const QUIET = ["--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-
-let browser, file, points, shares;
+let file, points, shares;
 before(async () => {
-  mkdirSync(SCREENSHOTS, { recursive: true });
-  browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", ...QUIET] });
+  await start();
   ({ file, points, shares } = made("volumes", "--base", "12 mm, 15.5 mm, 22.5 mm", "--mu-static", "0,0.8", "--resolution", "7,6,5"));
 });
-after(async () => {
-  await browser?.close();
-  rmSync(DIRECTORY, { recursive: true });
-});
+after(stop);
 
 /** The page of a command with what it left beside it. */
 function made(name, ...args) {
@@ -36,28 +23,6 @@ function made(name, ...args) {
   const [head, ...lines] = readFileSync(path.join(out, "points.csv"), "utf8").trim().split(/\r?\n/).map((line) => line.split(","));
   const points = lines.map((cells) => Object.fromEntries(head.map((column, index) => [column, cells[index]])));
   return { file: path.join(out, "page.html"), points, shares: JSON.parse(readFileSync(path.join(out, "table.json"), "utf8")) };
-}
-
-/** A page in a browser that fails on anything it complains of or asks for. */
-async function opened(file, { width = 1280, height = 800, scheme = "light", ...more } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
-  const page = await context.newPage();
-  const complaints = [];
-  page.on("console", (message) => complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(error.stack));
-  page.on("request", (request) => {
-    if (request.url() !== pathToFileURL(file).href && !request.url().startsWith("data:")) complaints.push(request.url());
-  });
-  await page.goto(pathToFileURL(file).href);
-  return {
-    page,
-    state: () => page.evaluate(() => window.phalanx.state()),
-    call: (name, ...args) => page.evaluate(([name, args]) => window.phalanx[name](...args), [name, args]),
-    async close() {
-      await context.close();
-      assert.deepEqual(complaints, []);
-    },
-  };
 }
 
 const near = (found, expected, relative, what) =>

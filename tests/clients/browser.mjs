@@ -1,0 +1,55 @@
+// A headless Chromium that opens pages from the disk, for the tests of pages; each test file is a process of its own.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+import { chromium } from "playwright-core";
+
+export const PROJECT = fileURLToPath(new URL("../../", import.meta.url));
+export const PHALANX = process.env.PHALANX ?? path.join(PROJECT, "target/debug/phalanx");
+export const SCREENSHOTS = path.join(PROJECT, "target/page-screenshots");
+/** A directory of these tests' own. */
+export const DIRECTORY = mkdtempSync(path.join(tmpdir(), "phalanx-page-"));
+const CHROMIUM = execFileSync("sh", ["-c", 'command -v "$0"', process.env.CHROMIUM || "chromium"], { encoding: "utf8" }).trim();
+const QUIET = ["--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
+let browser;
+
+/** Starts the browser: before all tests. */
+export async function start() {
+  mkdirSync(SCREENSHOTS, { recursive: true });
+  browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", ...QUIET] });
+}
+
+/** Ends the browser and clears up: after all tests. */
+export async function stop() {
+  await browser?.close();
+  rmSync(DIRECTORY, { recursive: true });
+}
+
+/** A page in a browser that fails on anything it complains of or asks for. */
+export async function opened(file, { width = 1280, height = 800, scheme = "light", ...more } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(error.stack));
+  page.on("request", (request) => {
+    if (request.url() !== pathToFileURL(file).href && !request.url().startsWith("data:")) complaints.push(request.url());
+  });
+  await page.goto(pathToFileURL(file).href);
+  return {
+    page,
+    complaints,
+    state: () => page.evaluate(() => window.phalanx.state()),
+    call: (name, ...args) => page.evaluate(([name, args]) => window.phalanx[name](...args), [name, args]),
+    async close() {
+      await context.close();
+      assert.deepEqual(complaints, []);
+    },
+  };
+}
