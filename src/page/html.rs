@@ -8,7 +8,7 @@ const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 3] =
     [include_str!("assets/theme.css"), include_str!("assets/layout.css"), include_str!("assets/pictures.css")];
 /// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 14] = [
+const SCRIPTS: [&str; 15] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
     include_str!("assets/reading.js"),
@@ -21,6 +21,7 @@ const SCRIPTS: [&str; 14] = [
     include_str!("assets/plots.js"),
     include_str!("assets/events.js"),
     include_str!("assets/controls.js"),
+    include_str!("assets/help.js"),
     include_str!("assets/keys.js"),
     include_str!("assets/main.js"),
 ];

@@ -9,7 +9,7 @@ const TEMPLATE: &str = include_str!("assets/volume/page.html");
 const STYLES: [&str; 3] =
     [include_str!("assets/theme.css"), include_str!("assets/volume/layout.css"), include_str!("assets/pictures.css")];
 /// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 10] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("assets/format.js"),
     include_str!("assets/canvas.js"),
     include_str!("assets/volume/data.js"),
@@ -18,6 +18,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("assets/volume/stage.js"),
     include_str!("assets/volume/design.js"),
     include_str!("assets/volume/controls.js"),
+    include_str!("assets/help.js"),
     include_str!("assets/volume/keys.js"),
     include_str!("assets/volume/main.js"),
 ];

@@ -21,13 +21,7 @@ const KEYS = [
 
 function keyboard(app) {
   const help = byId("help");
-  for (const [keys, what] of KEYS) {
-    const names = element("span");
-    keys.forEach((key, index) => names.append(index ? " " : "", element("kbd", {}, key)));
-    byId("keys").append(names, element("span", {}, what));
-  }
-  const open = () => { if (!help.open) help.showModal(); };
-  byId("help-open").addEventListener("click", open);
+  const open = keyHelp(help, KEYS);
   const STEP = 0.0873;
   const actions = {
     ArrowLeft: () => app.turn(-STEP, 0),
