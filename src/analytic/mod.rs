@@ -5,7 +5,9 @@
 
 pub mod contact;
 pub mod discs;
+mod mode;
 mod model;
 mod modes;
 
-pub use model::{Energies, Mode, Model, Passive, QUADRATURES, SiteReading, SiteState, Snapshot};
+pub use mode::SiteState;
+pub use model::{Energies, GUARDS, Mode, Model, Passive, QUADRATURES, SiteReading, Snapshot};

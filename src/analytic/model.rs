@@ -1,6 +1,7 @@
 //! The analytic model of one scene: accelerations, their exact Jacobian, and the state of every contact.
 
 use super::contact::{self, Distal, Geometry};
+use super::mode::SiteState;
 use crate::fivebar::dynamics::{
     Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms,
 };
@@ -20,21 +21,11 @@ use crate::scene::{Actuation, Disc, Scene, torque};
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
 
-/// Branch of the normal law at one site.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SiteState {
-    /// Surfaces apart: no force.
-    Free,
-    /// k δᵉ + c δ̇ as it stands; an event ends it where it turns negative.
-    Active,
-    /// Still overlapping, but let go: the clamp holds the force at zero.
-    Released,
-    /// max(0, k δᵉ + c δ̇), whatever happens: for one step where events chatter.
-    Natural,
-}
+/// Guards of the three sites: of their normal laws, then of their slips.
+pub const GUARDS: usize = 6;
 
 /// Branches of all sites, in the order of [`Site::ALL`].
-pub type Mode = [SiteState; 3];
+pub type Mode = super::mode::Mode<3>;
 
 /// The analytic model of a scene, with everything that does not change in time worked out.
 #[derive(Clone, Debug)]
@@ -154,7 +145,7 @@ impl Model {
     }
 
     #[inline(always)]
-    fn friction_law(&self, site: Site) -> Option<&FrictionLaw> {
+    pub(super) fn friction_law(&self, site: Site) -> Option<&FrictionLaw> {
         match site {
             Site::Proximal | Site::Distal => self.contacts[site as usize].friction.as_ref(),
             Site::Limit => None,

@@ -1,61 +1,60 @@
-//! Which branch of its law each contact is on, and where that changes.
+//! Where the branches of the finger's contacts change.
 
-use super::model::{Mode, Model, QUADRATURES, SiteState};
-use crate::fivebar::dynamics::{absolute_rates, solve_mass};
+use super::mode::{Contact, Landing, SiteState};
+use super::model::{GUARDS, Mode, Model, QUADRATURES};
+use crate::fivebar::dynamics::{Terms, absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, System, Watch};
-use crate::law::{NormalLaw, unclamped_normal_force};
+use crate::law::{FrictionRange, NormalLaw, friction_range, unclamped_normal_force};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_corner;
 
-/// Touch-down is landed on to within this fraction of δ_max.
-const LANDING_FRACTION: f64 = 1e-5;
-
-/// Lift-off and reload are landed on to within this force, far below anything the finger feels (N; limit: N·m).
-const FORCE_TOLERANCE: f64 = 1e-6;
-
-/// A released contact takes up again above this force, so that lift-off and reload do not answer each other.
-const RELOAD_FORCE: f64 = 3.0 * FORCE_TOLERANCE;
+/// Touch-downs are landed on to within a part of δ_max, lift-off and reload to within a force far below anything the finger feels.
+const LANDING: Landing = Landing { depth_share: 1e-5, force: 1e-6 };
 
 fn landing_depth(law: &NormalLaw) -> f64 {
-    LANDING_FRACTION * law.transition_m
+    LANDING.depth_share * law.transition_m
 }
 
-impl Hybrid<2, QUADRATURES, 3> for Model {
+/// The site of a guard: normal laws first, then slips.
+fn site_of(guard: usize) -> Site {
+    Site::ALL[guard % Site::ALL.len()]
+}
+
+impl Model {
+    /// What a guard asks of a site; `None` where the scene has no such contact.
+    #[inline(always)]
+    fn contact(&self, terms: &Terms<f64>, v: &[f64; 2], site: Site) -> Option<Contact<2>> {
+        let geometry = self.geometry(terms, site)?;
+        let (row, tangent) = (geometry.normal_row, geometry.tangent_row);
+        Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), row, tangent })
+    }
+}
+
+impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     fn next_corner(&self, t: f64) -> f64 {
         next_corner(&self.actuation, t)
     }
 
     #[inline(always)]
-    fn watch(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Watch<3> {
+    fn watch(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Watch<2, GUARDS> {
         let terms = self.terms(*q);
         let pose = &terms.pose;
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(&terms.rates, *v);
-        let guards = Site::ALL.map(|site| {
-            let state = mode[site as usize];
-            let quiet = Guard { value: f64::INFINITY, rate: 0.0, interpolates: true, apart: true };
-            let force_guard = |value| Guard { value, rate: 0.0, interpolates: false, apart: false };
-            if state == SiteState::Natural {
-                return quiet;
+        let mut guards = [Guard::QUIET; GUARDS];
+        for site in Site::ALL {
+            let index = site as usize;
+            if mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
+                continue;
             }
-            let (Some(geometry), Some(law)) = (self.geometry(&terms, site), self.normal_law(site)) else {
-                return quiet;
-            };
-            let gap_rate = dot(geometry.normal_row, *v);
-            let (delta, rate) = (-geometry.gap, -gap_rate);
-            match state {
-                SiteState::Free => Guard { value: geometry.gap, rate: gap_rate, interpolates: true, apart: true },
-                SiteState::Active if delta > 0.0 => force_guard(unclamped_normal_force(law, delta, rate).force),
-                // Just landed and about to enter, or gone through zero without ever pulling.
-                SiteState::Active => force_guard(if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) }),
-                _ => {
-                    let force = unclamped_normal_force(law, delta, rate).force;
-                    Guard { value: RELOAD_FORCE - force, rate: 0.0, interpolates: true, apart: delta < 0.0 }
-                }
+            let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
+            guards[index] = mode.normal_guard(index, law, &LANDING, &at);
+            if let Some(friction) = self.friction_law(site) {
+                guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, &at);
             }
-        });
+        }
         Watch {
             guards,
             clearance: sine.abs() - SINGULAR_SINE,
@@ -63,60 +62,49 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
         }
     }
 
-    fn landing_tolerance(&self, site: usize, mode: &Mode) -> f64 {
-        let which = Site::ALL[site];
-        match mode[site] {
-            SiteState::Free => self.normal_law(which).map_or(0.0, landing_depth),
-            _ => FORCE_TOLERANCE,
-        }
+    fn landing_tolerance(&self, guard: usize, mode: &Mode) -> f64 {
+        let site = site_of(guard);
+        let friction = self.friction_law(site);
+        self.normal_law(site).map_or(0.0, |law| mode.landing_tolerance(guard, law, friction, &LANDING))
     }
 
-    fn switch(&self, site: usize, mode: &Mode) -> Mode {
-        let mut next = *mode;
-        next[site] = match mode[site] {
-            SiteState::Free | SiteState::Released => SiteState::Active,
-            SiteState::Active => SiteState::Released,
-            SiteState::Natural => SiteState::Natural,
-        };
-        next
+    fn switch(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Mode {
+        let site = site_of(guard);
+        let slip = self.contact(&self.terms(*q), v, site).map_or(0.0, |at| at.slip);
+        mode.switched(guard, self.friction_law(site), slip)
     }
 
-    fn relax(&self, guards: &[Guard; 3], mode: &Mode) -> Option<Mode> {
-        let mut next = *mode;
-        for (state, guard) in next.iter_mut().zip(guards) {
-            if *state == SiteState::Released && guard.apart {
-                *state = SiteState::Free;
-            }
-        }
-        (next != *mode).then_some(next)
+    fn is_told(&self, guard: usize) -> bool {
+        guard < Site::ALL.len()
     }
 
-    fn with_natural(&self, site: usize, mode: &Mode) -> Mode {
-        let mut next = *mode;
-        next[site] = SiteState::Natural;
-        next
+    fn relax(&self, guards: &[Guard<2>; GUARDS], mode: &Mode) -> Option<Mode> {
+        mode.relaxed(guards)
+    }
+
+    fn with_natural(&self, guard: usize, mode: &Mode) -> Mode {
+        mode.with_natural(guard)
     }
 
     fn read_mode(&self, t: f64, q: &[f64; 2], v: &[f64; 2]) -> Mode {
         let terms = self.terms(*q);
         // Without the sites that are just touching, to see which way they are about to move.
-        let mut mode = [SiteState::Free; 3];
+        let mut mode = Mode::FREE;
         let mut touching = [None; 3];
         for site in Site::ALL {
             let index = site as usize;
-            let (Some(geometry), Some(law)) = (self.geometry(&terms, site), self.normal_law(site)) else {
-                continue;
-            };
-            let (delta, rate) = (-geometry.gap, -dot(geometry.normal_row, *v));
+            let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
+            let Contact { delta, rate, slip, row, .. } = at;
+            mode.slips[index] = self.friction_law(site).map_or(FrictionRange::Any, |law| friction_range(law, slip));
             if delta.abs() <= landing_depth(law) {
-                touching[index] = Some((geometry.normal_row, rate));
+                touching[index] = Some((row, rate));
             } else if delta > 0.0 {
                 let force = unclamped_normal_force(law, delta, rate).force;
                 mode[index] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
             }
         }
         let free = self.rates(t, q, v, &mode).a;
-        for (state, touch) in mode.iter_mut().zip(touching) {
+        for (state, touch) in mode.sites.iter_mut().zip(touching) {
             let Some((row, rate)) = touch else { continue };
             let resting = rate.abs() < 1e-12;
             if rate >= 1e-12 || (resting && -dot(row, free) > 0.0) {
@@ -126,11 +114,11 @@ impl Hybrid<2, QUADRATURES, 3> for Model {
         mode
     }
 
-    fn restart_step(&self, site: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<f64> {
-        if mode[site] != SiteState::Active {
+    fn restart_step(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<f64> {
+        let which = site_of(guard);
+        if mode[which as usize] != SiteState::Active {
             return None;
         }
-        let which = Site::ALL[site];
         let terms = self.terms(*q);
         let (geometry, law) = (self.geometry(&terms, which)?, self.normal_law(which)?);
         let row = geometry.normal_row;

@@ -1,6 +1,6 @@
 //! Error norm and step-size control.
 
-use super::State;
+use super::{Counters, State};
 
 /// Angles have an absolute tolerance only: penetrations of 1e-8 rad live beside angles of 1 rad, and a relative tolerance
 /// would hide them.
@@ -11,7 +11,64 @@ pub struct Tolerances {
     pub rtol_v: f64,
 }
 
+/// Part of a depth or sticking range that a step may err by, in relative tolerances of rates, and its bounds.
+const SHARE: f64 = 1e3;
+const SHARES: [f64; 2] = [1e-5, 0.05];
+
+/// Errors of single steps add up. A smooth closing takes some [`USUAL_STEPS`] at a relative tolerance of 1e-5, and as many more as the order
+/// of the methods asks for at finer ones; a run that takes longer, for it rebounds and sticks and slips, gets tolerances tighter by
+/// this power of how much longer it is, down to a [`TIGHTEST`] part.
+const USUAL_STEPS: f64 = 150.0;
+/// Events that a closing has, and the steps that every other one counts for: an impact makes the most of errors.
+const USUAL_EVENTS: u64 = 4;
+const STEPS_PER_EVENT: u64 = 40;
+const TIGHTENING: f64 = 1.5;
+const TIGHTEST: f64 = 1.0 / 30.0;
+/// Tolerances that are not tightened further: below them angles of 1 rad and rates of 100 rad/s have no digits.
+const FINEST: Tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
+
 impl Tolerances {
+    /// Part of the depth, or of the sticking range, of a pressing contact that a step may err by.
+    #[inline(always)]
+    pub fn share(&self) -> f64 {
+        (SHARE * self.rtol_v).clamp(SHARES[0], SHARES[1])
+    }
+
+    /// Scaled error of the rate along a row.
+    #[inline(always)]
+    pub fn rate_along<const N: usize, const Z: usize>(
+        &self,
+        row: &[f64; N],
+        error_v: &[f64; N],
+        from: &State<N, Z>,
+        to: &State<N, Z>,
+    ) -> f64 {
+        let (mut error, mut scale) = (0.0, 0.0);
+        for i in 0..N {
+            error += row[i] * error_v[i];
+            scale += row[i].abs() * (self.atol_v + self.rtol_v * from.v[i].abs().max(to.v[i].abs()));
+        }
+        if scale > 0.0 { error.abs() / scale } else { 0.0 }
+    }
+
+    /// Those for the next step of a run that has come so far.
+    #[inline(always)]
+    pub fn after(&self, counters: &Counters) -> Self {
+        let usual = USUAL_STEPS * (1e-5 / self.rtol_v).powf(0.2);
+        let eventful = counters.events.saturating_sub(USUAL_EVENTS) * STEPS_PER_EVENT;
+        let longer = (counters.steps + eventful) as f64 / usual;
+        if longer <= 1.0 {
+            return *self;
+        }
+        let part = longer.powf(-TIGHTENING).max(TIGHTEST);
+        let tighter = |tolerance: f64, finest: f64| (part * tolerance).max(finest.min(tolerance));
+        Self {
+            atol_q: tighter(self.atol_q, FINEST.atol_q),
+            atol_v: tighter(self.atol_v, FINEST.atol_v),
+            rtol_v: tighter(self.rtol_v, FINEST.rtol_v),
+        }
+    }
+
     /// Root mean square of the scaled errors of coordinates and rates; 1 is just acceptable.
     #[inline(always)]
     pub fn norm<const N: usize, const Z: usize>(

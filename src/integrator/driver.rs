@@ -6,7 +6,7 @@ use super::control::Controller;
 use super::landing::{Crossing, first_crossing, may_have_passed};
 use super::method::{Attempt, Method, Origin};
 use super::observer::{Observer, Step, StepTools};
-use super::{Hybrid, Linearised, State, Tolerances, Watch};
+use super::{Hybrid, Linearised, State, Strain, Tolerances, Watch};
 
 /// How to integrate.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +76,10 @@ const NEAR_OBSTACLE: f64 = 0.1;
 const APPROACH_CUT: f64 = 0.25;
 /// …until it is shorter than this: then the obstacle is there.
 const NEAREST_APPROACH_S: f64 = 1e-11;
+/// Part of the tolerance of a rate that a rebound's normal rate has to keep within.
+const REBOUND_SHARE: f64 = 0.1;
+/// Part of the terms that make up a depth or slip below which it has no digits.
+const DIGITS: f64 = 4.0 * f64::EPSILON;
 /// Tries to land on one event.
 const MAX_LANDINGS: usize = 12;
 
@@ -128,7 +132,7 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     clock: Clock,
     state: State<N, Z>,
     /// Guards of `mode` at `state`.
-    watch: Watch<S>,
+    watch: Watch<N, S>,
     mode: Y::Mode,
     /// The last time before the next jump of the right-hand side.
     latest: f64,
@@ -198,7 +202,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             system: self.system,
             mode: &mode,
             linearised,
-            tolerances: &self.options.tolerances,
+            tolerances: &self.options.tolerances.after(&self.counters),
             t: self.clock.now(),
             latest: self.latest,
             state: &state,
@@ -214,15 +218,14 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             if size < SMALLEST_STEP_S && !stops {
                 return Err(Reason::StepUnderflow { h_s: size });
             }
-            let attempt = self.method.attempt(&origin, size);
-            self.counters.rhs += attempt.rhs;
+            let attempt = self.attempt(&origin, size);
             if !attempt.is_acceptable() {
                 self.counters.rejected += 1;
                 h = self.controller.reject(size, attempt.error);
                 continue;
             }
             let watch = self.system.watch(&attempt.end.q, &attempt.end.v, &mode);
-            let clearance = |w: &Watch<S>| (w.clearance, w.clearance_rate);
+            let clearance = |w: &Watch<N, S>| (w.clearance, w.clearance_rate);
             if watch.clearance.is_nan() || may_have_passed(clearance(&self.watch), clearance(&watch), size) {
                 if size < NEAREST_APPROACH_S {
                     return Err(Reason::Obstacle(self.system.obstacle(&attempt.end.q)));
@@ -244,6 +247,48 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 Landing::Refused { size, error } => h = self.controller.reject(size, error),
             }
         }
+    }
+
+    /// A try of the method; its error is also that of what the laws of pressing contacts are sensitive to.
+    ///
+    /// The tolerance of the coordinates knows nothing of a contact that presses from less deep than that: there the step's
+    /// linearised damper may hold, or pull, what the law does not. Nor does that of the rates know of a sticking range that is
+    /// narrower.
+    #[inline(always)]
+    fn attempt(&mut self, origin: &Origin<Y, N, Z>, size: f64) -> Attempt<N, Z> {
+        let mut attempt = self.method.attempt(origin, size);
+        self.counters.rhs += attempt.rhs;
+        if !attempt.is_acceptable() {
+            return attempt;
+        }
+        let share = origin.tolerances.share();
+        for guard in &self.watch.guards {
+            let (mut error, mut scale, mut digits) = (0.0, 0.0, 0.0);
+            match &guard.strain {
+                Strain::None => continue,
+                Strain::Depth { row, depth, rebounds } => {
+                    if *rebounds {
+                        let rate = origin.tolerances.rate_along(row, &attempt.error_v, origin.state, &attempt.end);
+                        attempt.error = attempt.error.max(rate / REBOUND_SHARE);
+                    }
+                    for n in 0..N {
+                        error += row[n] * attempt.error_q[n];
+                        scale -= row[n] * (attempt.end.q[n] - origin.state.q[n]);
+                        digits += (row[n] * origin.state.q[n]).abs();
+                    }
+                    scale = (depth + scale).max(*depth);
+                }
+                Strain::Slip { row, finest } => {
+                    for n in 0..N {
+                        error += row[n] * attempt.error_v[n];
+                        digits += (row[n] * origin.state.v[n]).abs();
+                    }
+                    scale = *finest;
+                }
+            }
+            attempt.error = attempt.error.max(error.abs() / (share * scale + DIGITS * digits));
+        }
+        attempt
     }
 
     /// Half the time in which a small clearance would be used up at its present rate.
@@ -272,9 +317,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 if target < SMALLEST_STEP_S {
                     break;
                 }
-                let attempt = self.method.attempt(origin, target);
+                let attempt = self.attempt(origin, target);
                 tried = target;
-                self.counters.rhs += attempt.rhs;
                 self.counters.rejected += 1;
                 if !attempt.is_acceptable() {
                     return Landing::Refused { size: target, error: attempt.error };
@@ -368,17 +412,23 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
 
     /// Switches the mode where the run stands, and starts anew from there.
     fn apply_event<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, observer: &mut O) {
-        self.mode = self.system.switch(site, &self.mode);
-        self.announce(site, observer);
+        self.mode = self.system.switch(site, &self.state.q, &self.state.v, &self.mode);
+        let told = self.system.is_told(site);
+        self.announce(site, told, observer);
+        if !told {
+            return;
+        }
         if let Some(first) = self.system.restart_step(site, &self.state.q, &self.state.v, &self.mode) {
             self.h = self.h.min(first);
         }
         self.forget();
     }
 
-    fn announce<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, observer: &mut O) {
-        self.counters.events += 1;
-        observer.event(self.clock.now(), &self.state, site, &self.mode);
+    fn announce<O: Observer<N, Z, Y::Mode>>(&mut self, site: usize, told: bool, observer: &mut O) {
+        if told {
+            self.counters.events += 1;
+            observer.event(self.clock.now(), &self.state, site, &self.mode);
+        }
         if self.chatter.note(site, self.clock.now()) {
             self.mode = self.system.with_natural(site, &self.mode);
         }

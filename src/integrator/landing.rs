@@ -1,6 +1,6 @@
 //! Finding where within a step a guard gives way.
 
-use super::{Dense, Guard, Hybrid};
+use super::{Dense, Guard, Hybrid, Look};
 
 /// The earliest crossing of a step.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +13,13 @@ pub struct Crossing {
 /// Looks for the first guard that is negative anywhere in a step of size `h`, given the guards at both of its ends.
 ///
 /// The end is always looked at; a gap that may have closed in between, as its rates at the ends tell, is looked at half way,
-/// and where it is smallest. So a link can neither step over a thin object nor graze it unseen.
+/// and where it is smallest, so that a link can neither step over a thin object nor graze it unseen; values without a rate are looked at
+/// inside the step.
 pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
     system: &Y,
     mode: &Y::Mode,
-    start: &[Guard; S],
-    end: &[Guard; S],
+    start: &[Guard<N>; S],
+    end: &[Guard<N>; S],
     h: f64,
     dense: impl Fn() -> Dense<N, Z>,
 ) -> Option<Crossing> {
@@ -33,19 +34,24 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     };
     let mut first: Option<Crossing> = None;
     for site in (0..S).filter(|site| suspect(*site)) {
-        let inside = if end[site].interpolates { guard(0.5, site).value } else { f64::INFINITY };
-        let bracket = if inside < 0.0 {
-            Some((0.0, 0.5))
-        } else if end[site].value < 0.0 {
-            Some((if end[site].interpolates { 0.5 } else { 0.0 }, 1.0))
-        } else if start[site].rate < 0.0 && end[site].rate > 0.0 {
-            let lowest = lowest_point(|theta| guard(theta, site).rate);
-            (guard(lowest, site).value < 0.0).then_some((0.0, lowest))
-        } else {
-            None
+        let value = |theta: f64| guard(theta, site).value;
+        let over = end[site].value < 0.0;
+        let bracket = match end[site].look {
+            Look::End => over.then_some((0.0, 1.0)),
+            Look::Inside => {
+                let parting = (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
+                first_dip(start[site].value, end[site].value, parting, value)
+            }
+            Look::Gap if value(0.5) < 0.0 => Some((0.0, 0.5)),
+            Look::Gap if over => Some((0.5, 1.0)),
+            Look::Gap if start[site].rate < 0.0 && end[site].rate > 0.0 => {
+                let lowest = lowest_point(|theta| guard(theta, site).rate);
+                (value(lowest) < 0.0).then_some((0.0, lowest))
+            }
+            Look::Gap => None,
         };
         if let Some((low, high)) = bracket {
-            let theta = root(|theta| guard(theta, site).value, low, high);
+            let theta = root(value, low, high);
             if first.is_none_or(|f| theta < f.theta) {
                 first = Some(Crossing { site, theta });
             }
@@ -54,12 +60,86 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     first
 }
 
-/// Whether a gap that is open at both ends could have closed in between: it could if it moved at twice the larger of its end
-/// rates throughout.
-fn may_dip(start: &Guard, end: &Guard, h: f64) -> bool {
-    start.interpolates
-        && start.value.is_finite()
-        && start.value.min(end.value) < 2.0 * h * start.rate.abs().max(end.rate.abs())
+/// Whether a guard that holds at both ends could have given way in between: a gap could if it moved at twice the larger of its
+/// end rates throughout; of others only a look inside can tell.
+fn may_dip<const N: usize>(start: &Guard<N>, end: &Guard<N>, h: f64) -> bool {
+    let least = start.value.min(end.value);
+    match start.look {
+        Look::End => false,
+        Look::Inside => least.is_finite(),
+        Look::Gap => start.value.is_finite() && least < 2.0 * h * start.rate.abs().max(end.rate.abs()),
+    }
+}
+
+/// Points at which a value without a rate is looked at within a step, its ends included.
+const LOOKS: usize = 9;
+
+/// Looks on the way to where surfaces part, each at a part of what the one before leaves: a damper that fades with the depth leaves
+/// the last of it to the spring, whose force returns as late as it likes.
+const PARTING_LOOKS: i32 = 12;
+const PARTING_PART: f64 = 0.25;
+
+/// A bracket about the first place where a value gives way that may dip and come back between its ends; `parting`: where the
+/// surfaces part.
+fn first_dip(start: f64, end: f64, parting: Option<f64>, value: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let place = |i: usize| i as f64 / (LOOKS - 1) as f64;
+    let at: [f64; LOOKS] = std::array::from_fn(|i| match i {
+        0 => start,
+        i if i == LOOKS - 1 => end,
+        i => value(place(i)),
+    });
+    let below = (1..LOOKS).find(|i| at[*i] < 0.0);
+    // A dip between two points, before the first that is below.
+    for i in 1..below.unwrap_or(LOOKS - 1) {
+        let bend = (at[i - 1] - at[i]).max(at[i + 1] - at[i]);
+        if at[i] <= at[i - 1] && at[i] <= at[i + 1] && at[i] < 4.0 * bend {
+            let lowest = golden(&value, place(i - 1), place(i + 1));
+            if value(lowest) < 0.0 {
+                return Some((place(i - 1), lowest));
+            }
+        }
+    }
+    let evenly = below.map(|i| (place(i - 1), place(i)));
+    evenly.or_else(|| {
+        let end = parting?;
+        let near = |look: i32| end * (1.0 - PARTING_PART.powi(look));
+        (1..PARTING_LOOKS).find(|look| value(near(*look)) < 0.0).map(|look| (near(look - 1), near(look)))
+    })
+}
+
+/// Where surfaces part that are together at the start of a step and apart at its end.
+fn parting(apart: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while high - low > 4.0 * f64::EPSILON * high {
+        let middle = 0.5 * (low + high);
+        if apart(middle) { high = middle } else { low = middle }
+    }
+    low
+}
+
+/// Where a value with one minimum between two places is smallest (golden section).
+fn golden(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    const SECTION: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (high - SECTION * (high - low), low + SECTION * (high - low));
+    let (mut at_a, mut at_b) = (value(a), value(b));
+    for _ in 0..20 {
+        if at_a < 0.0 {
+            return a;
+        }
+        if at_b < 0.0 {
+            return b;
+        }
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - SECTION * (high - low);
+            at_a = value(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + SECTION * (high - low);
+            at_b = value(b);
+        }
+    }
+    if at_a < at_b { a } else { b }
 }
 
 /// Whether a quantity with these end values and rates may have passed below zero within a step of size `h`: its cubic does.
@@ -138,6 +218,33 @@ mod tests {
         assert!((smooth - 0.3f64.sqrt()).abs() < 1e-9, "{smooth}");
         let jump = root(|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
         assert!((jump - 0.7).abs() < 1e-9 && jump >= 0.7, "{jump}");
+    }
+
+    #[test]
+    fn dips_are_found_between_the_points_that_are_looked_at() {
+        for place in [0.03, 0.31, 0.5, 0.77, 0.97] {
+            let narrow = |x: f64| (x - place) * (x - place) - 1e-5;
+            let (low, high) = first_dip(narrow(0.0), narrow(1.0), None, narrow).expect("a dip");
+            assert!(narrow(low) >= 0.0 && narrow(high) < 0.0 && high > place - 4e-3 && low < place, "{place}: {low} {high}");
+            let above = |x: f64| narrow(x) + 2e-5;
+            assert!(first_dip(above(0.0), above(1.0), None, above).is_none(), "{place}");
+        }
+        assert_eq!(first_dip(1.0, -1.0, None, |x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
+    }
+
+    /// A linear spring behind a damper that fades with the square of the depth: its force returns in the last 1e-5 of the way.
+    #[test]
+    fn forces_that_return_just_before_surfaces_part_are_found() {
+        let parts = 0.7;
+        let force = |x: f64| {
+            let delta = (parts - x).max(0.0);
+            delta - 1e5 * delta * delta
+        };
+        let value = |x: f64| 1e-9 - force(x);
+        let parting = parting(|x| x > parts);
+        assert!((parting - parts).abs() < 1e-12);
+        let (low, high) = first_dip(value(0.0), value(1.0), Some(parting), value).expect("a return");
+        assert!(value(low) >= 0.0 && value(high) < 0.0 && high > parts - 1e-5);
     }
 
     #[test]

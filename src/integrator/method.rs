@@ -10,6 +10,9 @@ pub struct Attempt<const N: usize, const Z: usize> {
     /// Right-hand sides it took.
     pub rhs: u64,
     pub end: State<N, Z>,
+    /// Estimated errors of coordinates and rates.
+    pub error_q: [f64; N],
+    pub error_v: [f64; N],
 }
 
 impl<const N: usize, const Z: usize> Attempt<N, Z> {

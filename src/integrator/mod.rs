@@ -29,4 +29,4 @@ pub use method::{Attempt, Method, Origin};
 pub use observer::{Observer, Step, StepTools};
 pub use radau5::Radau5;
 pub use rodas5p::Rodas5p;
-pub use system::{Guard, Hybrid, Linearised, Rates, State, System, Watch};
+pub use system::{Guard, Hybrid, Linearised, Look, Rates, State, Strain, System, Watch};

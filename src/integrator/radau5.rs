@@ -157,7 +157,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v);
         let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
         let mut rhs = 0;
-        let failed = |rhs| Attempt { error: f64::NAN, rhs, end: *from };
+        let failed = |rhs| Attempt { error: f64::NAN, rhs, end: *from, error_q: [0.0; N], error_v: [0.0; N] };
 
         let mut z = self.predict(from, t, h);
         let mut w = transform(&k.ti, &z);
@@ -250,7 +250,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             error = tolerances.norm(&eq, &ev, from, &end);
         }
         self.candidate = collocation(t, h, from, end, &offsets, &k.c);
-        Attempt { error, rhs, end }
+        Attempt { error, rhs, end, error_q: eq, error_v: ev }
     }
 
     fn dense(&self) -> Dense<N, Z> {

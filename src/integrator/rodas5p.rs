@@ -107,7 +107,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
         let error = tolerances.norm(&k[7].q, &k[7].v, from, &end);
         let error = if end.is_finite() { error } else { f64::NAN };
         (self.t0, self.h, self.start, self.end) = (t, h, *from, end);
-        Attempt { error, rhs: STAGES as u64 - 1, end }
+        Attempt { error, rhs: STAGES as u64 - 1, end, error_q: k[7].q, error_v: k[7].v }
     }
 
     fn dense(&self) -> Dense<N, Z> {

@@ -44,24 +44,56 @@ pub trait System<const N: usize, const Z: usize> {
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Linearised<N, Z>;
 }
 
+/// How the value of a guard may be followed within a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Look {
+    /// A gap, whose rate is known: half way, at the end, and where it is smallest if its rates at the ends allow a dip.
+    #[default]
+    Gap,
+    /// Only at the end. A stiff damper's force may not be read off the dense output: between the ends of a step the
+    /// interpolated rate is off the slow manifold, and the force is a huge multiple of it.
+    End,
+    /// A smooth value without a known rate, which may dip below zero and come back within the step: at points inside, and
+    /// where it is smallest between them.
+    Inside,
+}
+
+/// A quantity that the law of a site is sensitive to, beyond what tolerances of coordinates and rates know of: `row` says how these
+/// change it, `scale` how large it is.
+#[derive(Clone, Copy, Debug)]
+pub enum Strain<const N: usize> {
+    None,
+    /// Penetration of a contact that presses, along coordinates; how deep it is, and whether it `rebounds`: is on its way with a
+    /// spring that is stronger than its damper, so that an error of its rate is there to stay.
+    Depth { row: [f64; N], depth: f64, rebounds: bool },
+    /// Slip of a contact that presses, along rates; the finest scale of its friction law.
+    Slip { row: [f64; N], finest: f64 },
+}
+
 /// Whether a site's branch still holds.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Guard {
+#[derive(Clone, Copy, Debug)]
+pub struct Guard<const N: usize> {
     /// Not negative while the branch holds.
     pub value: f64,
     /// Rate of `value` where it is known (a gap); 0 otherwise. A dip between two steps shows as a change of its sign.
     pub rate: f64,
-    /// Whether `value` may be read off the dense output. A stiff damper's force may not: between the ends of a step the
-    /// interpolated rate is off the slow manifold, and the force is a huge multiple of it.
-    pub interpolates: bool,
+    pub look: Look,
     /// Whether the surfaces are apart, whatever the branch.
     pub apart: bool,
+    /// What of the site a step may err by a part of only.
+    pub strain: Strain<N>,
+}
+
+impl<const N: usize> Guard<N> {
+    /// Of a site where nothing can happen.
+    pub const QUIET: Self =
+        Self { value: f64::INFINITY, rate: 0.0, look: Look::End, apart: true, strain: Strain::None };
 }
 
 /// All guards in one state, and how far the state is from where the equations break down.
 #[derive(Clone, Copy, Debug)]
-pub struct Watch<const S: usize> {
-    pub guards: [Guard; S],
+pub struct Watch<const N: usize, const S: usize> {
+    pub guards: [Guard<N>; S],
     /// Not negative while the equations hold.
     pub clearance: f64,
     /// Rate of `clearance`.
@@ -79,17 +111,23 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
         f64::INFINITY
     }
 
-    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<S>;
+    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<N, S>;
 
     /// How near to zero a guard must be for its event to be taken.
     fn landing_tolerance(&self, site: usize, mode: &Self::Mode) -> f64;
 
-    /// The mode after the event at `site`.
-    fn switch(&self, site: usize, mode: &Self::Mode) -> Self::Mode;
+    /// The mode after the event at `site`, in the state it was landed on in.
+    fn switch(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Self::Mode;
+
+    /// Whether an event at `site` is one of the system: told to observers, counted, and a start for the method. Others only
+    /// keep steps from leaping over a part of a law.
+    fn is_told(&self, _site: usize) -> bool {
+        true
+    }
 
     /// The mode after a step whose end has these guards, where it changes without any jump (a released contact that has
     /// left its partner).
-    fn relax(&self, guards: &[Guard; S], mode: &Self::Mode) -> Option<Self::Mode>;
+    fn relax(&self, guards: &[Guard<N>; S], mode: &Self::Mode) -> Option<Self::Mode>;
 
     /// The mode with the branches of `site` left to the law itself: no event there.
     fn with_natural(&self, site: usize, mode: &Self::Mode) -> Self::Mode;

@@ -20,6 +20,73 @@ pub fn friction_coefficient(law: &FrictionLaw, v: f64) -> (f64, f64) {
     }
 }
 
+/// The ranges of slip within which the law is one polynomial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrictionRange {
+    /// |v| ≤ v_s.
+    Sticks,
+    /// v_s < v ≤ v_d, the way of `forward`.
+    Yields { forward: bool },
+    /// v_d < v.
+    Slides { forward: bool },
+    /// Not looked at.
+    Any,
+}
+
+/// The range a slip velocity is in.
+#[inline(always)]
+pub fn friction_range(law: &FrictionLaw, v: f64) -> FrictionRange {
+    let (speed, forward) = (v.abs(), v > 0.0);
+    if speed <= law.v_static_m_s {
+        FrictionRange::Sticks
+    } else if speed <= law.v_dynamic_m_s {
+        FrictionRange::Yields { forward }
+    } else {
+        FrictionRange::Slides { forward }
+    }
+}
+
+impl FrictionRange {
+    /// How far `v` is from the nearest end of the range, in m/s; negative outside of it.
+    #[inline(always)]
+    pub fn room(self, law: &FrictionLaw, v: f64) -> f64 {
+        let along = |forward: bool| if forward { v } else { -v };
+        match self {
+            FrictionRange::Sticks => law.v_static_m_s - v.abs(),
+            FrictionRange::Yields { forward } => {
+                (along(forward) - law.v_static_m_s).min(law.v_dynamic_m_s - along(forward))
+            }
+            FrictionRange::Slides { forward } => along(forward) - law.v_dynamic_m_s,
+            FrictionRange::Any => f64::INFINITY,
+        }
+    }
+
+    /// The range on the other side of the end that `v` is nearest to.
+    pub fn neighbour(self, law: &FrictionLaw, v: f64) -> Self {
+        let forward = v > 0.0;
+        match self {
+            FrictionRange::Sticks => FrictionRange::Yields { forward },
+            FrictionRange::Yields { .. } => {
+                if v.abs() - law.v_static_m_s < law.v_dynamic_m_s - v.abs() {
+                    FrictionRange::Sticks
+                } else {
+                    FrictionRange::Slides { forward }
+                }
+            }
+            FrictionRange::Slides { .. } => FrictionRange::Yields { forward },
+            FrictionRange::Any => FrictionRange::Any,
+        }
+    }
+}
+
+impl FrictionLaw {
+    /// The narrowest range of the law, in m/s.
+    #[inline(always)]
+    pub fn finest_m_s(&self) -> f64 {
+        self.v_static_m_s.min(self.v_dynamic_m_s - self.v_static_m_s)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,6 +105,26 @@ mod tests {
             let (above, slope_above) = friction_coefficient(&LAW, edge + 1e-12);
             assert!((below - above).abs() < 1e-11 && (slope_below - slope_above).abs() < 1e-8);
         }
+    }
+
+    #[test]
+    fn ranges_are_where_the_law_is_one_polynomial() {
+        use FrictionRange::{Slides, Sticks, Yields};
+        for (v, range) in [
+            (0.0, Sticks),
+            (-0.1, Sticks),
+            (0.15, Yields { forward: true }),
+            (-0.15, Yields { forward: false }),
+            (0.3, Slides { forward: true }),
+            (-7.0, Slides { forward: false }),
+        ] {
+            assert_eq!(friction_range(&LAW, v), range);
+            assert!(range.room(&LAW, v) >= 0.0, "{v}");
+            assert!(range.room(&LAW, 0.1001) < 0.0 || v > 0.1 && v < 0.2);
+        }
+        assert_eq!(Yields { forward: false }.neighbour(&LAW, -0.101), Sticks);
+        assert_eq!(Yields { forward: true }.neighbour(&LAW, 0.199), Slides { forward: true });
+        assert_eq!(Sticks.neighbour(&LAW, -0.0999), Yields { forward: false });
     }
 
     #[test]

@@ -9,9 +9,9 @@ mod normal;
 mod smoothstep;
 
 pub use contact::{friction_force, normal_over_gap};
-pub use friction::friction_coefficient;
+pub use friction::{FrictionRange, friction_coefficient, friction_range};
 pub use hertz::{Material, hertz_stiffness};
-pub use normal::{NormalForce, damping, elastic_energy, normal_force, unclamped_normal_force};
+pub use normal::{NormalForce, damping, elastic_energy, normal_force, spring_force, unclamped_normal_force};
 pub use smoothstep::smoothstep;
 
 /// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).

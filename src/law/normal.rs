@@ -20,6 +20,12 @@ pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
 }
 
+/// k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
+#[inline(always)]
+pub fn spring_force(law: &NormalLaw, delta: f64) -> f64 {
+    law.stiffness_n_per_m_e * delta.max(0.0).powf(law.exponent)
+}
+
 /// k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would let go. Zero for δ ≤ 0.
 ///
 /// `delta` in m (limit: rad), `rate` in m/s (rad/s).

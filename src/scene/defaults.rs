@@ -77,10 +77,27 @@ impl BodiesBounds {
     }
 }
 
+/// Absolute tolerances below which angles of 1 rad and rates of 100 rad/s have no digits.
+const FINEST_ATOL_RAD: f64 = 1e-14;
+const FINEST_ATOL_RAD_S: f64 = 1e-9;
+
 impl Integrator {
     /// The settings of another preset, within the same step budget.
     pub const fn with_preset(&self, preset: Preset) -> Self {
         Self { max_steps: self.max_steps, ..Self::preset(preset) }
+    }
+
+    /// The same with another `rtol`, and with the absolute tolerances scaled along: all of what counts as tolerance is as much
+    /// tighter or looser. Below [`FINEST_ATOL_RAD`] and [`FINEST_ATOL_RAD_S`] there are no digits left to ask for.
+    pub fn with_rtol(&self, rtol: f64) -> Self {
+        let factor = rtol / self.rtol;
+        let scaled = |atol: f64, finest: f64| (factor * atol).max(finest.min(atol));
+        Self {
+            rtol,
+            atol_angle_rad: scaled(self.atol_angle_rad, FINEST_ATOL_RAD),
+            atol_rate_rad_s: scaled(self.atol_rate_rad_s, FINEST_ATOL_RAD_S),
+            ..*self
+        }
     }
 
     /// The settings a preset stands for.

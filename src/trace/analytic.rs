@@ -2,7 +2,7 @@
 
 use super::recorder::Recorder;
 use super::{Outcome, Sink, SinkError, Work};
-use crate::analytic::{Model, QUADRATURES};
+use crate::analytic::{GUARDS, Model, QUADRATURES};
 use crate::integrator::{
     Counters, End, Failure, Method as OneStep, Options, Radau5, Reason, Rodas5p, State, Tolerances, integrate,
 };
@@ -76,7 +76,7 @@ fn drive<K: OneStep<2, QUADRATURES>, S: Sink>(
     duration_s: f64,
     recorder: &mut Recorder<S>,
 ) -> End<2, QUADRATURES> {
-    integrate::<2, QUADRATURES, 3, _, K, _>(model, options, 0.0, start, duration_s, recorder)
+    integrate::<2, QUADRATURES, GUARDS, _, K, _>(model, options, 0.0, start, duration_s, recorder)
 }
 
 pub(super) fn work(counters: &Counters) -> Work {

@@ -93,7 +93,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
     ) -> Result<(), SinkError> {
         let end = step.t1;
         // A damper's force cannot be read off the dense output.
-        let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
+        let pressing = mode.sites.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
         while let Some(t) = self.grid.before(end.min(self.end_s)) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {

@@ -20,7 +20,10 @@ use super::modes::stopping_time;
 use crate::scene::BodiesScene;
 
 /// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.
-pub type DiscMode = [SiteState; PAIRS];
+pub type DiscMode = super::mode::Mode<PAIRS>;
+
+/// Guards of all pairs: of their normal laws, then of their slips.
+pub const GUARDS: usize = 2 * PAIRS;
 
 /// Discs that may move: sizes are constants of the model.
 pub const MOVING: usize = 3;

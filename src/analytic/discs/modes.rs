@@ -1,18 +1,13 @@
-//! Which branch of its law each pair is on, and where that changes.
+//! Where the branches of the pairs change.
 
+use super::super::mode::{Contact, Landing};
 use super::pair::Other;
-use super::{DiscMode, Discs, PAIRS, QUADRATURES, SiteState, stopping_time};
+use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, stopping_time};
 use crate::integrator::{Guard, Hybrid, System, Watch};
-use crate::law::unclamped_normal_force;
+use crate::law::{FrictionRange, friction_range, unclamped_normal_force};
 
-/// Touch-down is landed on to within this fraction of δ_max, as far as positions have digits: contact times are measured.
-const LANDING_FRACTION: f64 = 1e-8;
-
-/// Lift-off and reload are landed on to within this force (N).
-const FORCE_TOLERANCE: f64 = 1e-9;
-
-/// A released contact takes up again above this force, so that lift-off and reload do not answer each other.
-const RELOAD_FORCE: f64 = 3.0 * FORCE_TOLERANCE;
+/// Touch-downs are landed on to within a part of δ_max, as far as positions have digits: contact times are measured.
+const LANDING: Landing = Landing { depth_share: 1e-8, force: 1e-9 };
 
 /// A restart takes this part of the time an impact needs to stop.
 const RESTART_FRACTION: f64 = 0.05;
@@ -21,42 +16,28 @@ const RESTART_FRACTION: f64 = 0.05;
 /// any coordinate, so that no error estimate would shorten its steps.
 const DRIVEN_FRACTION: f64 = 0.05;
 
-const QUIET: Guard = Guard { value: f64::INFINITY, rate: 0.0, interpolates: true, apart: true };
-
 impl<const N: usize, const M: usize> Discs<N, M> {
+    /// What a guard asks of a pair.
+    #[inline(always)]
+    fn contact(&self, q: &[f64; N], v: &[f64; N], pair: usize) -> Contact<N> {
+        let meeting = &self.meetings[pair];
+        let geometry = meeting.geometry(q);
+        let rates = meeting.rates(geometry.normal, v);
+        Contact {
+            delta: -geometry.gap,
+            rate: -rates.gap_rate,
+            slip: rates.slip,
+            row: meeting.normal_row(geometry.normal),
+            tangent: meeting.tangent_row(geometry.normal),
+        }
+    }
+
     /// δ and its rate.
     #[inline(always)]
     fn depth(&self, q: &[f64; N], v: &[f64; N], pair: usize) -> (f64, f64) {
         let meeting = &self.meetings[pair];
         let geometry = meeting.geometry(q);
         (-geometry.gap, -meeting.rates(geometry.normal, v).gap_rate)
-    }
-
-    /// Guard of one pair on its branch.
-    #[inline(always)]
-    fn guard(&self, state: SiteState, delta: f64, rate: f64) -> Guard {
-        let law = &self.law.normal;
-        let force = || unclamped_normal_force(law, delta, rate).force;
-        match state {
-            SiteState::Natural => QUIET,
-            SiteState::Free => Guard { value: -delta, rate: -rate, interpolates: true, apart: true },
-            // Just landed and about to enter.
-            SiteState::Active if delta <= 0.0 && rate >= 0.0 => Guard { interpolates: false, apart: false, ..QUIET },
-            // Without a damper the force ends where the surfaces part, and is small long before.
-            SiteState::Active if law.damping_max_n_s_per_m == 0.0 => Guard {
-                value: if delta > 0.0 { delta } else { delta.min(-1e-290) },
-                rate,
-                interpolates: true,
-                apart: false,
-            },
-            SiteState::Active => {
-                let value = if delta > 0.0 { force() } else { delta.min(-1e-290) };
-                Guard { value, rate: 0.0, interpolates: false, apart: false }
-            }
-            SiteState::Released => {
-                Guard { value: RELOAD_FORCE - force(), rate: 0.0, interpolates: true, apart: delta < 0.0 }
-            }
-        }
     }
 
     /// Whether neither side of a pair feels it.
@@ -71,7 +52,7 @@ impl<const N: usize, const M: usize> Discs<N, M> {
     }
 }
 
-impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, PAIRS> for Discs<N, M> {
+impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N, M> {
     fn next_corner(&self, _: f64) -> f64 {
         f64::INFINITY
     }
@@ -93,60 +74,50 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, PAIRS> for Discs<N, 
     }
 
     #[inline(always)]
-    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &DiscMode) -> Watch<PAIRS> {
-        let guards = std::array::from_fn(|pair| {
-            if pair >= self.pairs() || mode[pair] == SiteState::Natural {
-                return QUIET;
+    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &DiscMode) -> Watch<N, GUARDS> {
+        let mut guards = [Guard::QUIET; GUARDS];
+        for pair in 0..self.pairs() {
+            if mode[pair] == SiteState::Natural && mode.slips[pair] == FrictionRange::Any {
+                continue;
             }
-            let (delta, rate) = self.depth(q, v, pair);
-            self.guard(mode[pair], delta, rate)
-        });
+            let at = self.contact(q, v, pair);
+            guards[pair] = mode.normal_guard(pair, &self.law.normal, &LANDING, &at);
+            if let Some(friction) = &self.law.friction {
+                guards[PAIRS + pair] = mode.slip_guard(pair, friction, &at);
+            }
+        }
         Watch { guards, clearance: f64::INFINITY, clearance_rate: 0.0 }
     }
 
-    fn landing_tolerance(&self, site: usize, mode: &DiscMode) -> f64 {
-        let law = &self.law.normal;
-        match mode[site] {
-            SiteState::Active if law.damping_max_n_s_per_m > 0.0 => FORCE_TOLERANCE,
-            SiteState::Released | SiteState::Natural => FORCE_TOLERANCE,
-            SiteState::Free | SiteState::Active => LANDING_FRACTION * law.transition_m,
-        }
+    fn landing_tolerance(&self, guard: usize, mode: &DiscMode) -> f64 {
+        mode.landing_tolerance(guard, &self.law.normal, self.law.friction.as_ref(), &LANDING)
     }
 
-    fn switch(&self, site: usize, mode: &DiscMode) -> DiscMode {
-        let mut next = *mode;
-        next[site] = match mode[site] {
-            SiteState::Free | SiteState::Released => SiteState::Active,
-            SiteState::Active => SiteState::Released,
-            SiteState::Natural => SiteState::Natural,
-        };
-        next
+    fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &DiscMode) -> DiscMode {
+        mode.switched(guard, self.law.friction.as_ref(), self.contact(q, v, guard % PAIRS).slip)
     }
 
-    fn relax(&self, guards: &[Guard; PAIRS], mode: &DiscMode) -> Option<DiscMode> {
-        let mut next = *mode;
-        for (state, guard) in next.iter_mut().zip(guards) {
-            if *state == SiteState::Released && guard.apart {
-                *state = SiteState::Free;
-            }
-        }
-        (next != *mode).then_some(next)
+    fn is_told(&self, guard: usize) -> bool {
+        guard < PAIRS
     }
 
-    fn with_natural(&self, site: usize, mode: &DiscMode) -> DiscMode {
-        let mut next = *mode;
-        next[site] = SiteState::Natural;
-        next
+    fn relax(&self, guards: &[Guard<N>; GUARDS], mode: &DiscMode) -> Option<DiscMode> {
+        mode.relaxed(guards)
+    }
+
+    fn with_natural(&self, guard: usize, mode: &DiscMode) -> DiscMode {
+        mode.with_natural(guard)
     }
 
     fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> DiscMode {
         // Without the pairs that are just touching, to see which way they are about to move.
-        let mut mode = [SiteState::Free; PAIRS];
+        let mut mode = DiscMode::FREE;
         let mut touching = [None; PAIRS];
         let law = &self.law.normal;
         for pair in 0..self.pairs() {
-            let (delta, rate) = self.depth(q, v, pair);
-            if delta.abs() <= LANDING_FRACTION * law.transition_m {
+            let Contact { delta, rate, slip, .. } = self.contact(q, v, pair);
+            mode.slips[pair] = self.law.friction.map_or(FrictionRange::Any, |law| friction_range(&law, slip));
+            if delta.abs() <= LANDING.depth_share * law.transition_m {
                 touching[pair] = Some(rate);
             } else if delta > 0.0 {
                 let force = unclamped_normal_force(law, delta, rate).force;
@@ -165,7 +136,8 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, PAIRS> for Discs<N, 
         mode
     }
 
-    fn restart_step(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &DiscMode) -> Option<f64> {
+    fn restart_step(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &DiscMode) -> Option<f64> {
+        let site = guard % PAIRS;
         if mode[site] != SiteState::Active {
             return None;
         }

@@ -55,6 +55,30 @@ impl Meeting {
         Geometry { gap: distance - reach, normal: scale(away, distance.recip()) }
     }
 
+    /// How coordinates change the gap.
+    #[inline(always)]
+    pub fn normal_row<const N: usize>(&self, normal: Vector<f64>) -> [f64; N] {
+        let mut row = [0.0; N];
+        (row[3 * self.disc], row[3 * self.disc + 1]) = (normal[0], normal[1]);
+        if let Other::Moving { disc, .. } = self.other {
+            (row[3 * disc], row[3 * disc + 1]) = (-normal[0], -normal[1]);
+        }
+        row
+    }
+
+    /// How rates change the slip.
+    #[inline(always)]
+    pub fn tangent_row<const N: usize>(&self, normal: Vector<f64>) -> [f64; N] {
+        let tangent = perp(normal);
+        let mut row = [0.0; N];
+        let own = 3 * self.disc;
+        (row[own], row[own + 1], row[own + 2]) = (tangent[0], tangent[1], -self.radius);
+        if let Other::Moving { disc, radius } = self.other {
+            (row[3 * disc], row[3 * disc + 1], row[3 * disc + 2]) = (-tangent[0], -tangent[1], -radius);
+        }
+        row
+    }
+
     /// At rates of all moving discs. A surface point moves with its disc's centre and turns with it:
     /// v_t − r ω for the disc, v_t + r ω for what is on the other side of the contact.
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::recorder::Recorder;
 use super::{BodiesOutcome, BodiesRunError, BodiesSink};
-use crate::analytic::discs::{Discs, PAIRS, QUADRATURES, moving_discs};
+use crate::analytic::discs::{Discs, GUARDS, QUADRATURES, moving_discs};
 use crate::integrator::{Failure, Options, Radau5, Reason, Rodas5p, Tolerances, integrate};
 use crate::scene::{BodiesScene, Method};
 use crate::trace::analytic::work;
@@ -49,7 +49,7 @@ fn run<const N: usize, const M: usize>(
     recorder.begin()?;
     let end_s = scene.duration_s;
     let end = match settings.method {
-        Method::Rodas5p => integrate::<N, QUADRATURES, PAIRS, _, Rodas5p<N, QUADRATURES>, _>(
+        Method::Rodas5p => integrate::<N, QUADRATURES, GUARDS, _, Rodas5p<N, QUADRATURES>, _>(
             &model,
             &options,
             0.0,
@@ -57,7 +57,7 @@ fn run<const N: usize, const M: usize>(
             end_s,
             &mut recorder,
         ),
-        Method::RadauIIa5 => integrate::<N, QUADRATURES, PAIRS, _, Radau5<N, QUADRATURES>, _>(
+        Method::RadauIIa5 => integrate::<N, QUADRATURES, GUARDS, _, Radau5<N, QUADRATURES>, _>(
             &model,
             &options,
             0.0,

@@ -84,7 +84,7 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
     ) -> Result<(), SinkError> {
         let (end, end_s) = (step.t1, self.scene.duration_s);
         // A damper's force cannot be read off the dense output.
-        let pressing = mode.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
+        let pressing = mode.sites.iter().any(|state| matches!(state, SiteState::Active | SiteState::Natural));
         while let Some(t) = self.grid.before(end.min(end_s)) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {

@@ -1,0 +1,206 @@
+//! Which branch of its laws every contact is on, and the guards that say where that ends: for fingers and discs alike.
+
+use std::ops::{Index, IndexMut};
+
+use crate::integrator::{Guard, Look, Strain};
+use crate::law::{FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, spring_force, unclamped_normal_force};
+
+/// Branch of the normal law at one site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SiteState {
+    /// Surfaces apart: no force.
+    Free,
+    /// k δᵉ + c δ̇ as it stands; an event ends it where it turns negative.
+    Active,
+    /// Still overlapping, but let go: the clamp holds the force at zero.
+    Released,
+    /// max(0, k δᵉ + c δ̇), whatever happens: for one step where events chatter.
+    Natural,
+}
+
+/// Branches of all sites: of their normal laws, and the ranges of their friction laws.
+///
+/// The ranges change no force: the law is the same function in all of them. They keep a step from leaping from sliding one way
+/// to sliding the other, across the whole sticking range, where neither its stages nor its error would see it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mode<const S: usize> {
+    pub sites: [SiteState; S],
+    pub slips: [FrictionRange; S],
+}
+
+impl<const S: usize> From<[SiteState; S]> for Mode<S> {
+    fn from(sites: [SiteState; S]) -> Self {
+        Self { sites, slips: [FrictionRange::Any; S] }
+    }
+}
+
+impl<const S: usize> Index<usize> for Mode<S> {
+    type Output = SiteState;
+
+    #[inline(always)]
+    fn index(&self, site: usize) -> &SiteState {
+        &self.sites[site]
+    }
+}
+
+impl<const S: usize> IndexMut<usize> for Mode<S> {
+    #[inline(always)]
+    fn index_mut(&mut self, site: usize) -> &mut SiteState {
+        &mut self.sites[site]
+    }
+}
+
+/// What one site is asked about: its penetration and rate, its slip, and the rows that give the rates of gap and slip.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<const N: usize> {
+    pub delta: f64,
+    pub rate: f64,
+    pub slip: f64,
+    pub row: [f64; N],
+    pub tangent: [f64; N],
+}
+
+/// How exactly events are landed on: forces in N (limit: N·m).
+#[derive(Clone, Copy, Debug)]
+pub struct Landing {
+    /// Part of δ_max.
+    pub depth_share: f64,
+    pub force: f64,
+}
+
+impl Landing {
+    /// A released contact takes up again above this force, so that lift-off and reload do not answer each other.
+    fn reload(&self) -> f64 {
+        3.0 * self.force
+    }
+}
+
+/// Rates below which a contact creeps rather than rebounds, m/s (limit: rad/s).
+const SLOWEST_REBOUND: f64 = 1e-2;
+
+/// Part of a range's width by which the slip may be beyond it before it counts as left, so that neighbours do not answer each other…
+const SLIP_MARGIN: f64 = 0.01;
+/// …and part of that within which it is landed on.
+const SLIP_LANDING: f64 = 0.3;
+
+impl<const S: usize> Mode<S> {
+    pub const FREE: Self = Self { sites: [SiteState::Free; S], slips: [FrictionRange::Any; S] };
+
+    /// Guard of the normal law of a site.
+    #[inline(always)]
+    pub fn normal_guard<const N: usize>(
+        &self,
+        site: usize,
+        law: &NormalLaw,
+        landing: &Landing,
+        at: &Contact<N>,
+    ) -> Guard<N> {
+        let Contact { delta, rate, .. } = *at;
+        let force = || unclamped_normal_force(law, delta, rate).force;
+        let quiet = Guard::QUIET;
+        let strain = || {
+            let (spring, damper) = (spring_force(law, delta), damping(law, delta).0 * rate.abs());
+            let rebounds = spring > damper && rate.abs() > SLOWEST_REBOUND;
+            if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds } } else { Strain::None }
+        };
+        match self.sites[site] {
+            SiteState::Natural => quiet,
+            SiteState::Free => Guard { value: -delta, rate: -rate, look: Look::Gap, ..quiet },
+            // Just landed and about to enter.
+            SiteState::Active if delta <= 0.0 && rate >= 0.0 => Guard { apart: false, ..quiet },
+            // Without a damper the force ends where the surfaces part, and is small long before.
+            SiteState::Active if law.damping_max_n_s_per_m == 0.0 => {
+                let value = if delta > 0.0 { delta } else { delta.min(-1e-290) };
+                Guard { value, rate, look: Look::Gap, apart: false, strain: strain(), ..quiet }
+            }
+            SiteState::Active => {
+                // Gone through zero without ever pulling counts as let go too.
+                let value = if delta > 0.0 { force() } else { delta.min(-1e-290) };
+                Guard { value, look: Look::End, apart: false, strain: strain(), ..quiet }
+            }
+            // The force of a released contact may come and go within a step.
+            SiteState::Released => {
+                Guard { value: landing.reload() - force(), look: Look::Inside, apart: delta < 0.0, ..quiet }
+            }
+        }
+    }
+
+    /// Guard of the friction law of a site.
+    #[inline(always)]
+    pub fn slip_guard<const N: usize>(&self, site: usize, law: &FrictionLaw, at: &Contact<N>) -> Guard<N> {
+        let pressing = matches!(self.sites[site], SiteState::Active | SiteState::Natural);
+        if !pressing || self.slips[site] == FrictionRange::Any {
+            return Guard::QUIET;
+        }
+        let value = self.slips[site].room(law, at.slip) + SLIP_MARGIN * law.finest_m_s();
+        // Out of sticking a step may look and come back; out of sliding it must not miss that it would have stuck.
+        let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Inside };
+        let strain = match self.slips[site] {
+            FrictionRange::Slides { .. } | FrictionRange::Any => Strain::None,
+            _ => Strain::Slip { row: at.tangent, finest: law.finest_m_s() },
+        };
+        Guard { value, look, apart: false, strain, ..Guard::QUIET }
+    }
+
+    /// How near to zero the guard of a site must be for its event: guards from S on are those of slips.
+    pub fn landing_tolerance(
+        &self,
+        site: usize,
+        law: &NormalLaw,
+        friction: Option<&FrictionLaw>,
+        landing: &Landing,
+    ) -> f64 {
+        if site >= S {
+            return friction.map_or(0.0, |law| SLIP_LANDING * SLIP_MARGIN * law.finest_m_s());
+        }
+        match self.sites[site] {
+            SiteState::Active if law.damping_max_n_s_per_m > 0.0 => landing.force,
+            SiteState::Released | SiteState::Natural => landing.force,
+            SiteState::Free | SiteState::Active => landing.depth_share * law.transition_m,
+        }
+    }
+
+    /// The mode after the event of a guard; `slip` is that of its site.
+    pub fn switched(&self, guard: usize, friction: Option<&FrictionLaw>, slip: f64) -> Self {
+        let mut next = *self;
+        let range = friction.map_or(FrictionRange::Any, |law| friction_range(law, slip));
+        if guard >= S {
+            let site = guard - S;
+            next.slips[site] = match self.slips[site] == range {
+                // Landed on from inside.
+                true => friction.map_or(range, |law| range.neighbour(law, slip)),
+                false => range,
+            };
+            return next;
+        }
+        next.sites[guard] = match self.sites[guard] {
+            SiteState::Free | SiteState::Released => SiteState::Active,
+            SiteState::Active => SiteState::Released,
+            SiteState::Natural => SiteState::Natural,
+        };
+        next.slips[guard] = range;
+        next
+    }
+
+    /// The mode after a step where released surfaces have parted.
+    pub fn relaxed<const N: usize, const G: usize>(&self, guards: &[Guard<N>; G]) -> Option<Self> {
+        let mut next = *self;
+        for (state, guard) in next.sites.iter_mut().zip(guards) {
+            if *state == SiteState::Released && guard.apart {
+                *state = SiteState::Free;
+            }
+        }
+        (next != *self).then_some(next)
+    }
+
+    /// The mode with the law of a guard left to itself.
+    pub fn with_natural(&self, guard: usize) -> Self {
+        let mut next = *self;
+        if guard < S {
+            next.sites[guard] = SiteState::Natural;
+        } else {
+            next.slips[guard - S] = FrictionRange::Any;
+        }
+        next
+    }
+}

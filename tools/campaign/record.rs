@@ -1,0 +1,225 @@
+//! One run of a scene, kept as its path on an even grid.
+
+use std::time::{Duration, Instant};
+
+use phalanx::scene::{Actuation, AnyScene, BodiesScene, DiscMotion, Integrator, Method, Preset, Scene, Stepping};
+use phalanx::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
+
+/// Points at which runs are compared.
+const POINTS: f64 = 100.0;
+/// Wall time after which a run is stopped.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// How a scene is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setting {
+    /// The analytic model at the everyday preset.
+    Default,
+    Reference,
+    /// Rodas5P at the reference preset's tolerances, as far as it gets by itself: another family of methods.
+    Second,
+    /// The engine at its defaults.
+    Engine,
+    /// The engine at a tolerance so many times its default.
+    EngineAt(f64),
+    /// The everyday preset at another rtol.
+    Rtol(f64),
+}
+
+/// A run: coordinates over the grid, and what it cost.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    pub times: Vec<f64>,
+    pub path: Vec<Vec<f64>>,
+    /// Where it ended, and why if that was not its end.
+    pub end_s: f64,
+    pub failure: Option<String>,
+    pub wall: Duration,
+    pub steps: u64,
+    pub events: u64,
+    /// Every event in words.
+    pub story: Vec<String>,
+}
+
+/// Keeps the points of a grid.
+struct Keep {
+    interval_s: f64,
+    times: Vec<f64>,
+    path: Vec<Vec<f64>>,
+    story: Vec<String>,
+    deadline: Instant,
+}
+
+impl Keep {
+    fn new(duration_s: f64) -> Self {
+        let deadline = Instant::now() + PATIENCE;
+        Self { interval_s: duration_s / POINTS, times: Vec::new(), path: Vec::new(), story: Vec::new(), deadline }
+    }
+
+    fn take(&mut self, time_s: f64, values: impl FnOnce() -> Vec<f64>) {
+        let next = self.times.len() as f64 * self.interval_s;
+        if (time_s - next).abs() <= 1e-9 * self.interval_s {
+            self.times.push(time_s);
+            self.path.push(values());
+        }
+    }
+}
+
+impl Sink for Keep {
+    fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
+        self.take(s.time_s, || vec![s.q11_rad, s.q21_rad, s.q22_rad]);
+        Ok(())
+    }
+
+    fn event(&mut self, e: &Event) -> Result<(), SinkError> {
+        self.story.push(format!("{:.9} s {:?} {:?}", e.time_s, e.site, e.kind));
+        Ok(())
+    }
+
+    fn proceed(&self) -> bool {
+        Instant::now() < self.deadline
+    }
+}
+
+impl BodiesSink for Keep {
+    fn sample(&mut self, s: &BodiesSample) -> Result<(), SinkError> {
+        let values = || s.discs.iter().flat_map(|disc| disc.centre_m).collect();
+        self.take(s.time_s, values);
+        Ok(())
+    }
+
+    fn event(&mut self, e: &BodiesEvent) -> Result<(), SinkError> {
+        self.story.push(format!("{:.9} s pair {} {:?}", e.time_s, e.pair, e.kind));
+        Ok(())
+    }
+
+    fn proceed(&self) -> bool {
+        Instant::now() < self.deadline
+    }
+}
+
+/// Runs a scene in one setting; `push`: relative change of what drives it.
+pub fn record(scene: &AnyScene, setting: Setting, push: f64) -> Run {
+    let start = Instant::now();
+    let mut run = match scene {
+        AnyScene::Finger(scene) => finger(scene, setting, push),
+        AnyScene::Bodies(scene) => discs(scene, setting, push),
+    };
+    run.wall = start.elapsed();
+    run
+}
+
+fn model(setting: Setting) -> Model {
+    match setting {
+        Setting::Engine | Setting::EngineAt(_) => Model::Engine,
+        _ => Model::Analytic,
+    }
+}
+
+fn integrator(setting: Setting) -> Integrator {
+    let everyday = Integrator::preset(Preset::Engineering);
+    let reference = Integrator::preset(Preset::Reference);
+    match setting {
+        Setting::Reference => reference,
+        Setting::Second => {
+            Integrator { method: Method::Rodas5p, rtol: 1e-9, atol_angle_rad: 1e-13, atol_rate_rad_s: 1e-8, ..reference }
+        }
+        Setting::Rtol(rtol) => everyday.with_rtol(rtol),
+        _ => everyday,
+    }
+}
+
+fn stepping(setting: Setting, own: Stepping) -> Stepping {
+    match (setting, own) {
+        (Setting::EngineAt(factor), Stepping::Adaptive { tolerance_m, max_step_s }) => {
+            Stepping::Adaptive { tolerance_m: factor * tolerance_m, max_step_s }
+        }
+        (_, own) => own,
+    }
+}
+
+fn finger(scene: &Scene, setting: Setting, push: f64) -> Run {
+    let mut scene = scene.clone();
+    scene.integrator = integrator(setting);
+    scene.engine.stepping = stepping(setting, scene.engine.stepping);
+    scene.log.numeric_hz = POINTS / scene.duration_s;
+    pushed(&mut scene.actuation, 1.0 + push);
+    let mut keep = Keep::new(scene.duration_s);
+    let result = run(model(setting), &scene, &mut keep);
+    let (outcome, failure) = match result {
+        Ok(outcome) => (outcome, None),
+        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason.to_string())),
+        Err(RunError::Sink(error)) => panic!("{error}"),
+    };
+    Run {
+        end_s: outcome.last.time_s,
+        failure,
+        steps: outcome.work.steps,
+        events: outcome.work.events,
+        times: keep.times,
+        path: keep.path,
+        story: keep.story,
+        ..Run::default()
+    }
+}
+
+fn pushed(actuation: &mut Actuation, factor: f64) {
+    match actuation {
+        Actuation::Constant { torque_n_m }
+        | Actuation::Ramp { torque_n_m, .. }
+        | Actuation::HalfSine { torque_n_m, .. }
+        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
+        Actuation::Table { points, .. } => points.iter_mut().for_each(|point| point.1 *= factor),
+    }
+}
+
+fn discs(scene: &BodiesScene, setting: Setting, push: f64) -> Run {
+    let mut scene = scene.clone();
+    scene.integrator = integrator(setting);
+    scene.engine.stepping = stepping(setting, scene.engine.stepping);
+    scene.log.numeric_hz = POINTS / scene.duration_s;
+    for disc in &mut scene.discs {
+        match &mut disc.motion {
+            DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } => {
+                *velocity_m_s = velocity_m_s.map(|v| v * (1.0 + push));
+                *spin_rad_s *= 1.0 + push;
+            }
+            DiscMotion::Fixed => {}
+        }
+    }
+    scene.gravity_m_s2 = scene.gravity_m_s2.map(|g| g * (1.0 + push));
+    let mut keep = Keep::new(scene.duration_s);
+    let result = run_bodies(model(setting), &scene, &mut keep);
+    let (outcome, failure) = match result {
+        Ok(outcome) => (outcome, None),
+        Err(BodiesRunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason.to_string())),
+        Err(BodiesRunError::Sink(error)) => panic!("{error}"),
+    };
+    Run {
+        end_s: outcome.last.time_s,
+        failure,
+        steps: outcome.work.steps,
+        events: outcome.work.events,
+        times: keep.times,
+        path: keep.path,
+        story: keep.story,
+        ..Run::default()
+    }
+}
+
+/// Largest difference of any coordinate along the path both have, and whether they end at the same time in the same way.
+pub fn difference(a: &Run, b: &Run) -> f64 {
+    let mut largest: f64 = 0.0;
+    for (p, q) in a.path.iter().zip(&b.path) {
+        for (x, y) in p.iter().zip(q) {
+            largest = largest.max((x - y).abs());
+        }
+    }
+    if largest.is_nan() { f64::INFINITY } else { largest }
+}
+
+/// Whether both end in the same way.
+pub fn same_end(a: &Run, b: &Run) -> bool {
+    a.failure.is_some() == b.failure.is_some() && (a.end_s - b.end_s).abs() <= 1e-5 * a.end_s.max(b.end_s)
+}
