@@ -3,7 +3,7 @@
 use std::ops::{Index, IndexMut};
 
 use crate::integrator::{Guard, Look, Strain};
-use crate::law::{FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, spring_force, unclamped_normal_force};
+use crate::law::{FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, normal_force, spring_force, unclamped_normal_force};
 
 /// Branch of the normal law at one site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +127,13 @@ impl<const S: usize> Mode<S> {
 
     /// Guard of the friction law of a site.
     #[inline(always)]
-    pub fn slip_guard<const N: usize>(&self, site: usize, law: &FrictionLaw, at: &Contact<N>) -> Guard<N> {
+    pub fn slip_guard<const N: usize>(
+        &self,
+        site: usize,
+        law: &FrictionLaw,
+        normal: &NormalLaw,
+        at: &Contact<N>,
+    ) -> Guard<N> {
         let pressing = matches!(self.sites[site], SiteState::Active | SiteState::Natural);
         if !pressing || self.slips[site] == FrictionRange::Any {
             return Guard::QUIET;
@@ -137,7 +143,10 @@ impl<const S: usize> Mode<S> {
         let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Inside };
         let strain = match self.slips[site] {
             FrictionRange::Slides { .. } | FrictionRange::Any => Strain::None,
-            _ => Strain::Slip { row: at.tangent, finest: law.finest_m_s() },
+            _ => {
+                let normal = normal_force(normal, at.delta, at.rate).force;
+                Strain::Slip { row: at.tangent, finest: law.finest_m_s(), normal }
+            }
         };
         Guard { value, look, apart: false, strain, ..Guard::QUIET }
     }

@@ -52,7 +52,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
             let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
             guards[index] = mode.normal_guard(index, law, &LANDING, &at);
             if let Some(friction) = self.friction_law(site) {
-                guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, &at);
+                guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, law, &at);
             }
         }
         Watch {

@@ -76,6 +76,10 @@ const NEAR_OBSTACLE: f64 = 0.1;
 const APPROACH_CUT: f64 = 0.25;
 /// …until it is shorter than this: then the obstacle is there.
 const NEAREST_APPROACH_S: f64 = 1e-11;
+/// Part of its normal force that a contact which sticks has to keep in a step…
+const LETTING_GO: f64 = 0.25;
+/// …else the step is cut to this part.
+const LETTING_GO_CUT: f64 = 0.4;
 /// Part of the tolerance of a rate that a rebound's normal rate has to keep within.
 const REBOUND_SHARE: f64 = 0.1;
 /// Part of the terms that make up a depth or slip below which it has no digits.
@@ -234,6 +238,11 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 h = APPROACH_CUT * size;
                 continue;
             }
+            if self.lets_go(&origin, &attempt, &watch) {
+                self.counters.rejected += 1;
+                h = LETTING_GO_CUT * size;
+                continue;
+            }
             let (now, then) = (&self.watch.guards, &watch.guards);
             let crossing = first_crossing(self.system, &mode, now, then, size, || self.method.dense());
             let Some(crossing) = crossing else {
@@ -278,7 +287,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                     }
                     scale = (depth + scale).max(*depth);
                 }
-                Strain::Slip { row, finest } => {
+                Strain::Slip { row, finest, .. } => {
                     for n in 0..N {
                         error += row[n] * attempt.error_v[n];
                         digits += (row[n] * origin.state.v[n]).abs();
@@ -289,6 +298,18 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             attempt.error = attempt.error.max(error.abs() / (share * scale + DIGITS * digits));
         }
         attempt
+    }
+
+    /// Whether a contact that sticks loses most of its normal force in a step, and slips by what it then does not hold: creep grows
+    /// with the reciprocal of the force, which no polynomial of a step follows, nor does the error of one tell.
+    #[inline(always)]
+    fn lets_go(&self, origin: &Origin<Y, N, Z>, attempt: &Attempt<N, Z>, end: &Watch<N, S>) -> bool {
+        self.watch.guards.iter().zip(&end.guards).any(|(start, end)| {
+            let Strain::Slip { row, finest, normal } = &start.strain else { return false };
+            let left = if let Strain::Slip { normal, .. } = &end.strain { *normal } else { 0.0 };
+            let slips = || (0..N).map(|n| row[n] * (attempt.end.v[n] - origin.state.v[n])).sum::<f64>();
+            left < LETTING_GO * normal && slips().abs() > origin.tolerances.share() * finest
+        })
     }
 
     /// Half the time in which a small clearance would be used up at its present rate.
@@ -324,6 +345,9 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                     return Landing::Refused { size: target, error: attempt.error };
                 }
                 let watch = self.system.watch(&attempt.end.q, &attempt.end.v, origin.mode);
+                if self.lets_go(origin, &attempt, &watch) {
+                    return Landing::Refused { size: target, error: f64::INFINITY };
+                }
                 let value = watch.guards[site].value;
                 let near = value.abs() <= tolerance;
                 let event = (near || value < 0.0).then_some(site);

@@ -66,8 +66,8 @@ pub enum Strain<const N: usize> {
     /// Penetration of a contact that presses, along coordinates; how deep it is, and whether it `rebounds`: is on its way with a
     /// spring that is stronger than its damper, so that an error of its rate is there to stay.
     Depth { row: [f64; N], depth: f64, rebounds: bool },
-    /// Slip of a contact that presses, along rates; the finest scale of its friction law.
-    Slip { row: [f64; N], finest: f64 },
+    /// Slip of a contact that presses, along rates; the finest scale of its friction law, and the normal force.
+    Slip { row: [f64; N], finest: f64, normal: f64 },
 }
 
 /// Whether a site's branch still holds.

@@ -83,7 +83,7 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
             let at = self.contact(q, v, pair);
             guards[pair] = mode.normal_guard(pair, &self.law.normal, &LANDING, &at);
             if let Some(friction) = &self.law.friction {
-                guards[PAIRS + pair] = mode.slip_guard(pair, friction, &at);
+                guards[PAIRS + pair] = mode.slip_guard(pair, friction, &self.law.normal, &at);
             }
         }
         Watch { guards, clearance: f64::INFINITY, clearance_rate: 0.0 }
