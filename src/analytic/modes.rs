@@ -5,8 +5,8 @@ use super::model::{GUARDS, Mode, Model, QUADRATURES};
 use crate::fivebar::dynamics::{Terms, absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
-use crate::integrator::{Guard, Hybrid, System, Watch};
-use crate::law::{FrictionRange, NormalLaw, friction_range, unclamped_normal_force};
+use crate::integrator::{Guard, Hybrid, Settled, System, Watch};
+use crate::law::{FrictionRange, NormalLaw, damping, friction_range, unclamped_normal_force};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_corner;
 
@@ -31,6 +31,55 @@ impl Model {
         Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), row, tangent })
     }
 }
+
+/// A contact only trembles if its rate and depth are no larger than this, m/s and m (limit: rad/s and rad)…
+const TREMBLING_RATE: f64 = 0.05;
+const TREMBLING_DEPTH: f64 = 1e-8;
+/// …and its damper is weaker than this part of its spring.
+const TREMBLING_DAMPER: f64 = 0.1;
+
+impl Model {
+    /// The state with one contact at rest at the depth at which its spring holds what presses on it, if it trembles about that.
+    fn at_rest(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode, site: Site) -> Option<Settled<2>> {
+        let terms = self.terms(*q);
+        let (at, law) = self.contact(&terms, v, site).zip(self.normal_law(site))?;
+        let small = at.delta.abs() <= TREMBLING_DEPTH && at.rate.abs() <= TREMBLING_RATE;
+        if !small || law.stiffness_n_per_m_e == 0.0 {
+            return None;
+        }
+        let mut without = *mode;
+        without[site as usize] = SiteState::Free;
+        let free = self.rates(t, q, v, &without).a;
+        // Along the free motion rows turn: their part in the gap's acceleration, by a central difference.
+        let moved = |h: f64| -> Option<f64> {
+            let q = [q[0] + h * v[0], q[1] + h * v[1]];
+            Some(dot(self.geometry(&self.terms(q), site)?.normal_row, *v))
+        };
+        let turning = (moved(TURNING_S)? - moved(-TURNING_S)?) / (2.0 * TURNING_S);
+        let response = solve_mass(&terms.mass, at.row);
+        let mobility = dot(at.row, response);
+        let load = -(dot(at.row, free) + turning) / mobility;
+        if load <= 0.0 {
+            return None;
+        }
+        let depth = (load / law.stiffness_n_per_m_e).powf(1.0 / law.exponent);
+        let stiffness = law.exponent * load / depth;
+        let critical = 2.0 * (stiffness / mobility).sqrt();
+        if depth > TREMBLING_DEPTH || damping(law, depth).0 > TREMBLING_DAMPER * critical {
+            return None;
+        }
+        // The gap shrinks by what the depth lacks, and its rate goes.
+        let (gap, rate) = ((at.delta - depth) / mobility, at.rate / mobility);
+        Some(Settled {
+            q: std::array::from_fn(|i| q[i] + gap * response[i]),
+            v: std::array::from_fn(|i| v[i] + rate * response[i]),
+            rate: at.rate.abs().max((at.delta - depth).abs() * (stiffness * mobility).sqrt()),
+        })
+    }
+}
+
+/// Time over which rows are seen to turn, either way.
+const TURNING_S: f64 = 1e-7;
 
 impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     fn next_corner(&self, t: f64) -> f64 {
@@ -125,6 +174,16 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         let speed = dot(row, *v).abs();
         let mobility = dot(row, solve_mass(&terms.mass, row));
         Some(RESTART_FRACTION * stopping_time(law, speed, 1.0 / mobility))
+    }
+
+    fn settle(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<Settled<2>> {
+        let (mut q, mut v, mut rate) = (*q, *v, 0.0f64);
+        for site in Site::ALL {
+            if let Some(at_rest) = self.at_rest(t, &q, &v, mode, site) {
+                (q, v, rate) = (at_rest.q, at_rest.v, rate.max(at_rest.rate));
+            }
+        }
+        (rate > 0.0).then_some(Settled { q, v, rate })
     }
 
     fn obstacle(&self, q: &[f64; 2]) -> String {

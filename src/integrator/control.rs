@@ -15,6 +15,9 @@ pub struct Tolerances {
 const SHARE: f64 = 1e3;
 const SHARES: [f64; 2] = [1e-5, 0.05];
 
+/// Part of the tolerance of coordinates that a depth may always err by.
+const LEAST_DEPTH: f64 = 1e-3;
+
 /// Errors of single steps add up. A smooth closing takes some [`USUAL_STEPS`] at a relative tolerance of 1e-5, and as many more as the order
 /// of the methods asks for at finer ones; a run that takes longer, for it rebounds and sticks and slips, gets tolerances tighter by
 /// this power of how much longer it is, down to a [`TIGHTEST`] part.
@@ -32,6 +35,12 @@ impl Tolerances {
     #[inline(always)]
     pub fn share(&self) -> f64 {
         (SHARE * self.rtol_v).clamp(SHARES[0], SHARES[1])
+    }
+
+    /// Error of a depth that is always allowed: what it could add up to in a run of steps is within the tolerance of coordinates.
+    #[inline(always)]
+    pub fn least_depth(&self) -> f64 {
+        (LEAST_DEPTH * self.atol_q).max(FINEST.atol_q)
     }
 
     /// Scaled error of the rate along a row.

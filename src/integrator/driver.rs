@@ -6,6 +6,7 @@ use super::control::Controller;
 use super::landing::{Crossing, first_crossing, may_have_passed};
 use super::method::{Attempt, Method, Origin};
 use super::observer::{Observer, Step, StepTools};
+use super::pace::Pace;
 use super::{Hybrid, Linearised, State, Strain, Tolerances, Watch};
 
 /// How to integrate.
@@ -63,6 +64,8 @@ pub struct End<const N: usize, const Z: usize> {
     pub time_s: f64,
     pub state: State<N, Z>,
     pub counters: Counters,
+    /// The largest rate of a trembling contact that was brought to rest, see [`Settled`](super::Settled); 0 if none was.
+    pub settled_rate: f64,
     pub result: Result<(), Failure>,
 }
 
@@ -114,6 +117,8 @@ where
         latest: f64::INFINITY,
         h: FIRST_STEP_S,
         chatter: Chatter::new(),
+        pace: Pace::new(&options.tolerances, t0),
+        settled_rate: 0.0,
         counters: Counters::default(),
     };
     let result = loop {
@@ -124,7 +129,7 @@ where
             break Err(Failure { time_s: run.clock.now(), reason });
         }
     };
-    End { time_s: run.clock.now(), state: run.state, counters: run.counters, result }
+    End { time_s: run.clock.now(), state: run.state, counters: run.counters, settled_rate: run.settled_rate, result }
 }
 
 /// An integration under way.
@@ -142,6 +147,8 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     latest: f64,
     h: f64,
     chatter: Chatter<S>,
+    pace: Pace,
+    settled_rate: f64,
     counters: Counters,
 }
 
@@ -190,6 +197,9 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             }
         };
         self.take_step(&linearised, &accepted, stop, observer)?;
+        if self.pace.is_lost(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
+            self.settle();
+        }
         if let Some(site) = accepted.event {
             self.apply_event(site, observer);
         } else if accepted.stops && stop == corner {
@@ -273,6 +283,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         let share = origin.tolerances.share();
         for guard in &self.watch.guards {
             let (mut error, mut scale, mut digits) = (0.0, 0.0, 0.0);
+            let mut floor = 0.0;
             match &guard.strain {
                 Strain::None => continue,
                 Strain::Depth { row, depth, rebounds } => {
@@ -286,6 +297,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                         digits += (row[n] * origin.state.q[n]).abs();
                     }
                     scale = (depth + scale).max(*depth);
+                    floor = origin.tolerances.least_depth();
                 }
                 Strain::Slip { row, finest, .. } => {
                     for n in 0..N {
@@ -295,7 +307,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                     scale = *finest;
                 }
             }
-            attempt.error = attempt.error.max(error.abs() / (share * scale + DIGITS * digits));
+            attempt.error = attempt.error.max(error.abs() / (share * scale).max(floor + DIGITS * digits));
         }
         attempt
     }
@@ -457,6 +469,18 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             self.mode = self.system.with_natural(site, &self.mode);
         }
         self.refresh_watch();
+    }
+
+    /// Brings contacts to rest that only tremble.
+    fn settle(&mut self) {
+        let t = self.clock.now();
+        if let Some(settled) = self.system.settle(t, &self.state.q, &self.state.v, &self.mode) {
+            (self.state.q, self.state.v) = (settled.q, settled.v);
+            self.mode = self.system.read_mode(t, &self.state.q, &self.state.v);
+            self.settled_rate = self.settled_rate.max(settled.rate);
+            self.refresh_watch();
+            self.forget();
+        }
     }
 
     fn refresh_watch(&mut self) {

@@ -100,6 +100,18 @@ pub struct Watch<const N: usize, const S: usize> {
     pub clearance_rate: f64,
 }
 
+/// A state in which contacts rest at the depth their springs hold.
+///
+/// A stiff, hardly damped contact that is loaded at once trembles about that depth: by 1e-12 rad at 1e9 rad/s, ten thousand times in a
+/// closing and with no effect on it. An integrator that resolves it takes minutes.
+#[derive(Clone, Copy, Debug)]
+pub struct Settled<const N: usize> {
+    pub q: [f64; N],
+    pub v: [f64; N],
+    /// The largest rate of a contact that was taken away, m/s (limit: rad/s).
+    pub rate: f64,
+}
+
 /// A system whose modes change at events.
 pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// Next time after `t` at which the right-hand side jumps by itself; infinite if none.
@@ -137,6 +149,11 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
 
     /// First step after the event at `site`, if the event changes the time scale.
     fn restart_step(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
+
+    /// The state with hard contacts at rest where they only tremble: `None` where none does. See [`Settled`].
+    fn settle(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> Option<Settled<N>> {
+        None
+    }
 
     /// Says in words what a state without clearance has run into.
     fn obstacle(&self, q: &[f64; N]) -> String;
