@@ -15,6 +15,8 @@ pub struct Tolerances {
 const SHARE: f64 = 1e3;
 const SHARES: [f64; 2] = [1e-5, 0.05];
 
+/// Part of the tolerance of rates for the normal rate of a rebound.
+const REBOUND_SHARE: f64 = 0.1;
 /// Part of the tolerance of coordinates that a depth may always err by.
 const LEAST_DEPTH: f64 = 1e-3;
 
@@ -35,6 +37,13 @@ impl Tolerances {
     #[inline(always)]
     pub fn share(&self) -> f64 {
         (SHARE * self.rtol_v).clamp(SHARES[0], SHARES[1])
+    }
+
+    /// Those of the normal rate of a rebound: it keeps every error, and the next rebound multiplies it.
+    #[inline(always)]
+    pub fn of_rebounds(&self) -> Self {
+        let part = |tolerance: f64, finest: f64| (REBOUND_SHARE * tolerance).max(finest.min(tolerance));
+        Self { atol_v: part(self.atol_v, FINEST.atol_v), rtol_v: part(self.rtol_v, FINEST.rtol_v), ..*self }
     }
 
     /// Error of a depth that is always allowed: what it could add up to in a run of steps is within the tolerance of coordinates.

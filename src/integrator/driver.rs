@@ -83,8 +83,6 @@ const NEAREST_APPROACH_S: f64 = 1e-11;
 const LETTING_GO: f64 = 0.25;
 /// …else the step is cut to this part.
 const LETTING_GO_CUT: f64 = 0.4;
-/// Part of the tolerance of a rate that a rebound's normal rate has to keep within.
-const REBOUND_SHARE: f64 = 0.1;
 /// Part of the terms that make up a depth or slip below which it has no digits.
 const DIGITS: f64 = 4.0 * f64::EPSILON;
 /// Tries to land on one event.
@@ -212,11 +210,12 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     /// A step whose error is acceptable, cut short at the first event within it.
     fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Found<N, Z>, Reason> {
         let (state, mode) = (self.state, self.mode);
+        let tolerances = self.tolerances(linearised);
         let origin = Origin {
             system: self.system,
             mode: &mode,
             linearised,
-            tolerances: &self.options.tolerances.after(&self.counters),
+            tolerances: &tolerances,
             t: self.clock.now(),
             latest: self.latest,
             state: &state,
@@ -268,6 +267,27 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         }
     }
 
+    /// Tolerances of the next step. A rate that a stiff contact makes of the last digit of a coordinate is noise.
+    #[inline(always)]
+    fn tolerances(&self, linearised: &Linearised<N, Z>) -> Tolerances {
+        let mut tolerances = self.options.tolerances.after(&self.counters);
+        for guard in &self.watch.guards {
+            let Strain::Depth { row, .. } = &guard.strain else { continue };
+            let (mut stiffness, mut square, mut digits) = (0.0, 0.0, 0.0);
+            for i in 0..N {
+                for j in 0..N {
+                    stiffness -= row[i] * linearised.a_q[i][j] * row[j];
+                }
+                square += row[i] * row[i];
+                digits += (row[i] * self.state.q[i]).abs();
+            }
+            // ω² = nᵀ M⁻¹ n ∂F/∂δ, of which a_q has M⁻¹ n nᵀ ∂F/∂δ.
+            let noise = (stiffness.max(0.0) / square).sqrt() * DIGITS * digits / square.sqrt();
+            tolerances.atol_v = tolerances.atol_v.max(noise);
+        }
+        tolerances
+    }
+
     /// A try of the method; its error is also that of what the laws of pressing contacts are sensitive to.
     ///
     /// The tolerance of the coordinates knows nothing of a contact that presses from less deep than that: there the step's
@@ -281,6 +301,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             return attempt;
         }
         let share = origin.tolerances.share();
+        let rebound = origin.tolerances.of_rebounds();
         for guard in &self.watch.guards {
             let (mut error, mut scale, mut digits) = (0.0, 0.0, 0.0);
             let mut floor = 0.0;
@@ -288,8 +309,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 Strain::None => continue,
                 Strain::Depth { row, depth, rebounds } => {
                     if *rebounds {
-                        let rate = origin.tolerances.rate_along(row, &attempt.error_v, origin.state, &attempt.end);
-                        attempt.error = attempt.error.max(rate / REBOUND_SHARE);
+                        let rate = rebound.rate_along(row, &attempt.error_v, origin.state, &attempt.end);
+                        attempt.error = attempt.error.max(rate);
                     }
                     for n in 0..N {
                         error += row[n] * attempt.error_q[n];
