@@ -17,8 +17,6 @@ const SHARES: [f64; 2] = [1e-5, 0.05];
 
 /// Part of the tolerance of rates for the normal rate of a rebound.
 const REBOUND_SHARE: f64 = 0.1;
-/// Part of the tolerance of coordinates that a depth may always err by.
-const LEAST_DEPTH: f64 = 1e-3;
 
 /// Errors of single steps add up. A smooth closing takes some [`USUAL_STEPS`] at a relative tolerance of 1e-5, and as many more as the order
 /// of the methods asks for at finer ones; a run that takes longer, for it rebounds and sticks and slips, gets tolerances tighter by
@@ -44,12 +42,6 @@ impl Tolerances {
     pub fn of_rebounds(&self) -> Self {
         let part = |tolerance: f64, finest: f64| (REBOUND_SHARE * tolerance).max(finest.min(tolerance));
         Self { atol_v: part(self.atol_v, FINEST.atol_v), rtol_v: part(self.rtol_v, FINEST.rtol_v), ..*self }
-    }
-
-    /// Error of a depth that is always allowed: what it could add up to in a run of steps is within the tolerance of coordinates.
-    #[inline(always)]
-    pub fn least_depth(&self) -> f64 {
-        (LEAST_DEPTH * self.atol_q).max(FINEST.atol_q)
     }
 
     /// Scaled error of the rate along a row.

@@ -83,6 +83,10 @@ const NEAREST_APPROACH_S: f64 = 1e-11;
 const LETTING_GO: f64 = 0.25;
 /// …else the step is cut to this part.
 const LETTING_GO_CUT: f64 = 0.4;
+/// Depth that any step may err by, rad or m.
+const LEAST_DEPTH: f64 = 1e-14;
+/// Noise of a stiff contact's rate, in last digits of its coordinates: every stage of a step adds some.
+const NOISE_DIGITS: f64 = 32.0 * f64::EPSILON;
 /// Part of the terms that make up a depth or slip below which it has no digits.
 const DIGITS: f64 = 4.0 * f64::EPSILON;
 /// Tries to land on one event.
@@ -282,7 +286,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 digits += (row[i] * self.state.q[i]).abs();
             }
             // ω² = nᵀ M⁻¹ n ∂F/∂δ, of which a_q has M⁻¹ n nᵀ ∂F/∂δ.
-            let noise = (stiffness.max(0.0) / square).sqrt() * DIGITS * digits / square.sqrt();
+            let noise = (stiffness.max(0.0) / square).sqrt() * NOISE_DIGITS * digits / square.sqrt();
             tolerances.atol_v = tolerances.atol_v.max(noise);
         }
         tolerances
@@ -318,7 +322,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                         digits += (row[n] * origin.state.q[n]).abs();
                     }
                     scale = (depth + scale).max(*depth);
-                    floor = origin.tolerances.least_depth();
+                    floor = LEAST_DEPTH;
                 }
                 Strain::Slip { row, finest, .. } => {
                     for n in 0..N {

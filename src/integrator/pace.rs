@@ -3,9 +3,9 @@
 use super::Tolerances;
 
 /// Steps that a run may be about to take before it is asked whether it only resolves a trembling contact, at a relative tolerance of
-/// 1e-5; more at finer ones, by this power. Some 50 ms of wall time, and 2 s at the reference's.
+/// 1e-5; more at finer ones, by this power. Some 50 ms of wall time, and 1 s at the reference's.
 const MOST_STEPS: f64 = 3e4;
-const FINER: f64 = 0.15;
+const FINER: f64 = 0.08;
 /// A pace is taken over so many parts of these.
 const PARTS: f64 = 100.0;
 
