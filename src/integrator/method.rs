@@ -47,6 +47,9 @@ pub trait Method<const N: usize, const Z: usize> {
     /// Tells the method that the last attempt was kept.
     fn keep(&mut self);
 
+    /// Tells the method that the run would take forever at its pace.
+    fn is_lost(&mut self) {}
+
     /// Tries a step of size `h`.
     fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z>;
 

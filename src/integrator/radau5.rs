@@ -164,7 +164,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         // Newton is done when what is still missing is far below the tolerance, or at the noise of the numbers.
         let goal = 1e-5;
         let floor = {
-            let eps_q = from.q.map(|q| 4.0 * f64::EPSILON * q.abs());
+            let eps_q = from.q.map(|q| 16.0 * f64::EPSILON * q.abs());
             let eps_v = from.v.map(|v| 4.0 * f64::EPSILON * v.abs());
             tolerances.norm(&eps_q, &eps_v, from, from)
         };

@@ -4,7 +4,7 @@ use super::recorder::Recorder;
 use super::{Outcome, Sink, SinkError, Work};
 use crate::analytic::{GUARDS, Model, QUADRATURES};
 use crate::integrator::{
-    Counters, End, Failure, Method as OneStep, Options, Radau5, Reason, Rodas5p, State, Tolerances, integrate,
+    Counters, End, Failure, Method as OneStep, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
 };
 use crate::scene::{Method, Scene};
 
@@ -58,7 +58,7 @@ pub fn run_analytic(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunE
             drive::<Rodas5p<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
         }
         Method::RadauIIa5 => {
-            drive::<Radau5<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
+            drive::<RadauOrRodas<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
         }
     };
     let outcome = recorder.finish(&end.state, work(&end.counters))?;

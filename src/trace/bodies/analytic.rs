@@ -3,7 +3,7 @@
 use super::recorder::Recorder;
 use super::{BodiesOutcome, BodiesRunError, BodiesSink};
 use crate::analytic::discs::{Discs, GUARDS, QUADRATURES, moving_discs};
-use crate::integrator::{Failure, Options, Radau5, Reason, Rodas5p, Tolerances, integrate};
+use crate::integrator::{Failure, Options, RadauOrRodas, Reason, Rodas5p, Tolerances, integrate};
 use crate::scene::{BodiesScene, Method};
 use crate::trace::analytic::work;
 
@@ -57,7 +57,7 @@ fn run<const N: usize, const M: usize>(
             end_s,
             &mut recorder,
         ),
-        Method::RadauIIa5 => integrate::<N, QUADRATURES, GUARDS, _, Radau5<N, QUADRATURES>, _>(
+        Method::RadauIIa5 => integrate::<N, QUADRATURES, GUARDS, _, RadauOrRodas<N, QUADRATURES>, _>(
             &model,
             &options,
             0.0,
