@@ -3,7 +3,9 @@
 use std::ops::{Index, IndexMut};
 
 use crate::integrator::{Guard, Look, Strain};
-use crate::law::{FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, normal_force, spring_force, unclamped_normal_force};
+use crate::law::{
+    FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, normal_force, spring_force, unclamped_normal_force,
+};
 
 /// Branch of the normal law at one site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,19 +20,43 @@ pub enum SiteState {
     Natural,
 }
 
-/// Branches of all sites: of their normal laws, and the ranges of their friction laws.
+/// Whether a contact is less deep than its damper's transition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DamperRange {
+    /// δ < δ_max: c grows with the depth.
+    Engaging,
+    /// c = c_max.
+    Engaged,
+    /// Not looked at.
+    Any,
+}
+
+/// Branches of all sites: of their normal laws, and the ranges of their dampers and friction laws.
 ///
-/// The ranges change no force: the law is the same function in all of them. They keep a step from leaping from sliding one way
-/// to sliding the other, across the whole sticking range, where neither its stages nor its error would see it.
+/// The ranges change no force: the laws are the same functions in all of them. They keep a step from leaping over a part of a law, like
+/// from sliding one way to sliding the other across the whole sticking range, where neither its stages nor its error would see it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode<const S: usize> {
     pub sites: [SiteState; S],
     pub slips: [FrictionRange; S],
+    pub dampers: [DamperRange; S],
+}
+
+impl DamperRange {
+    /// That of a contact which is so deep.
+    #[inline(always)]
+    pub fn of(law: &NormalLaw, delta: f64) -> Self {
+        match law.damping_max_n_s_per_m > 0.0 {
+            false => DamperRange::Any,
+            true if delta < law.transition_m => DamperRange::Engaging,
+            true => DamperRange::Engaged,
+        }
+    }
 }
 
 impl<const S: usize> From<[SiteState; S]> for Mode<S> {
     fn from(sites: [SiteState; S]) -> Self {
-        Self { sites, slips: [FrictionRange::Any; S] }
+        Self { sites, ..Self::FREE }
     }
 }
 
@@ -78,13 +104,15 @@ impl Landing {
 /// Rates below which a contact creeps rather than rebounds, m/s (limit: rad/s).
 const SLOWEST_REBOUND: f64 = 1e-2;
 
-/// Part of a range's width by which the slip may be beyond it before it counts as left, so that neighbours do not answer each other…
-const SLIP_MARGIN: f64 = 0.01;
+/// Part of a range's width by which a slip or depth may be beyond it before it counts as left, so that neighbours do not answer each
+/// other…
+const RANGE_MARGIN: f64 = 0.01;
 /// …and part of that within which it is landed on.
-const SLIP_LANDING: f64 = 0.3;
+const RANGE_LANDING: f64 = 0.3;
 
 impl<const S: usize> Mode<S> {
-    pub const FREE: Self = Self { sites: [SiteState::Free; S], slips: [FrictionRange::Any; S] };
+    pub const FREE: Self =
+        Self { sites: [SiteState::Free; S], slips: [FrictionRange::Any; S], dampers: [DamperRange::Any; S] };
 
     /// Guard of the normal law of a site.
     #[inline(always)]
@@ -138,7 +166,7 @@ impl<const S: usize> Mode<S> {
         if !pressing || self.slips[site] == FrictionRange::Any {
             return Guard::QUIET;
         }
-        let value = self.slips[site].room(law, at.slip) + SLIP_MARGIN * law.finest_m_s();
+        let value = self.slips[site].room(law, at.slip) + RANGE_MARGIN * law.finest_m_s();
         // Out of sticking a step may look and come back; out of sliding it must not miss that it would have stuck.
         let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Inside };
         let strain = match self.slips[site] {
@@ -151,7 +179,20 @@ impl<const S: usize> Mode<S> {
         Guard { value, look, apart: false, strain, ..Guard::QUIET }
     }
 
-    /// How near to zero the guard of a site must be for its event: guards from S on are those of slips.
+    /// Guard of the damper of a site.
+    #[inline(always)]
+    pub fn damper_guard<const N: usize>(&self, site: usize, law: &NormalLaw, at: &Contact<N>) -> Guard<N> {
+        let room = match self.dampers[site] {
+            _ if self.sites[site] != SiteState::Active => return Guard::QUIET,
+            DamperRange::Any => return Guard::QUIET,
+            DamperRange::Engaging => [law.transition_m - at.delta, -at.rate],
+            DamperRange::Engaged => [at.delta - law.transition_m, at.rate],
+        };
+        let value = room[0] + RANGE_MARGIN * law.transition_m;
+        Guard { value, rate: room[1], look: Look::Gap, apart: false, ..Guard::QUIET }
+    }
+
+    /// How near to zero the guard of a site must be for its event: guards from S on are those of slips, from 2 S on of dampers.
     pub fn landing_tolerance(
         &self,
         site: usize,
@@ -159,8 +200,11 @@ impl<const S: usize> Mode<S> {
         friction: Option<&FrictionLaw>,
         landing: &Landing,
     ) -> f64 {
+        if site >= 2 * S {
+            return RANGE_LANDING * RANGE_MARGIN * law.transition_m;
+        }
         if site >= S {
-            return friction.map_or(0.0, |law| SLIP_LANDING * SLIP_MARGIN * law.finest_m_s());
+            return friction.map_or(0.0, |law| RANGE_LANDING * RANGE_MARGIN * law.finest_m_s());
         }
         match self.sites[site] {
             SiteState::Active if law.damping_max_n_s_per_m > 0.0 => landing.force,
@@ -169,9 +213,21 @@ impl<const S: usize> Mode<S> {
         }
     }
 
-    /// The mode after the event of a guard; `slip` is that of its site.
-    pub fn switched(&self, guard: usize, friction: Option<&FrictionLaw>, slip: f64) -> Self {
+    /// The mode after the event of a guard, whose site is as `at` says.
+    pub fn switched<const N: usize>(
+        &self,
+        guard: usize,
+        law: &NormalLaw,
+        friction: Option<&FrictionLaw>,
+        at: &Contact<N>,
+    ) -> Self {
+        let Contact { delta, slip, .. } = *at;
         let mut next = *self;
+        if guard >= 2 * S {
+            let damper = &mut next.dampers[guard - 2 * S];
+            *damper = if *damper == DamperRange::Engaging { DamperRange::Engaged } else { DamperRange::Engaging };
+            return next;
+        }
         let range = friction.map_or(FrictionRange::Any, |law| friction_range(law, slip));
         if guard >= S {
             let site = guard - S;
@@ -188,6 +244,7 @@ impl<const S: usize> Mode<S> {
             SiteState::Natural => SiteState::Natural,
         };
         next.slips[guard] = range;
+        next.dampers[guard] = DamperRange::of(law, delta);
         next
     }
 
@@ -205,10 +262,10 @@ impl<const S: usize> Mode<S> {
     /// The mode with the law of a guard left to itself.
     pub fn with_natural(&self, guard: usize) -> Self {
         let mut next = *self;
-        if guard < S {
-            next.sites[guard] = SiteState::Natural;
-        } else {
-            next.slips[guard - S] = FrictionRange::Any;
+        match guard / S {
+            0 => next.sites[guard] = SiteState::Natural,
+            1 => next.slips[guard - S] = FrictionRange::Any,
+            _ => next.dampers[guard - 2 * S] = DamperRange::Any,
         }
         next
     }

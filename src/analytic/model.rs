@@ -21,8 +21,8 @@ use crate::scene::{Actuation, Disc, Scene, torque};
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
 
-/// Guards of the three sites: of their normal laws, then of their slips.
-pub const GUARDS: usize = 6;
+/// Guards of the three sites: of their normal laws, then of their slips, then of their dampers.
+pub const GUARDS: usize = 9;
 
 /// Branches of all sites, in the order of [`Site::ALL`].
 pub type Mode = super::mode::Mode<3>;

@@ -1,6 +1,6 @@
 //! Where the branches of the finger's contacts change.
 
-use super::mode::{Contact, Landing, SiteState};
+use super::mode::{Contact, DamperRange, Landing, SiteState};
 use super::model::{GUARDS, Mode, Model, QUADRATURES};
 use crate::fivebar::dynamics::{Terms, absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
@@ -100,6 +100,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
             }
             let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
             guards[index] = mode.normal_guard(index, law, &LANDING, &at);
+            guards[index + 2 * Site::ALL.len()] = mode.damper_guard(index, law, &at);
             if let Some(friction) = self.friction_law(site) {
                 guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, law, &at);
             }
@@ -119,8 +120,8 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
 
     fn switch(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Mode {
         let site = site_of(guard);
-        let slip = self.contact(&self.terms(*q), v, site).map_or(0.0, |at| at.slip);
-        mode.switched(guard, self.friction_law(site), slip)
+        let at = self.contact(&self.terms(*q), v, site).zip(self.normal_law(site));
+        at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.friction_law(site), &at))
     }
 
     fn is_told(&self, guard: usize) -> bool {
@@ -144,6 +145,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
             let index = site as usize;
             let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
             let Contact { delta, rate, slip, row, .. } = at;
+            mode.dampers[index] = DamperRange::of(law, delta);
             mode.slips[index] = self.friction_law(site).map_or(FrictionRange::Any, |law| friction_range(law, slip));
             if delta.abs() <= landing_depth(law) {
                 touching[index] = Some((row, rate));

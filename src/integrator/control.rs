@@ -25,8 +25,8 @@ const USUAL_STEPS: f64 = 150.0;
 /// Events that a closing has, and the steps that every other one counts for: an impact makes the most of errors.
 const USUAL_EVENTS: u64 = 4;
 const STEPS_PER_EVENT: u64 = 40;
-const TIGHTENING: f64 = 1.5;
-const TIGHTEST: f64 = 1.0 / 30.0;
+const TIGHTENING: f64 = 2.0;
+const TIGHTEST: f64 = 1.0 / 100.0;
 /// Tolerances that are not tightened further: below them angles of 1 rad and rates of 100 rad/s have no digits.
 const FINEST: Tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
 

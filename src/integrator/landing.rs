@@ -39,7 +39,8 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         let bracket = match end[site].look {
             Look::End => over.then_some((0.0, 1.0)),
             Look::Inside => {
-                let parting = (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
+                let parting =
+                    (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
                 first_dip(start[site].value, end[site].value, parting, value)
             }
             Look::Gap if value(0.5) < 0.0 => Some((0.0, 0.5)),
@@ -225,7 +226,10 @@ mod tests {
         for place in [0.03, 0.31, 0.5, 0.77, 0.97] {
             let narrow = |x: f64| (x - place) * (x - place) - 1e-5;
             let (low, high) = first_dip(narrow(0.0), narrow(1.0), None, narrow).expect("a dip");
-            assert!(narrow(low) >= 0.0 && narrow(high) < 0.0 && high > place - 4e-3 && low < place, "{place}: {low} {high}");
+            assert!(
+                narrow(low) >= 0.0 && narrow(high) < 0.0 && high > place - 4e-3 && low < place,
+                "{place}: {low} {high}"
+            );
             let above = |x: f64| narrow(x) + 2e-5;
             assert!(first_dip(above(0.0), above(1.0), None, above).is_none(), "{place}");
         }

@@ -65,9 +65,17 @@ pub enum Strain<const N: usize> {
     None,
     /// Penetration of a contact that presses, along coordinates; how deep it is, and whether it `rebounds`: is on its way with a
     /// spring that is stronger than its damper, so that an error of its rate is there to stay.
-    Depth { row: [f64; N], depth: f64, rebounds: bool },
+    Depth {
+        row: [f64; N],
+        depth: f64,
+        rebounds: bool,
+    },
     /// Slip of a contact that presses, along rates; the finest scale of its friction law, and the normal force.
-    Slip { row: [f64; N], finest: f64, normal: f64 },
+    Slip {
+        row: [f64; N],
+        finest: f64,
+        normal: f64,
+    },
 }
 
 /// Whether a site's branch still holds.

@@ -61,12 +61,19 @@ fn ladder(scene: &AnyScene, reference: &Run) {
     for setting in settings.into_iter().chain(engine) {
         let run = record(scene, setting, 0.0);
         let error = difference(reference, &run);
-        let shows = reference.path.iter().zip(&run.path).position(|(p, q)| {
-            p.iter().zip(q).any(|(x, y)| (x - y).abs() > 0.1 * error)
-        });
+        let shows = reference
+            .path
+            .iter()
+            .zip(&run.path)
+            .position(|(p, q)| p.iter().zip(q).any(|(x, y)| (x - y).abs() > 0.1 * error));
         let at = shows.map_or(f64::NAN, |i| reference.times[i]);
         println!("    {}", run.story.iter().take(24).cloned().collect::<Vec<_>>().join(", "));
-        println!("    {setting:?}: {error:.1e} from {at:.6} s on, {} steps, {} events, {:.1} ms", run.steps, run.events, 1e3 * run.wall.as_secs_f64());
+        println!(
+            "    {setting:?}: {error:.1e} from {at:.6} s on, {} steps, {} events, {:.1} ms",
+            run.steps,
+            run.events,
+            1e3 * run.wall.as_secs_f64()
+        );
     }
 }
 

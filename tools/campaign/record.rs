@@ -122,9 +122,13 @@ fn integrator(setting: Setting) -> Integrator {
     let reference = Integrator::preset(Preset::Reference);
     match setting {
         Setting::Reference => reference,
-        Setting::Second => {
-            Integrator { method: Method::Rodas5p, rtol: 1e-9, atol_angle_rad: 1e-13, atol_rate_rad_s: 1e-8, ..reference }
-        }
+        Setting::Second => Integrator {
+            method: Method::Rodas5p,
+            rtol: 1e-9,
+            atol_angle_rad: 1e-13,
+            atol_rate_rad_s: 1e-8,
+            ..reference
+        },
         Setting::Rtol(rtol) => everyday.with_rtol(rtol),
         _ => everyday,
     }

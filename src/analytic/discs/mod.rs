@@ -22,8 +22,8 @@ use crate::scene::BodiesScene;
 /// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.
 pub type DiscMode = super::mode::Mode<PAIRS>;
 
-/// Guards of all pairs: of their normal laws, then of their slips.
-pub const GUARDS: usize = 2 * PAIRS;
+/// Guards of all pairs: of their normal laws, then of their slips, then of their dampers.
+pub const GUARDS: usize = 3 * PAIRS;
 
 /// Discs that may move: sizes are constants of the model.
 pub const MOVING: usize = 3;

@@ -1,6 +1,6 @@
 //! Where the branches of the pairs change.
 
-use super::super::mode::{Contact, Landing};
+use super::super::mode::{Contact, DamperRange, Landing};
 use super::pair::Other;
 use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, stopping_time};
 use crate::integrator::{Guard, Hybrid, System, Watch};
@@ -82,6 +82,7 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
             }
             let at = self.contact(q, v, pair);
             guards[pair] = mode.normal_guard(pair, &self.law.normal, &LANDING, &at);
+            guards[2 * PAIRS + pair] = mode.damper_guard(pair, &self.law.normal, &at);
             if let Some(friction) = &self.law.friction {
                 guards[PAIRS + pair] = mode.slip_guard(pair, friction, &self.law.normal, &at);
             }
@@ -94,7 +95,8 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
     }
 
     fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &DiscMode) -> DiscMode {
-        mode.switched(guard, self.law.friction.as_ref(), self.contact(q, v, guard % PAIRS).slip)
+        let at = self.contact(q, v, guard % PAIRS);
+        mode.switched(guard, &self.law.normal, self.law.friction.as_ref(), &at)
     }
 
     fn is_told(&self, guard: usize) -> bool {
@@ -116,6 +118,7 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
         let law = &self.law.normal;
         for pair in 0..self.pairs() {
             let Contact { delta, rate, slip, .. } = self.contact(q, v, pair);
+            mode.dampers[pair] = DamperRange::of(law, delta);
             mode.slips[pair] = self.law.friction.map_or(FrictionRange::Any, |law| friction_range(&law, slip));
             if delta.abs() <= LANDING.depth_share * law.transition_m {
                 touching[pair] = Some(rate);
