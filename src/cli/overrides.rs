@@ -45,7 +45,7 @@ pub struct Overrides {
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
 
-    /// Relative tolerance of the analytic model, instead of that of the scene or preset
+    /// Relative tolerance of the analytic model, instead of that of the scene or preset; absolute ones are scaled along
     #[arg(long, value_name = "X", value_parser = relative)]
     rtol: Option<f64>,
 
@@ -116,7 +116,7 @@ impl Overrides {
             *integrator = integrator.with_preset(preset);
         }
         if let Some(rtol) = self.rtol {
-            integrator.rtol = rtol;
+            *integrator = integrator.with_rtol(rtol);
         }
         if let Some(construction) = self.construction {
             engine.construction = match construction {

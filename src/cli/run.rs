@@ -8,10 +8,10 @@ use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
 use super::output::print;
 use super::overrides::Overrides;
-use super::simulate::{self, Broken, Limits, Simulated};
+use super::simulate::{self, Broken, Checking, Limits, Simulated};
 use super::{Failure, Status, run_bodies};
 use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
-use crate::report::{self, RunReport};
+use crate::report::{self, RunCheckReport, RunReport};
 use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{Model, SinkError};
 
@@ -41,11 +41,31 @@ pub struct RunArgs {
     #[arg(long)]
     pub(super) json: bool,
 
+    /// Estimate the error by a second, independent resolution, and say whether the outcome is chaotic; without the flag this is
+    /// done for runs of up to 20,000 steps
+    #[arg(long, overrides_with = "no_check")]
+    check: bool,
+
+    /// Do not check the run
+    #[arg(long, overrides_with = "check")]
+    no_check: bool,
+
     #[command(flatten)]
     pub(super) overrides: Overrides,
 
     #[command(flatten)]
     pub(super) live: LiveArgs,
+}
+
+impl RunArgs {
+    /// Whether the run is to be checked.
+    pub(super) fn checking(&self) -> Checking {
+        match (self.check, self.no_check) {
+            (true, _) => Checking::Always,
+            (_, true) => Checking::Never,
+            _ => Checking::Cheap,
+        }
+    }
 }
 
 /// Runs the command.
@@ -61,13 +81,14 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
-    let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
-    let Simulated { result, found, wall_s, log } = simulate::finger(args.model, &scene, log, &limits, &mut ());
+    let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
+    let Simulated { result, found, wall_s, check, log } = simulate::finger(args.model, &scene, log, &limits, &mut ());
     let model = args.model.name();
     let mut report = match result {
         Ok(outcome) => RunReport::completed(&scene, model, wall_s, &outcome, found),
         Err(Broken { error, so_far }) => RunReport::failed(&scene, model, wall_s, error, so_far.as_ref()),
     };
+    report.check = check.map(|check| RunCheckReport::new(&check, true));
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
     print(&match args.json {

@@ -6,7 +6,7 @@ use super::run::{RunArgs, ended, started};
 use super::simulate::{self, Broken, Limits, Simulated};
 use super::{Failure, Status};
 use crate::log::LogFile;
-use crate::report::{self, BodiesReport};
+use crate::report::{self, BodiesReport, RunCheckReport};
 use crate::scene::BodiesScene;
 
 /// Runs the command.
@@ -15,13 +15,14 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
-    let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY };
-    let Simulated { result, found, wall_s, log } = simulate::bodies(args.model, &scene, log, &limits, &mut ());
+    let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
+    let Simulated { result, found, wall_s, check, log } = simulate::bodies(args.model, &scene, log, &limits, &mut ());
     let (outcome, error) = match result {
         Ok(outcome) => (Some(outcome), None),
         Err(Broken { error, so_far }) => (so_far, Some(error)),
     };
     let mut report = BodiesReport::new(&scene, args.model, wall_s, outcome.as_ref(), &found, error);
+    report.check = check.map(|check| RunCheckReport::new(&check, false));
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
     print(&match args.json {

@@ -7,9 +7,10 @@ use std::time::Instant;
 use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
+use crate::check::{self, Check};
 use crate::criteria::{AtRest, Criteria, Rebound, Rebounds, Tracker, at_rest};
 use crate::integrator;
-use crate::log::{Beside, BodiesChannels, Channels, FingerChannels, Severity};
+use crate::log::{self, Beside, BodiesChannels, CHECK_NAME, Channels, FingerChannels, Severity};
 use crate::report;
 use crate::scene::{BodiesScene, Scene};
 use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
@@ -21,6 +22,8 @@ pub(super) struct Simulated<W, O, F> {
     /// Criteria of a finger, restitution of discs.
     pub found: F,
     pub wall_s: f64,
+    /// What a check of the run found, if one was made.
+    pub check: Option<Check>,
     /// What the log was written to, finished.
     pub log: Result<Option<W>, SinkError>,
 }
@@ -37,6 +40,29 @@ pub(super) struct Limits<'a> {
     pub interrupt: &'a Interrupt,
     /// The run may end after the first sample beyond.
     pub until_s: f64,
+    pub checking: Checking,
+}
+
+/// Whether a run is checked when it is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Checking {
+    Never,
+    /// Where it costs little: runs of a few thousand steps.
+    Cheap,
+    Always,
+}
+
+impl Limits<'_> {
+    /// Checks a run that was not broken off by somebody.
+    fn check(&self, steps: u64, found: impl FnOnce(&dyn Fn() -> bool) -> Check) -> Option<Check> {
+        let wanted = match self.checking {
+            Checking::Never => false,
+            Checking::Cheap => steps <= check::MOST_STEPS,
+            Checking::Always => true,
+        };
+        let go_on = || self.interrupt.signal().is_none();
+        (wanted && go_on()).then(|| found(&go_on))
+    }
 }
 
 /// Simulates a finger.
@@ -64,15 +90,18 @@ pub(super) fn finger<W: Write + Send + 'static>(
         RunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
         RunError::Sink(error) => failed(&error, sinks.last_s),
     });
+    let steps = steps(&result, |outcome| outcome.work.steps);
+    let check = limits.check(steps, |go_on| check::check(model, scene, go_on));
     let close = |mut log: Beside<W, FingerChannels>| {
         last?;
+        record(&mut log, check.as_ref())?;
         if let Some(criteria) = &found {
             log.note(sinks.last_s, Severity::Info, "grasp", &verdict(criteria))?;
         }
         close(log, sinks.last_s, result.as_ref().err())
     };
     let log = sinks.log.map(close).transpose();
-    Simulated { result, found, wall_s, log }
+    Simulated { result, found, wall_s, check, log }
 }
 
 /// Simulates discs.
@@ -97,9 +126,31 @@ pub(super) fn bodies<W: Write + Send + 'static>(
         BodiesRunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
         BodiesRunError::Sink(error) => failed(&error, sinks.last_s),
     });
-    let close = |log| last.and_then(|()| close(log, sinks.last_s, result.as_ref().err()));
+    let steps = steps(&result, |outcome| outcome.work.steps);
+    let check = limits.check(steps, |go_on| check::check_bodies(model, scene, go_on));
+    let close = |mut log| {
+        last?;
+        record(&mut log, check.as_ref())?;
+        close(log, sinks.last_s, result.as_ref().err())
+    };
     let log = sinks.log.map(close).transpose();
-    Simulated { result, found: sinks.found.pairs().to_vec(), wall_s, log }
+    Simulated { result, found: sinks.found.pairs().to_vec(), wall_s, check, log }
+}
+
+/// Steps of a run, whether it was completed or not.
+fn steps<O>(result: &Result<O, Broken<O>>, of: impl Fn(&O) -> u64) -> u64 {
+    match result {
+        Ok(outcome) => of(outcome),
+        Err(broken) => broken.so_far.as_ref().map_or(0, of),
+    }
+}
+
+/// Says in the log what a check found.
+fn record<W: Write + Send + 'static, C: Channels>(
+    log: &mut Beside<W, C>,
+    check: Option<&Check>,
+) -> Result<(), SinkError> {
+    check.map_or(Ok(()), |check| log.record(CHECK_NAME, log::check_entries(check)))
 }
 
 /// How far a run has come of how far it goes.

@@ -45,6 +45,10 @@ pub struct SweepArgs {
     #[arg(long, value_enum)]
     model: Option<Model>,
 
+    /// Check every run: columns `check` (sure, uncertain, chaotic or unknown) and `check_error_rad`; takes three more runs for each
+    #[arg(long)]
+    check: bool,
+
     /// Threads, 0 for one on each core
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
@@ -87,6 +91,7 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
     if let Some(model) = args.model {
         study.model = model;
     }
+    study.checked = args.check;
     let (Some(out), false) = (&args.out, args.list) else {
         print(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
         return Ok(Status::Done);

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::run::{info, unstarted};
-use super::simulate::{self, Limits};
+use super::simulate::{self, Checking, Limits};
 use super::validate::{ValidateArgs, stopped, watched};
 use super::validate_files::{PAGE, directory, finished, pictures, save, show, table};
 use super::{Failure, Status};
@@ -88,7 +88,7 @@ fn record(
 ) -> Result<Film, Failure> {
     let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
     let mut reel = Reel::default();
-    let limits = Limits { interrupt, until_s: f64::INFINITY };
+    let limits = Limits { interrupt, until_s: f64::INFINITY, checking: Checking::Cheap };
     let run = simulate::bodies(model, scene, Some(log), &limits, &mut reel);
     let outcome = finished(path, interrupt, run.result, run.log)?;
     let summary = BodiesReport::new(scene, model, run.wall_s, Some(&outcome), &run.found, None);

@@ -8,7 +8,7 @@ use std::path::Path;
 use super::Failure;
 use super::interrupt::Interrupt;
 use super::run::{info, unstarted};
-use super::simulate::{self, Broken, Limits};
+use super::simulate::{self, Broken, Checking, Limits};
 use crate::files::{probe, replace};
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
@@ -141,7 +141,7 @@ pub(super) fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result
 fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<Film, Failure> {
     let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
     let mut reel = Reel::default();
-    let limits = Limits { interrupt, until_s: f64::INFINITY };
+    let limits = Limits { interrupt, until_s: f64::INFINITY, checking: Checking::Cheap };
     let run = simulate::finger(model, scene, Some(log), &limits, &mut reel);
     let outcome = finished(path, interrupt, run.result, run.log)?;
     let summary = RunReport::completed(scene, model.name(), run.wall_s, &outcome, run.found);

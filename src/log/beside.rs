@@ -4,6 +4,7 @@
 //! The thread makes the writer itself, and hands batches back empty: what one thread allocates and the other frees makes
 //! both wait for the allocator.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
@@ -45,6 +46,7 @@ enum Entry<C: Channels> {
     Sample(C::Sample),
     Event(C::Event),
     Note { time_s: f64, severity: Severity, source: &'static str, text: String },
+    Record { name: &'static str, entries: BTreeMap<String, String> },
 }
 
 impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
@@ -79,6 +81,7 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
                         Entry::Note { time_s, severity, source, text } => {
                             writer.note(time_s, severity, source, &text)?;
                         }
+                        Entry::Record { name, entries } => writer.record(name, entries)?,
                     }
                 }
                 // Nobody waits for it once the run is over.
@@ -100,6 +103,11 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
     /// Writes a line to `/events`, for instance how the run ended; `source` is what it is about.
     pub fn note(&mut self, time_s: f64, severity: Severity, source: &'static str, text: &str) -> Result<(), SinkError> {
         self.take(Entry::Note { time_s, severity, source, text: text.to_string() })
+    }
+
+    /// Writes a metadata record: what is known of the run as a whole.
+    pub fn record(&mut self, name: &'static str, entries: BTreeMap<String, String>) -> Result<(), SinkError> {
+        self.take(Entry::Record { name, entries })
     }
 
     /// Finishes the log (last chunk, index, footer), flushes it, and hands back what it was written to.

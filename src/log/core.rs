@@ -92,6 +92,11 @@ impl<W: Write> Core<W> {
         })
     }
 
+    /// Writes a metadata record.
+    pub fn record(&mut self, name: &str, metadata: BTreeMap<String, String>) -> Result<(), McapError> {
+        self.mcap.write_metadata(&mcap::write::Metadata { name: name.to_string(), metadata })
+    }
+
     /// Registers the schema of `M` (once, however many channels share it) and a channel of it.
     pub fn channel<M: Encode>(&mut self, topic: &str) -> Result<ChannelId, McapError> {
         let (schema, encoding) = (M::get_schema(), M::get_message_encoding());

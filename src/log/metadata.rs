@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::bodies::BodiesChannels;
 use super::finger::FingerChannels;
 use super::writer::Channels;
+use crate::check::{Check, PUSH};
 use crate::scene::{
     BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
 };
@@ -72,6 +73,23 @@ impl Logged for BodiesScene {
             engine: &self.engine,
         }
     }
+}
+
+/// Name of the metadata record that says what a check of the run found; it is there if one was made.
+pub const CHECK_NAME: &str = "phalanx-check";
+
+/// The entries of that record; errors in rad, of discs in m.
+pub fn check_entries(check: &Check) -> BTreeMap<String, String> {
+    let entries = [
+        ("verdict", check.verdict.name().to_string()),
+        ("error", format!("{:?}", check.errors.path)),
+        ("bar", format!("{:?}", check.bar)),
+        ("push", format!("{PUSH:?}")),
+        ("sensitivity", format!("{:?}", check.sensitivity)),
+        ("against", check.against.clone()),
+        ("reason", check.reason.clone().unwrap_or_default()),
+    ];
+    entries.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
 }
 
 /// Which run a log is of.

@@ -34,7 +34,7 @@
 //! a log time, and the `timestamp` field (s, unrounded) still tells them apart. No wall clock is read, so the same run
 //! gives the same bytes.
 //!
-//! **Beside the channels.** A metadata record `phalanx` (versions, model, settings) and the exact scene text as an
+//! **Beside the channels.** A metadata record `phalanx` (versions, model, settings), one `phalanx-check` (what a check of the run found) and the exact scene text as an
 //! attachment come first in the file, so a log cut short anywhere still says what it was a log of.
 //!
 //! **Crashes.** A log grows as `NAME.mcap.partial` and takes its name when it is finished, so an older log is replaced
@@ -74,8 +74,8 @@ pub use file::{LogError, LogFile, create, create_with_feed, partial_name, refuse
 pub use finger::FingerChannels;
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
-    ATTACHMENT_MEDIA_TYPE, About, Logged, METADATA_NAME, RunInfo, construction_name, law_name, metadata, method_name,
-    preset_name, stepping_name,
+    ATTACHMENT_MEDIA_TYPE, About, CHECK_NAME, Logged, METADATA_NAME, RunInfo, check_entries, construction_name,
+    law_name, metadata, method_name, preset_name, stepping_name,
 };
 pub use reader::{
     AttachmentRecord, Behind, ChannelRecord, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, Names, ReadError,

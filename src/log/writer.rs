@@ -1,5 +1,6 @@
 //! The log writer: a sink that turns samples and events into MCAP messages as they come.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use foxglove::messages::Log;
@@ -85,6 +86,12 @@ impl<W: Write, C: Channels> Writer<W, C> {
     /// Writes a line to `/events`, for instance how the run ended; `source` is what it is about.
     pub fn note(&mut self, time_s: f64, severity: Severity, source: &str, text: &str) -> Result<(), SinkError> {
         let written = self.core.line(self.events, time_s, severity, source, text);
+        self.named(written)
+    }
+
+    /// Writes a metadata record: what is known of the run as a whole.
+    pub fn record(&mut self, name: &str, entries: BTreeMap<String, String>) -> Result<(), SinkError> {
+        let written = self.core.record(name, entries);
         self.named(written)
     }
 

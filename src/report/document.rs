@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+use super::check::RunCheckReport;
 use crate::criteria::Criteria;
 use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
 use crate::scene::{Engine, Integrator, Scene, Stepping};
@@ -44,6 +45,8 @@ pub struct RunReport {
     pub loop_gap_m: Option<f64>,
     /// Path of the log as given; null if none was asked for.
     pub log: Option<String>,
+    /// Null if the run was not checked.
+    pub check: Option<RunCheckReport>,
 }
 
 /// The state at the end.
@@ -193,6 +196,7 @@ impl RunReport {
             engine: engine.then(|| EngineUsed::from(&scene.engine)),
             loop_gap_m: outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m),
             log: None,
+            check: None,
         }
     }
 }

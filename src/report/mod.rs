@@ -1,6 +1,7 @@
 //! What a run is reported as: one document of plain figures, printed for people or as JSON.
 
 mod bodies;
+mod check;
 mod csv;
 mod document;
 mod paper;
@@ -20,6 +21,7 @@ mod volume;
 mod volume_points;
 
 pub use bodies::{BodiesReport, DiscReport, PairReport, bodies_json, bodies_text};
+pub use check::RunCheckReport;
 pub use document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
     WorkReport,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::check;
 use super::document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, PhalanxReport, RunReport, WorkReport,
 };
@@ -35,6 +36,9 @@ pub fn text(report: &RunReport) -> String {
     }
     if let Some(criteria) = &report.criteria {
         sections.push(dynamics(criteria));
+    }
+    if let Some(line) = check::line(report.check.as_ref(), report.steps) {
+        sections.push(line);
     }
     sections.join("\n")
 }

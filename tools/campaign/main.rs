@@ -148,7 +148,7 @@ fn line(name: &str, t: &Trial) -> String {
     let reasons: Vec<String> = t.verdicts.iter().map(Verdict::to_string).collect();
     let failure = |run: &Run| run.failure.as_ref().map_or(String::new(), |f| format!(" [{:.6}: {f}]", run.end_s));
     format!(
-        "{name}: push {:.1e}, second {:.1e}, everyday {:.1e}, engine {:.1e}; {:.0}+{:.0} ms, {} and {} steps, {} and {} events{}{}; {}",
+        "{name}: push {:.1e}, second {:.1e}, everyday {:.1e}, engine {:.1e}; {:.0}+{:.0} ms, {} and {} steps, {} and {} events{}{}; says {} / {}; {}",
         t.push,
         t.second,
         t.error,
@@ -161,6 +161,8 @@ fn line(name: &str, t: &Trial) -> String {
         t.everyday.events,
         failure(&t.reference),
         failure(&t.everyday),
+        t.says,
+        t.engine_says,
         reasons.join("; ")
     )
 }

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
+use phalanx::check::{check, check_bodies};
 use phalanx::scene::AnyScene;
+use phalanx::trace::Model;
 
 use super::record::{Run, Setting, difference, record, same_end};
 
@@ -27,9 +29,11 @@ pub struct Trial {
     pub engine: Option<Run>,
     pub push: f64,
     pub second: f64,
-    pub second_run: Run,
     pub error: f64,
     pub engine_error: f64,
+    /// What the program says of its own runs.
+    pub says: &'static str,
+    pub engine_says: &'static str,
     pub verdicts: Vec<Verdict>,
 }
 
@@ -42,6 +46,10 @@ pub enum Verdict {
     EverydayWrong,
     EverydayFarOff,
     EverydayEndsElsewhere,
+    EverydaySilent,
+    EverydayFalseAlarm,
+    EngineSilent,
+    EngineFalseAlarm,
     EngineWrong,
     EngineBeyondTenth,
     EngineEndsElsewhere,
@@ -58,6 +66,12 @@ impl fmt::Display for Verdict {
             Verdict::EverydayWrong => "everyday preset wrong by more than 1e-5",
             Verdict::EverydayFarOff => "everyday preset wrong by more than 1e-3",
             Verdict::EverydayEndsElsewhere => "everyday preset ends in another way than the reference",
+            Verdict::EverydaySilent => {
+                "everyday preset wrong by more than 1e-5, or chaotic, and its check says it is sure"
+            }
+            Verdict::EverydayFalseAlarm => "everyday preset right, and its check says it is not",
+            Verdict::EngineSilent => "engine wrong by more than 1e-4, or chaotic, and its check says it is sure",
+            Verdict::EngineFalseAlarm => "engine right, and its check says it is not",
             Verdict::EngineWrong => "engine wrong by more than 1e-3",
             Verdict::EngineBeyondTenth => "engine wrong by more than 1e-4",
             Verdict::EngineEndsElsewhere => "engine ends early",
@@ -68,6 +82,16 @@ impl fmt::Display for Verdict {
 
 fn at_fold(run: &Run) -> bool {
     run.failure.as_ref().is_none_or(|reason| reason.contains("singular") || reason.contains("same centre"))
+}
+
+/// What the program says of its own run.
+fn ask(scene: &AnyScene, model: Model) -> &'static str {
+    let go_on = || true;
+    let check = match scene {
+        AnyScene::Finger(scene) => check(model, scene, &go_on),
+        AnyScene::Bodies(scene) => check_bodies(model, scene, &go_on),
+    };
+    check.verdict.name()
 }
 
 /// Runs a scene in all settings.
@@ -107,5 +131,18 @@ pub fn trial(scene: &AnyScene, engine: bool) -> Trial {
             say(engine.failure.is_some() && engine.end_s < 0.999 * reference.end_s, Verdict::EngineEndsElsewhere);
         }
     }
-    Trial { reference, everyday, engine, push, second, second_run, error, engine_error, verdicts }
+    let alarmed = |says: &str| says == "uncertain" || says == "chaotic";
+    let (says, engine_says) = (ask(scene, Model::Analytic), engine.as_ref().map_or("", |_| ask(scene, Model::Engine)));
+    let off = |error: f64, bar: f64, own: f64| chaotic || beyond(error, bar, own);
+    say(off(error, EVERYDAY, OWN) && says == "sure", Verdict::EverydaySilent);
+    say(
+        !chaotic && error <= 0.5 * EVERYDAY && same_end(&reference, &everyday) && alarmed(says),
+        Verdict::EverydayFalseAlarm,
+    );
+    if let Some(engine) = &engine {
+        say(off(engine_error, 0.1 * ENGINE, OWN_ENGINE) && engine_says == "sure", Verdict::EngineSilent);
+        let right = engine_error <= 0.05 * ENGINE && same_end(&reference, engine);
+        say(!chaotic && right && alarmed(engine_says), Verdict::EngineFalseAlarm);
+    }
+    Trial { says, engine_says, reference, everyday, engine, push, second, error, engine_error, verdicts }
 }

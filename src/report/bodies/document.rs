@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::super::check::RunCheckReport;
 use super::super::document::{Energies, EngineUsed, Failure, IntegratorUsed, WorkReport};
 use crate::criteria::Rebound;
 use crate::scene::{BodiesScene, DiscMotion};
@@ -32,6 +33,8 @@ pub struct BodiesReport {
     pub integrator: Option<IntegratorUsed>,
     pub engine: Option<EngineUsed>,
     pub log: Option<String>,
+    /// Null if the run was not checked.
+    pub check: Option<RunCheckReport>,
 }
 
 /// A disc at the end of the run.
@@ -93,6 +96,7 @@ impl BodiesReport {
             integrator: (!engine).then(|| IntegratorUsed::from(&scene.integrator)),
             engine: engine.then(|| EngineUsed::from(&scene.engine)),
             log: None,
+            check: None,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::super::check;
 use super::super::document::Energies;
 use super::super::table::{figure, row, table};
 use super::super::text::{Heading, duration, heading, milliseconds};
@@ -32,6 +33,9 @@ pub fn bodies_text(report: &BodiesReport) -> String {
     }
     if let Some(energy) = &report.energy {
         sections.push(energies(energy));
+    }
+    if let Some(line) = check::line(report.check.as_ref(), report.steps) {
+        sections.push(line);
     }
     sections.join("\n")
 }

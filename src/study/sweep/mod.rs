@@ -65,6 +65,8 @@ pub struct Study {
     pub name: String,
     pub description: String,
     pub model: Model,
+    /// Whether every run is checked: three more runs for each.
+    pub checked: bool,
     pub filter: Filter,
     axes: Vec<Axis>,
     /// The points of all ranges.

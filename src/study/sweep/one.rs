@@ -2,6 +2,7 @@
 
 use super::row::{Cells, Row, Status};
 use super::{Filter, Study};
+use crate::check::check;
 use crate::criteria::{AtRest, Class, Tracker, at_rest};
 use crate::gripper::{SpringKind, total_mass};
 use crate::scene::{self, LogRates, Scene, SceneError};
@@ -39,7 +40,13 @@ pub(super) fn one(study: &Study, run: u64, go_on: &(dyn Fn() -> bool + Sync)) ->
                 closing(&mut cells, tracker, grasp, &outcome);
             }
             cells.set("steps", outcome.work.steps as i64);
-            Some(cells.row(run, Status::Completed, ""))
+            if study.checked {
+                let check = check(study.model, &scene, go_on);
+                cells.set("check", check.verdict.name());
+                cells.set("check_error_rad", check.errors.path);
+            }
+            // A check that was broken off is not one.
+            go_on().then(|| cells.row(run, Status::Completed, ""))
         }
         Err(error) if error.is_stop() => None,
         Err(RunError::Simulation { failure, so_far }) => {

@@ -110,7 +110,19 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let broken = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
     let template = Template::new(table, &fields).map_err(broken)?;
     let runs = total(&axes, sequence.as_ref()).unwrap_or(0);
-    Ok(Study { name, description, model, filter, axes, sequence, template, runs, source: text.to_string(), base })
+    Ok(Study {
+        name,
+        description,
+        model,
+        checked: false,
+        filter,
+        axes,
+        sequence,
+        template,
+        runs,
+        source: text.to_string(),
+        base,
+    })
 }
 
 /// Takes a table out of the document; anything else of that name stays, to be complained about.

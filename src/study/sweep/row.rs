@@ -42,7 +42,7 @@ pub struct Row {
 }
 
 /// Columns after those of the axes, in order.
-const FOUND: [(&str, Kind); 25] = [
+const FOUND: [(&str, Kind); 27] = [
     ("l12_m", Kind::Number),
     ("l21_m", Kind::Number),
     ("l22_m", Kind::Number),
@@ -68,6 +68,8 @@ const FOUND: [(&str, Kind); 25] = [
     ("peak_f21_n", Kind::Number),
     ("peak_f22_n", Kind::Number),
     ("steps", Kind::Integer),
+    ("check", Kind::Text),
+    ("check_error_rad", Kind::Number),
 ];
 
 /// The columns of a study's results: `run`, `design`, the axes, and what is found.

@@ -6,7 +6,8 @@ impl Study {
     /// Tells studies apart whose results differ: text, base scene, model, and the version of this program. 16 hexadecimal
     /// digits of an FNV-1a hash: it guards against slips, not against malice.
     pub fn fingerprint(&self) -> String {
-        let parts = [env!("CARGO_PKG_VERSION"), self.model.name(), self.source.as_str(), self.base.as_str()];
+        let checked = if self.checked { "checked" } else { "" };
+        let parts = [env!("CARGO_PKG_VERSION"), self.model.name(), self.source.as_str(), self.base.as_str(), checked];
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         for part in parts {
             // The length goes first, so that no text can run over into the next.

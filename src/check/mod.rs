@@ -1,0 +1,153 @@
+//! What a run is worth: an estimate of its error from a second, independent resolution, and whether its outcome depends on the last
+//! digits of its input.
+//!
+//! A run of the analytic model is held to one by the other family of methods (Rodas5P against Radau IIA) at a hundredth of its
+//! tolerance; a run of the engine to the analytic model itself, or where there is none of the scene (a fold of the linkage, rapier's own
+//! contact, more discs than it takes) to the engine at a tenth of its tolerance or a quarter of its step. What drives the scene is
+//! changed by [`PUSH`] of itself to see what such a change does.
+//!
+//! | file | job |
+//! |---|---|
+//! | `path` | a run kept as its path on an even grid, and differences of two |
+//! | `runs` | the runs that are compared |
+
+mod path;
+mod runs;
+
+use path::Path;
+use runs::{Subject, Way};
+
+use crate::integrator::Reason;
+use crate::scene::{BodiesScene, Scene, Stepping};
+use crate::trace::Model;
+
+/// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
+pub const PUSH: f64 = 1e-7;
+/// A run is chaotic if the push moves its path by more than this, rad (discs: m).
+pub const CHAOTIC: f64 = 1e-3;
+/// A run is uncertain if its error is estimated to be larger, rad (discs: m): of the analytic model, and of the engine.
+pub const BAR: f64 = 1e-5;
+pub const ENGINE_BAR: f64 = 1e-4;
+/// Steps a run may have to be checked without being asked to: at a few microseconds each the check then takes some tenths of a second.
+pub const MOST_STEPS: u64 = 20_000;
+
+/// Steps that the runs of a check may take for each of the run itself, beside [`MOST_STEPS`].
+const STEPS_PER_STEP: u64 = 10;
+
+/// What is to be said of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Two resolutions agree.
+    Sure,
+    /// They do not: the outcome depends on the tolerance.
+    Uncertain,
+    /// The outcome depends on the last digits of the input.
+    Chaotic,
+    /// There is nothing to compare with.
+    Unknown,
+}
+
+impl Verdict {
+    /// In results, logs and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Sure => "sure",
+            Verdict::Uncertain => "uncertain",
+            Verdict::Chaotic => "chaotic",
+            Verdict::Unknown => "unknown",
+        }
+    }
+}
+
+/// Estimated errors of the main figures of a run. What only one of the runs has is `None`, as is what neither has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Largest of any coordinate along the path, rad (discs: m).
+    pub path: f64,
+    /// Of the coordinates at the end: q11, q21, q22, or x and y of every disc.
+    pub last: Vec<f64>,
+    /// Of the first touch-downs of the contacts, s.
+    pub first_s: Vec<Option<f64>>,
+    /// Of their normal forces at the end, N.
+    pub normal_n: Vec<f64>,
+}
+
+/// What a check found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    pub verdict: Verdict,
+    pub errors: Errors,
+    /// Largest change of the path by a push, rad (discs: m).
+    pub sensitivity: f64,
+    /// The error from which on a run is uncertain.
+    pub bar: f64,
+    /// What the run was held to, in words.
+    pub against: String,
+    /// Why the verdict is what it is, where figures do not say it.
+    pub reason: Option<String>,
+}
+
+/// Checks a run of a finger by one of the models, as the scene says, while `go_on` says so.
+pub fn check(model: Model, scene: &Scene, go_on: &dyn Fn() -> bool) -> Check {
+    judge(model, scene, go_on)
+}
+
+/// Checks a run of discs.
+pub fn check_bodies(model: Model, scene: &BodiesScene, go_on: &dyn Fn() -> bool) -> Check {
+    judge(model, scene, go_on)
+}
+
+fn judge<S: Subject>(model: Model, scene: &S, go_on: &dyn Fn() -> bool) -> Check {
+    let way = Way { finer: false, push: 0.0, budget: u64::MAX, go_on };
+    let run = scene.run(model, &way);
+    let budget = Way { budget: STEPS_PER_STEP * run.steps + MOST_STEPS, ..way };
+    let finer = Way { finer: true, ..budget };
+    let analytic = scene.run(Model::Analytic, &finer);
+    // Whether the analytic model can speak for the engine.
+    let comparable = scene.is_comparable() && (analytic.failure.is_none() || run.failure.is_some());
+    let (second, judge) = match model {
+        Model::Engine if !comparable => (scene.run(Model::Engine, &finer), Model::Engine),
+        _ => (analytic, Model::Analytic),
+    };
+    let pushed = scene.run(judge, &Way { push: PUSH, ..finer });
+    let bar = if model == Model::Engine { ENGINE_BAR } else { BAR };
+    let errors = path::errors(&run, &second);
+    let sensitivity = path::difference(&second, &pushed);
+    let (verdict, reason) = verdict(&run, &second, &pushed, errors.path, sensitivity, bar);
+    Check { verdict, errors, sensitivity, bar, against: scene.words(judge), reason }
+}
+
+fn verdict(
+    run: &Path,
+    second: &Path,
+    pushed: &Path,
+    error: f64,
+    sensitivity: f64,
+    bar: f64,
+) -> (Verdict, Option<String>) {
+    let unchecked = [second, pushed].into_iter().filter_map(|path| path.failure.as_ref());
+    let early = |reason: &&Reason| matches!(reason, Reason::Budget(_) | Reason::SubstepBudget { .. } | Reason::Stopped);
+    let unchecked = unchecked.filter(early);
+    if let Some(reason) = unchecked.map(ToString::to_string).next() {
+        return (Verdict::Unknown, Some(format!("the run that was to check it did not get to its end: {reason}")));
+    }
+    let ends = |path: &Path| path.failure.as_ref().map_or("completed".to_string(), ToString::to_string);
+    if sensitivity > CHAOTIC || !path::end_alike(second, pushed) {
+        return (Verdict::Chaotic, None);
+    }
+    if !path::end_alike(run, second) {
+        let reason = format!("the run that checks it ends at {:.6} ms: {}", second.end_s * 1e3, ends(second));
+        return (Verdict::Uncertain, Some(reason));
+    }
+    (if error > bar { Verdict::Uncertain } else { Verdict::Sure }, None)
+}
+
+/// A step a quarter as long, or a tolerance a tenth as large.
+fn finer_stepping(stepping: Stepping) -> Stepping {
+    match stepping {
+        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: 0.25 * step_s },
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
+            Stepping::Adaptive { tolerance_m: 0.1 * tolerance_m, max_step_s }
+        }
+    }
+}

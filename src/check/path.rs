@@ -1,0 +1,114 @@
+//! A run kept as its path on an even grid.
+
+use super::Errors;
+use crate::integrator::Reason;
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::{Event, Sample, Sink, SinkError};
+
+/// Points of the grid.
+pub const POINTS: f64 = 64.0;
+/// Runs that end early do so alike if they do at times as near to each other, in parts of these.
+const SAME_END: f64 = 1e-4;
+
+/// What is kept of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Path {
+    pub points: Vec<Vec<f64>>,
+    pub last: Vec<f64>,
+    pub first_s: Vec<Option<f64>>,
+    pub normal_n: Vec<f64>,
+    pub end_s: f64,
+    pub failure: Option<Reason>,
+    pub steps: u64,
+}
+
+/// Keeps the points of the grid, while `go_on` says so.
+pub struct Keep<'a> {
+    interval_s: f64,
+    pub points: Vec<Vec<f64>>,
+    go_on: &'a dyn Fn() -> bool,
+}
+
+impl<'a> Keep<'a> {
+    pub fn new(duration_s: f64, go_on: &'a dyn Fn() -> bool) -> Self {
+        Self { interval_s: duration_s / POINTS, points: Vec::new(), go_on }
+    }
+
+    /// Samples also come at short steps, between the points.
+    fn take(&mut self, time_s: f64, values: impl FnOnce() -> Vec<f64>) {
+        let next = self.points.len() as f64 * self.interval_s;
+        if (time_s - next).abs() <= 1e-9 * self.interval_s {
+            self.points.push(values());
+        }
+    }
+}
+
+/// The coordinates of a finger that are compared.
+pub fn angles(sample: &Sample) -> Vec<f64> {
+    vec![sample.q11_rad, sample.q21_rad, sample.q22_rad]
+}
+
+/// Those of discs.
+pub fn centres(sample: &BodiesSample) -> Vec<f64> {
+    sample.discs.iter().flat_map(|disc| disc.centre_m).collect()
+}
+
+impl Sink for Keep<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.take(sample.time_s, || angles(sample));
+        Ok(())
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn proceed(&self) -> bool {
+        (self.go_on)()
+    }
+}
+
+impl BodiesSink for Keep<'_> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.take(sample.time_s, || centres(sample));
+        Ok(())
+    }
+
+    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn proceed(&self) -> bool {
+        (self.go_on)()
+    }
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let largest =
+        a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
+    if largest.is_nan() { f64::INFINITY } else { largest }
+}
+
+/// Largest difference along the path that both have.
+pub fn difference(a: &Path, b: &Path) -> f64 {
+    a.points.iter().zip(&b.points).map(|(p, q)| apart(p, q)).fold(0.0, f64::max)
+}
+
+/// Whether both reach their end, or break off at about the same time.
+pub fn end_alike(a: &Path, b: &Path) -> bool {
+    a.failure.is_some() == b.failure.is_some() && (a.end_s - b.end_s).abs() <= SAME_END * a.end_s.max(b.end_s)
+}
+
+/// What a run is off by, if another is right.
+pub fn errors(run: &Path, right: &Path) -> Errors {
+    let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).collect::<Vec<f64>>();
+    let both_end = run.failure.is_none() && right.failure.is_none();
+    let last = if both_end { off(&run.last, &right.last) } else { Vec::new() };
+    let first = run.first_s.iter().zip(&right.first_s).map(|(a, b)| a.zip(*b).map(|(a, b)| (a - b).abs()));
+    Errors {
+        path: last.iter().copied().fold(difference(run, right), f64::max),
+        last,
+        first_s: first.collect(),
+        normal_n: if both_end { off(&run.normal_n, &right.normal_n) } else { Vec::new() },
+    }
+}

@@ -1,0 +1,155 @@
+//! The runs that a check compares.
+
+use super::finer_stepping;
+use super::path::{Keep, POINTS, Path, angles, centres};
+use crate::analytic::discs::moving_discs;
+use crate::log::method_name;
+use crate::scene::{Actuation, BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene};
+use crate::trace::bodies::{BodiesOutcome, BodiesRunError, run_bodies};
+use crate::trace::{self, Model, Outcome, RunError};
+
+/// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
+const FINER: f64 = 1e-2;
+const FINEST: f64 = 1e-9;
+
+/// How a scene is run for a check.
+#[derive(Clone, Copy)]
+pub struct Way<'a> {
+    /// By the other family of methods, more exactly.
+    pub finer: bool,
+    pub push: f64,
+    /// Steps it may take at most.
+    pub budget: u64,
+    pub go_on: &'a dyn Fn() -> bool,
+}
+
+/// A scene that can be checked.
+pub trait Subject {
+    fn run(&self, model: Model, way: &Way<'_>) -> Path;
+
+    /// Whether both models answer contact by the same laws, and the analytic one takes the scene.
+    fn is_comparable(&self) -> bool;
+
+    /// What a run is held to, in words.
+    fn words(&self, judge: Model) -> String;
+}
+
+/// The other family of methods at a finer tolerance.
+fn other(own: &Integrator) -> Integrator {
+    let method = match own.method {
+        Method::Rodas5p => Method::RadauIIa5,
+        Method::RadauIIa5 => Method::Rodas5p,
+    };
+    Integrator { method, ..own.with_rtol((FINER * own.rtol).max(FINEST)) }
+}
+
+fn integrator(own: &Integrator, way: &Way<'_>) -> Integrator {
+    let mut used = if way.finer { other(own) } else { *own };
+    used.max_steps = way.budget.min(used.max_steps);
+    used
+}
+
+fn engine(own: &Engine, way: &Way<'_>) -> Engine {
+    let mut used = *own;
+    if way.finer {
+        used.stepping = finer_stepping(own.stepping);
+    }
+    used.max_steps = way.budget.min(used.max_steps);
+    used
+}
+
+fn words(integrator_used: &Integrator, judge: Model) -> String {
+    match judge {
+        Model::Analytic => {
+            let used = other(integrator_used);
+            format!("the analytic model, {} (rtol {:.0e})", method_name(used.method), used.rtol)
+        }
+        Model::Engine => "the engine with finer steps".to_string(),
+    }
+}
+
+impl Subject for Scene {
+    fn run(&self, model: Model, way: &Way<'_>) -> Path {
+        let mut scene = self.clone();
+        scene.integrator = integrator(&self.integrator, way);
+        scene.engine = engine(&self.engine, way);
+        scene.log.numeric_hz = POINTS / scene.duration_s;
+        push(&mut scene.actuation, 1.0 + way.push);
+        let mut keep = Keep::new(scene.duration_s, way.go_on);
+        let (outcome, failure) = match trace::run(model, &scene, &mut keep) {
+            Ok(outcome) => (outcome, None),
+            Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
+            // It takes whatever comes.
+            Err(RunError::Sink(_)) => (Outcome::default(), None),
+        };
+        Path {
+            points: keep.points,
+            last: angles(&outcome.last),
+            first_s: outcome.sites.iter().take(2).map(|site| site.first_s).collect(),
+            normal_n: vec![outcome.last.proximal.normal_n, outcome.last.distal.normal_n],
+            end_s: outcome.last.time_s,
+            failure,
+            steps: outcome.work.steps,
+        }
+    }
+
+    fn is_comparable(&self) -> bool {
+        self.engine.response == Response::Laws
+    }
+
+    fn words(&self, judge: Model) -> String {
+        words(&self.integrator, judge)
+    }
+}
+
+fn push(actuation: &mut Actuation, factor: f64) {
+    match actuation {
+        Actuation::Constant { torque_n_m }
+        | Actuation::Ramp { torque_n_m, .. }
+        | Actuation::HalfSine { torque_n_m, .. }
+        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
+        Actuation::Table { points, .. } => points.iter_mut().for_each(|point| point.1 *= factor),
+    }
+}
+
+impl Subject for BodiesScene {
+    fn run(&self, model: Model, way: &Way<'_>) -> Path {
+        let mut scene = self.clone();
+        scene.integrator = integrator(&self.integrator, way);
+        scene.engine = engine(&self.engine, way);
+        scene.log.numeric_hz = POINTS / scene.duration_s;
+        let factor = 1.0 + way.push;
+        scene.gravity_m_s2 = scene.gravity_m_s2.map(|g| g * factor);
+        for disc in &mut scene.discs {
+            if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. }
+            | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } = &mut disc.motion
+            {
+                *velocity_m_s = velocity_m_s.map(|v| v * factor);
+                *spin_rad_s *= factor;
+            }
+        }
+        let mut keep = Keep::new(scene.duration_s, way.go_on);
+        let (outcome, failure) = match run_bodies(model, &scene, &mut keep) {
+            Ok(outcome) => (outcome, None),
+            Err(BodiesRunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
+            Err(BodiesRunError::Sink(_)) => (BodiesOutcome::default(), None),
+        };
+        Path {
+            points: keep.points,
+            last: centres(&outcome.last),
+            first_s: outcome.pairs.iter().map(|pair| pair.first_s).collect(),
+            normal_n: outcome.last.contacts.iter().map(|contact| contact.normal_n).collect(),
+            end_s: outcome.last.time_s,
+            failure,
+            steps: outcome.work.steps,
+        }
+    }
+
+    fn is_comparable(&self) -> bool {
+        self.engine.response == Response::Laws && moving_discs(self).is_ok()
+    }
+
+    fn words(&self, judge: Model) -> String {
+        words(&self.integrator, judge)
+    }
+}
