@@ -101,6 +101,11 @@ impl Landing {
     }
 }
 
+/// Whether some derivative of the spring's force is infinite where surfaces part: no polynomial of a step follows it there.
+pub fn is_kinked(law: &NormalLaw) -> bool {
+    law.exponent.fract() != 0.0 && law.exponent < 3.0
+}
+
 /// Rates below which a contact creeps rather than rebounds, m/s (limit: rad/s).
 const SLOWEST_REBOUND: f64 = 1e-2;
 
@@ -129,7 +134,8 @@ impl<const S: usize> Mode<S> {
         let strain = || {
             let (spring, damper) = (spring_force(law, delta), damping(law, delta).0 * rate.abs());
             let rebounds = spring > damper && rate.abs() > SLOWEST_REBOUND;
-            if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds } } else { Strain::None }
+            let kinked = is_kinked(law);
+            if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds, kinked } } else { Strain::None }
         };
         match self.sites[site] {
             SiteState::Natural => quiet,

@@ -1,6 +1,6 @@
 //! Where the branches of the finger's contacts change.
 
-use super::mode::{Contact, DamperRange, Landing, SiteState};
+use super::mode::{Contact, DamperRange, Landing, SiteState, is_kinked};
 use super::model::{GUARDS, Mode, Model, QUADRATURES};
 use crate::fivebar::dynamics::{Terms, absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
@@ -175,7 +175,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         let row = geometry.normal_row;
         let speed = dot(row, *v).abs();
         let mobility = dot(row, solve_mass(&terms.mass, row));
-        Some(RESTART_FRACTION * stopping_time(law, speed, 1.0 / mobility))
+        Some(restart_fraction(law, speed, 1.0 / mobility) * stopping_time(law, speed, 1.0 / mobility))
     }
 
     fn settle(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<Settled<2>> {
@@ -193,14 +193,31 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 }
 
+/// Part of the time an impact needs to stop that its first step may take.
 const RESTART_FRACTION: f64 = 0.05;
+/// The same where a spring without a smooth force stops it: a first step misses (h/T)^(e+1) of its impulse.
+const KINKED_FRACTION: f64 = 0.01;
+
+/// Part of its stopping time for the first step of an impact.
+pub(super) fn restart_fraction(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
+    let [damper, spring] = stopping_depths(law, speed, mass);
+    if is_kinked(law) && spring < damper { KINKED_FRACTION } else { RESTART_FRACTION }
+}
 
 /// Time scale of an impact at `speed` of an effective `mass`: depth over speed, with the depth at which damper or spring,
 /// whichever bites first, has used up the momentum.
 ///
 /// Damper alone: m v = c_max (δ³/δ_max² − …), spring alone: m v² / 2 = k δᵉ⁺¹/(e + 1).
 pub(super) fn stopping_time(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
-    let speed = speed.max(1e-6);
+    let [damper, spring] = stopping_depths(law, speed, mass);
+    damper.min(spring) / speed.max(SLOWEST_IMPACT)
+}
+
+const SLOWEST_IMPACT: f64 = 1e-6;
+
+/// Depths in which damper and spring would stop an impact, each alone.
+fn stopping_depths(law: &NormalLaw, speed: f64, mass: f64) -> [f64; 2] {
+    let speed = speed.max(SLOWEST_IMPACT);
     let by_damper = if law.damping_max_n_s_per_m > 0.0 {
         (mass * speed * law.transition_m.powi(2) / law.damping_max_n_s_per_m).cbrt()
     } else {
@@ -208,5 +225,5 @@ pub(super) fn stopping_time(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
     };
     let by_spring =
         (0.5 * (law.exponent + 1.0) * mass * speed * speed / law.stiffness_n_per_m_e).powf(1.0 / (law.exponent + 1.0));
-    by_damper.min(by_spring) / speed
+    [by_damper, by_spring]
 }

@@ -13,7 +13,7 @@ use crate::files::{probe, replace};
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
-use crate::report::{self, RunReport, ValidationReport, series, validation_json, validation_text};
+use crate::report::{self, RunCheckReport, RunReport, ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Preset, Scene};
 use crate::trace::{Model, SinkError};
 use crate::validate::Validation;
@@ -144,7 +144,8 @@ fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt
     let limits = Limits { interrupt, until_s: f64::INFINITY, checking: Checking::Cheap };
     let run = simulate::finger(model, scene, Some(log), &limits, &mut reel);
     let outcome = finished(path, interrupt, run.result, run.log)?;
-    let summary = RunReport::completed(scene, model.name(), run.wall_s, &outcome, run.found);
+    let mut summary = RunReport::completed(scene, model.name(), run.wall_s, &outcome, run.found);
+    summary.check = run.check.map(|check| RunCheckReport::new(&check, true));
     Ok(reel.film(model.name(), scene, &report::text(&summary)))
 }
 

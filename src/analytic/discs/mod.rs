@@ -16,7 +16,7 @@ pub use model::{DiscEnergies, Discs, PAIRS, PairReading, QUADRATURES};
 
 use super::SiteState;
 use super::model::branch;
-use super::modes::stopping_time;
+use super::modes::{restart_fraction, stopping_time};
 use crate::scene::BodiesScene;
 
 /// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.

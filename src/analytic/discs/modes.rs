@@ -2,15 +2,12 @@
 
 use super::super::mode::{Contact, DamperRange, Landing};
 use super::pair::Other;
-use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, stopping_time};
+use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, restart_fraction, stopping_time};
 use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{FrictionRange, friction_range, unclamped_normal_force};
 
 /// Touch-downs are landed on to within a part of δ_max, as far as positions have digits: contact times are measured.
 const LANDING: Landing = Landing { depth_share: 1e-8, force: 1e-9 };
-
-/// A restart takes this part of the time an impact needs to stop.
-const RESTART_FRACTION: f64 = 0.05;
 
 /// Part of the law's scales that a contact between driven or fixed surfaces may cross in a step: nothing it does is felt by
 /// any coordinate, so that no error estimate would shorten its steps.
@@ -151,7 +148,8 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
         };
         let mobility = self.movers[meeting.disc].inverse_mass + other;
         let speed = self.depth(q, v, site).1.abs();
-        Some(RESTART_FRACTION * stopping_time(&self.law.normal, speed, 1.0 / mobility))
+        let law = &self.law.normal;
+        Some(restart_fraction(law, speed, 1.0 / mobility) * stopping_time(law, speed, 1.0 / mobility))
     }
 
     fn obstacle(&self, _: &[f64; N]) -> String {
