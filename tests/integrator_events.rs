@@ -4,7 +4,7 @@ mod wall;
 
 use phalanx::integrator::{Options, Tolerances};
 use phalanx::law::NormalLaw;
-use wall::{Branch, Line, OBJECT, Place, Wall, at, tight};
+use wall::{Branch, Line, Log, OBJECT, Place, Wall, at, tight};
 
 const ELASTIC: NormalLaw = NormalLaw { damping_max_n_s_per_m: 0.0, ..OBJECT };
 
@@ -179,6 +179,124 @@ fn corners_are_landed_on() {
             println!("{name}: x, v off by {off:?}");
             assert!(off[0].abs() < 1e-15 && off[1].abs() < 1e-14, "{name}: {off:?}");
             assert_eq!(end.time_s, 0.05);
+        }
+    }
+}
+
+/// The branches a site went to, in turn.
+fn branches(log: &Log) -> Vec<Branch> {
+    log.events.iter().map(|event| event.2).collect()
+}
+
+/// A soft contact whose free motion is a cubic in time: with κ = k/c, τ from its top,
+/// δ = δ₀ (1 − κτ + κ²τ²/2) + ετ − (2β + κ³δ₀) τ³/6, so that (k δ + c δ̇)/c = ε (1 + κτ) − βτ² − κ (2β + κ³δ₀) τ³/6: its force returns
+/// while |τ| < √(ε/β), to a few parts in a thousand, and at no other time. Every step of any size is exact.
+mod returning {
+    pub const STIFFNESS: f64 = 1e4;
+    pub const DAMPING: f64 = 20.0;
+    const KAPPA: f64 = STIFFNESS / DAMPING;
+    const DEPTH: f64 = 1e-4;
+    const BETA: f64 = 2.5e5;
+    const JERK: f64 = 2.0 * BETA + KAPPA * KAPPA * KAPPA * DEPTH;
+    pub const TOP: f64 = 2e-4;
+
+    pub fn push(t: f64, _: f64, _: f64) -> [f64; 4] {
+        [-KAPPA * KAPPA * DEPTH + JERK * (t - TOP), JERK, 0.0, 0.0]
+    }
+
+    /// x = −δ and its rate.
+    pub fn start(t: f64, half: f64) -> [f64; 2] {
+        let (tau, rise) = (t - TOP, BETA * half * half);
+        let depth = DEPTH * (1.0 - KAPPA * tau + 0.5 * (KAPPA * tau).powi(2)) + rise * tau - JERK * tau.powi(3) / 6.0;
+        let rate = -KAPPA * DEPTH * (1.0 - KAPPA * tau) + rise - 0.5 * JERK * tau * tau;
+        [-depth, -rate]
+    }
+}
+
+/// A released contact presses again for a few microseconds within a step of 0.3 ms, wherever in the step: both ends of that are
+/// found where they are, and a run of tiny steps finds nothing else.
+#[test]
+fn forces_that_return_for_microseconds_within_a_step_are_found() {
+    let law = NormalLaw {
+        stiffness_n_per_m_e: returning::STIFFNESS,
+        exponent: 1.0,
+        damping_max_n_s_per_m: returning::DAMPING,
+        transition_m: 1e-6,
+    };
+    let system = |corners| Line { mass: 0.02, field: returning::push, corners, walls: [plate(0.0, 1.0, law, 1e-12)] };
+    let whole = system(vec![]);
+    let fine = system((-2000..4000).map(|i| 1e-7 * f64::from(i)).collect());
+    let (mut missed, mut places) = (Vec::new(), Vec::new());
+    for half in [5e-6, 2e-6, 5e-7] {
+        // Steps grow from 10 ns, eightfold each: the one that meets the top begins 47 µs after the start and is 328 µs long.
+        for i in 0..80 {
+            let t0 = -1.72e-4 + 4e-6 * f64::from(i);
+            let [x, v] = returning::start(t0, half);
+            for (system, options) in [(&whole, tight()), (&whole, loose()), (&fine, tight())] {
+                if !system.corners.is_empty() && i % 20 > 0 {
+                    continue;
+                }
+                for (name, end, log) in with_both!(system, options, at(x, v), t0, 4e-4) {
+                    assert!(end.result.is_ok(), "{name}: {:?}", end.result);
+                    let before = log.steps.iter().rev().map(|step| step.0).find(|t| *t < returning::TOP - 2.0 * half);
+                    let place = (returning::TOP - before.unwrap_or(t0)) / 3.28e-4;
+                    places.push(place);
+                    if branches(&log) != [Branch::Active, Branch::Released] {
+                        missed.push((name, half, place, log.events));
+                        continue;
+                    }
+                    assert_eq!(end.counters.events, 2);
+                    for (event, time) in log.events.iter().zip([returning::TOP - half, returning::TOP + half]) {
+                        assert!((event.0 - time).abs() < 0.01 * half, "{name}: half {half:e}: {event:?} {time:e}");
+                    }
+                }
+            }
+        }
+    }
+    let spread = places.iter().filter(|place| **place > 0.05 && **place < 0.95).count();
+    println!("{} of {} returns at inner places of a step", spread, places.len());
+    assert!(2 * spread > places.len(), "steps are too short to miss anything");
+    assert!(missed.is_empty(), "{} of {} missed: {:?}", missed.len(), places.len(), missed.first());
+}
+
+/// A linear spring behind a damper that fades with the square of the depth: a mass that has rebounded is released far out, and
+/// pressed again over the last (k/3c) δ_max²/v before the surfaces part.
+#[test]
+fn forces_that_return_just_before_surfaces_part_are_found() {
+    let coasts: wall::Field = |_, _, _| [0.0; 4];
+    let (stiffness, damping) = (1e4, 20.0);
+    for transition_m in [1e-4, 1e-5, 1e-6] {
+        let law =
+            NormalLaw { stiffness_n_per_m_e: stiffness, exponent: 1.0, damping_max_n_s_per_m: damping, transition_m };
+        for i in 0..40 {
+            let speed = 0.5 + 0.05 * f64::from(i);
+            let system = |corners| Line { mass: 0.02, field: coasts, corners, walls: [plate(0.0, 1.0, law, 1e-12)] };
+            let whole = system(vec![]);
+            let fine = system((0..5000).map(|i| 2e-6 * f64::from(i)).collect());
+            for (system, options) in [(&whole, tight()), (&whole, loose()), (&fine, tight())] {
+                if !system.corners.is_empty() && i % 10 > 0 {
+                    continue;
+                }
+                for (name, end, log) in with_both!(system, options, at(1e-4, -speed), 1e-2) {
+                    assert!(end.result.is_ok(), "{name}: {:?}", end.result);
+                    let found = branches(&log);
+                    let wanted = [Branch::Active, Branch::Released, Branch::Active, Branch::Released];
+                    assert_eq!(found, wanted, "{name}: δ_max {transition_m:e} at {speed}: {:?}", log.events);
+                    // The free flight between letting go and pressing again ends where k δ = c σ(δ/δ_max) v.
+                    let let_go = log.steps.iter().find(|step| step.0 == log.events[1].0).expect("a step to the event");
+                    let away = let_go.2;
+                    let ratio = stiffness * transition_m / (damping * away);
+                    let s = 2.0 * ratio / (3.0 + (9.0 - 8.0 * ratio).sqrt());
+                    let flight = (-let_go.1 - s * transition_m) / away;
+                    let returned = log.events[2].0 - log.events[1].0;
+                    // A released contact takes up again at 3 nN, of which the spring makes this much of the way.
+                    let (last, late) = (s * transition_m / away, 6e-9 / stiffness / away);
+                    assert!(
+                        (returned - flight).abs() < 1e-3 * last + late,
+                        "{name}: δ_max {transition_m:e} at {speed}: back after {returned:e}, expected {flight:e}"
+                    );
+                }
+            }
         }
     }
 }

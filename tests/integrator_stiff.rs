@@ -29,7 +29,7 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4]> Hybrid<1, 0, 0> for Scalar<F> {
         f64::INFINITY
     }
 
-    fn watch(&self, _: &[f64; 1], _: &[f64; 1], _: &()) -> Watch<0> {
+    fn watch(&self, _: &[f64; 1], _: &[f64; 1], _: &()) -> Watch<1, 0> {
         Watch { guards: [], clearance: 1.0, clearance_rate: 0.0 }
     }
 
@@ -37,9 +37,9 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4]> Hybrid<1, 0, 0> for Scalar<F> {
         0.0
     }
 
-    fn switch(&self, _: usize, _: &()) {}
+    fn switch(&self, _: usize, _: &[f64; 1], _: &[f64; 1], _: &()) {}
 
-    fn relax(&self, _: &[Guard; 0], _: &()) -> Option<()> {
+    fn relax(&self, _: &[Guard<1>; 0], _: &()) -> Option<()> {
         None
     }
 

@@ -116,7 +116,7 @@ const SMOOTH: [f64; 3] = [1e-4, 2e-3, 0.5];
 const CONTACT: [f64; 3] = [1e-4, 4e-6, 0.01];
 
 fn swing(name: &'static str, scene: Scene) -> Case {
-    Case { name, scene, mode: [Free; 3], t: 1e-3, q: [-0.45, 0.9], v: [120.0, 60.0], steps: SMOOTH }
+    Case { name, scene, mode: [Free; 3].into(), t: 1e-3, q: [-0.45, 0.9], v: [120.0, 60.0], steps: SMOOTH }
 }
 
 /// Sums up a family of cases: all must hold, and the largest difference is printed.
@@ -166,7 +166,7 @@ fn joint_limit_in_its_damper_beyond_it_and_released() {
         let v = rates_with([limit.geometry.normal_row, [0.0, 1.0]], [-rate, 80.0]);
         for state in [Active, Natural, Released] {
             let steps = [1e-4, 0.05 * delta, 0.1 * f64::abs(rate)];
-            cases.push(Case { name, scene: scene.clone(), mode: [Free, Free, state], t: 0.0, q, v, steps });
+            cases.push(Case { name, scene: scene.clone(), mode: [Free, Free, state].into(), t: 0.0, q, v, steps });
         }
     }
     check("limit", &cases);
@@ -201,9 +201,10 @@ fn one_and_two_contacts_on_every_branch_of_friction() {
             let pressing = rates_with([slip_d, normal_d], [slip, -2e-3]);
             let hitting = rates_with([normal_p, slip_d], [-1.5, slip]);
             for (name, v) in [("slip of both", both), ("tip in creep", pressing), ("in an impact", hitting)] {
-                for mode in
+                for states in
                     [[Active, Active, Free], [Active, Free, Free], [Free, Active, Free], [Natural, Natural, Free]]
                 {
+                    let mode = Mode::from(states);
                     if mode[0] == Natural && Site::ALL[..2].iter().any(|s| near_the_clamp(&model, q, v, *s)) {
                         continue;
                     }
@@ -218,7 +219,7 @@ fn one_and_two_contacts_on_every_branch_of_friction() {
     frictionless.contact.proximal.friction = None;
     frictionless.contact.distal.friction = None;
     let q = touching(&model, GRASP, [5e-6, 4e-6]);
-    let mode = [Active, Active, Active];
+    let mode = Mode::from([Active; 3]);
     cases.push(Case { name: "frictionless", scene: frictionless, mode, t: 0.0, q, v: [3.0, -1.0], steps: CONTACT });
     check("contacts", &cases);
 }
@@ -245,7 +246,7 @@ fn tip_contact_on_its_end() {
         assert!((end.delta - 4e-6).abs() < 1e-12, "{:e}", end.delta);
         assert!((end.geometry.tangent_row[0] - face[0]).abs() > 1e-5);
         for v in [[2.0, 1.0], [-30.0, 5.0], [0.1, -0.1]] {
-            let mode = [Free, Active, Free];
+            let mode = Mode::from([Free, Active, Free]);
             cases.push(Case { name: "end", scene: scene.clone(), mode, t: 0.0, q: GRASP, v, steps: CONTACT });
         }
     }
@@ -272,7 +273,7 @@ fn torque_profiles_with_a_slope() {
         }
     }
     // The slope is there at all.
-    let sloped = Model::new(&cases[3].scene).linearise(1e-3, &cases[3].q, &cases[3].v, &[Free; 3]);
+    let sloped = Model::new(&cases[3].scene).linearise(1e-3, &cases[3].q, &cases[3].v, &Mode::from([Free; 3]));
     assert!(sloped.a_t[0].abs() > 1e5 && (sloped.g_t[4] - 200.0 * 120.0).abs() < 1e-9, "{sloped:?}");
     check("profiles", &cases);
 }

@@ -4,7 +4,7 @@ mod laws_support;
 
 use laws_support::{FRICTION, THESIS, disc, on_plane, scene};
 use phalanx::analytic::SiteState;
-use phalanx::analytic::discs::{Discs, PAIRS};
+use phalanx::analytic::discs::{DiscMode, Discs, PAIRS};
 use phalanx::integrator::System;
 use phalanx::scene::DiscMotion;
 
@@ -28,7 +28,7 @@ fn linearisation_matches_central_differences() {
         .filter(|pair| model.reading(&start.q, &start.v, *pair, SiteState::Natural).delta > 1e-7)
         .count();
     assert!(overlapping >= 3, "{overlapping} pairs overlap");
-    let mode = [SiteState::Active; PAIRS];
+    let mode = DiscMode::from([SiteState::Active; PAIRS]);
     let exact = model.linearise(0.0, &start.q, &start.v, &mode);
     for column in 0..18 {
         let h = if column < 9 { 1e-10 } else { 1e-6 };

@@ -4,7 +4,7 @@
 
 mod support;
 
-use phalanx::analytic::{Model, QUADRATURES};
+use phalanx::analytic::{GUARDS, Model, QUADRATURES};
 use phalanx::integrator::{End, Method, Options, Radau5, Rodas5p, State, Tolerances, integrate};
 use phalanx::scene::{Placement, Scene, Spring, SpringKind};
 use support::{anchor, reference};
@@ -21,7 +21,7 @@ fn swing<K: Method<2, QUADRATURES>>(model: &Model, start: Point, span: f64) -> E
         },
         max_steps: settings.max_steps,
     };
-    integrate::<2, QUADRATURES, 3, _, K, _>(model, &options, 0.0, start, span, &mut ())
+    integrate::<2, QUADRATURES, GUARDS, _, K, _>(model, &options, 0.0, start, span, &mut ())
 }
 
 fn conservative() -> Vec<(Scene, Point, f64)> {

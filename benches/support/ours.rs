@@ -1,9 +1,9 @@
 //! The integrators of this crate.
 
-use phalanx::analytic::{Mode, Model, QUADRATURES, SiteState};
+use phalanx::analytic::{GUARDS, Mode, Model, QUADRATURES, SiteState};
 use phalanx::integrator::{
-    Counters, End, Method as Stepper, Observer, Options, Radau5, Reason, Rodas5p, State, Step, StepTools, Tolerances,
-    integrate,
+    Counters, End, Method as Stepper, Observer, Options, RadauOrRodas, Reason, Rodas5p, State, Step, StepTools,
+    Tolerances, integrate,
 };
 use phalanx::scene::{Integrator, Method, Preset};
 
@@ -47,7 +47,7 @@ impl Ours {
     fn integrate<O: Observer<2, QUADRATURES, Mode>>(&self, problem: &Problem, observer: &mut O) -> End<2, QUADRATURES> {
         match self.method {
             Method::Rodas5p => self.with::<Rodas5p<2, QUADRATURES>, O>(problem, observer),
-            Method::RadauIIa5 => self.with::<Radau5<2, QUADRATURES>, O>(problem, observer),
+            Method::RadauIIa5 => self.with::<RadauOrRodas<2, QUADRATURES>, O>(problem, observer),
         }
     }
 
@@ -58,7 +58,7 @@ impl Ours {
     {
         let options = Options { tolerances: self.tolerances, max_steps: MAX_STEPS };
         let Problem { model, start, .. } = problem;
-        integrate::<2, QUADRATURES, 3, Model, K, O>(model, &options, 0.0, *start, problem.duration_s(), observer)
+        integrate::<2, QUADRATURES, GUARDS, Model, K, O>(model, &options, 0.0, *start, problem.duration_s(), observer)
     }
 }
 

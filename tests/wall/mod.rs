@@ -2,9 +2,10 @@
 #![allow(dead_code)]
 
 use phalanx::integrator::{
-    Guard, Hybrid, Linearised, Observer, Options, Rates, State, Step, StepTools, System, Tolerances, Watch,
+    Guard, Hybrid, Linearised, Look, Observer, Options, Rates, State, Step, StepTools, Strain, System, Tolerances,
+    Watch,
 };
-use phalanx::law::{NormalLaw, unclamped_normal_force};
+use phalanx::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
 
 /// Law with the numbers of the object's contact (thesis Table 3.2).
 pub const OBJECT: NormalLaw =
@@ -49,6 +50,9 @@ pub struct Line<const S: usize> {
 
 /// Force below which lift-off and reload are located.
 const FORCE_TOLERANCE: f64 = 1e-9;
+
+/// Rates below which a contact creeps rather than rebounds, m/s.
+const SLOWEST_REBOUND: f64 = 1e-2;
 
 impl<const S: usize> Line<S> {
     /// Gap, and its derivative in x.
@@ -112,28 +116,48 @@ impl<const S: usize> Hybrid<1, 2, S> for Line<S> {
         self.corners.iter().copied().find(|c| *c > t).unwrap_or(f64::INFINITY)
     }
 
-    fn watch(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Watch<S> {
+    fn watch(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Watch<1, S> {
         let guards = std::array::from_fn(|site| {
             let (gap, n) = self.gap(site, q[0]);
-            let (delta, rate) = (-gap, -n * v[0]);
-            let force = unclamped_normal_force(&self.walls[site].law, delta, rate).force;
-            let guard = |value, rate, interpolates, apart| Guard { value, rate, interpolates, apart };
+            let (delta, rate, law) = (-gap, -n * v[0], &self.walls[site].law);
+            let force = unclamped_normal_force(law, delta, rate).force;
+            let strain = if delta > 0.0 {
+                let rebounds =
+                    spring_force(law, delta) > damping(law, delta).0 * rate.abs() && rate.abs() > SLOWEST_REBOUND;
+                Strain::Depth { row: [n], depth: delta, rebounds }
+            } else {
+                Strain::None
+            };
+            let parted = if delta > 0.0 { delta } else { delta.min(-1e-290) };
+            let quiet = Guard::QUIET;
             match mode[site] {
-                Free => guard(gap, -rate, true, true),
-                Active if delta > 0.0 => guard(force, 0.0, false, false),
-                Active => guard(if rate >= 0.0 { f64::INFINITY } else { delta.min(-1e-290) }, 0.0, false, false),
-                Released => guard(3.0 * FORCE_TOLERANCE - force, 0.0, true, delta < 0.0),
-                Natural => guard(f64::INFINITY, 0.0, true, true),
+                Natural => quiet,
+                Free => Guard { value: gap, rate: -rate, look: Look::Gap, ..quiet },
+                Active if delta <= 0.0 && rate >= 0.0 => Guard { apart: false, ..quiet },
+                Active if law.damping_max_n_s_per_m == 0.0 => {
+                    Guard { value: parted, rate, look: Look::Gap, apart: false, strain }
+                }
+                Active => {
+                    let value = if delta > 0.0 { force } else { parted };
+                    Guard { value, look: Look::End, apart: false, strain, ..quiet }
+                }
+                Released => {
+                    Guard { value: 3.0 * FORCE_TOLERANCE - force, look: Look::Inside, apart: delta < 0.0, ..quiet }
+                }
             }
         });
         Watch { guards, clearance: 1.0, clearance_rate: 0.0 }
     }
 
     fn landing_tolerance(&self, site: usize, mode: &[Branch; S]) -> f64 {
-        if mode[site] == Free { self.walls[site].landing_m } else { FORCE_TOLERANCE }
+        match mode[site] {
+            Active if self.walls[site].law.damping_max_n_s_per_m > 0.0 => FORCE_TOLERANCE,
+            Released | Natural => FORCE_TOLERANCE,
+            Free | Active => self.walls[site].landing_m,
+        }
     }
 
-    fn switch(&self, site: usize, mode: &[Branch; S]) -> [Branch; S] {
+    fn switch(&self, site: usize, _: &[f64; 1], _: &[f64; 1], mode: &[Branch; S]) -> [Branch; S] {
         let mut next = *mode;
         next[site] = match mode[site] {
             Free | Released => Active,
@@ -143,7 +167,7 @@ impl<const S: usize> Hybrid<1, 2, S> for Line<S> {
         next
     }
 
-    fn relax(&self, guards: &[Guard; S], mode: &[Branch; S]) -> Option<[Branch; S]> {
+    fn relax(&self, guards: &[Guard<1>; S], mode: &[Branch; S]) -> Option<[Branch; S]> {
         let next = std::array::from_fn(|i| if mode[i] == Released && guards[i].apart { Free } else { mode[i] });
         (next != *mode).then_some(next)
     }
@@ -213,12 +237,15 @@ pub fn at(x: f64, v: f64) -> State<1, 2> {
 /// The same experiment with both methods: (name, end, log) of each.
 #[macro_export]
 macro_rules! with_both {
-    ($system:expr, $options:expr, $start:expr, $end:expr) => {{
+    ($system:expr, $options:expr, $start:expr, $end:expr) => {
+        $crate::with_both!($system, $options, $start, 0.0, $end)
+    };
+    ($system:expr, $options:expr, $start:expr, $begin:expr, $end:expr) => {{
         use phalanx::integrator::{Radau5, Rodas5p, integrate};
         let mut logs = [wall::Log::default(), wall::Log::default()];
         let [a, b] = &mut logs;
-        let rodas = integrate::<1, 2, _, _, Rodas5p<1, 2>, _>($system, &$options, 0.0, $start, $end, a);
-        let radau = integrate::<1, 2, _, _, Radau5<1, 2>, _>($system, &$options, 0.0, $start, $end, b);
+        let rodas = integrate::<1, 2, _, _, Rodas5p<1, 2>, _>($system, &$options, $begin, $start, $end, a);
+        let radau = integrate::<1, 2, _, _, Radau5<1, 2>, _>($system, &$options, $begin, $start, $end, b);
         let [a, b] = logs;
         [("Rodas5P", rodas, a), ("Radau IIA", radau, b)]
     }};

@@ -6,6 +6,7 @@ use std::cell::Cell;
 use phalanx::analytic::{Mode, Model, SiteState};
 use phalanx::gripper::Site;
 use phalanx::integrator::System;
+use phalanx::law::FrictionRange;
 
 use crate::support::problem::Problem;
 use crate::support::track::{Cost, Ended, GRID_S, Track};
@@ -16,7 +17,7 @@ pub const FIRST_STEP_S: f64 = 1e-8;
 /// q11, q21 and their rates.
 pub type Vector = [f64; 4];
 
-const NATURAL: Mode = [SiteState::Natural; 3];
+const NATURAL: Mode = Mode { sites: [SiteState::Natural; 3], slips: [FrictionRange::Any; 3] };
 
 /// ẏ = f(t, y) and ∂f/∂y.
 pub struct Field<'a> {
