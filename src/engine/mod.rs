@@ -47,6 +47,6 @@ pub use plan::{
 };
 pub use space::{Site, Space};
 pub use stepper::next;
-pub use substeps::{Change, ChangeKind, Contact, Moment, Unsolved};
+pub use substeps::{Change, ChangeKind, Contact, Moment, Tolerance, Unsolved};
 pub use touch::{Row, Touch};
 pub use world::{World, build};

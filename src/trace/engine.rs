@@ -2,7 +2,7 @@
 
 use super::engine_recorder::EngineRecorder;
 use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, build, next, plan};
+use crate::engine::{Motion, Tolerance, build, next, plan};
 use crate::integrator::{Failure, Reason};
 use crate::scene::{Engine, Scene};
 
@@ -49,6 +49,7 @@ pub(super) fn step_through(
     end_s: f64,
     mut record: impl FnMut(&Motion) -> Result<bool, SinkError>,
 ) -> Result<Option<Reason>, SinkError> {
+    motion.contact.tolerance = Tolerance::of(settings.stepping);
     let (mut steps, mut substeps) = (0, 0);
     let budget = settings.max_steps.saturating_mul(SUBSTEPS_PER_STEP);
     while motion.clock.now() < end_s {

@@ -13,6 +13,7 @@ pub(super) struct EngineRecorder<'a, S: Sink> {
     grid: Grid,
     end_s: f64,
     start: Start,
+    phi22_rad: f64,
     sites: [Tracked; 3],
     last: Sample,
     emitted_s: f64,
@@ -28,8 +29,9 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             sink,
             grid: Grid::new(scene.log.numeric_hz),
             end_s: scene.duration_s,
-            last: sample(motion, &start, &[0.0; 3]),
+            last: sample(motion, scene.finger.lengths.phi22_rad, &start, &[0.0; 3]),
             start,
+            phi22_rad: scene.finger.lengths.phi22_rad,
             sites: [Tracked::default(); 3],
             emitted_s: 0.0,
             moments: Moments::default(),
@@ -58,7 +60,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.work.rejected += u64::from(motion.contact.repeated);
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
         let impulses = Site::ALL.map(|site| self.sites[site as usize].impulse + impulse(motion, site));
-        let now = sample(motion, &self.start, &impulses);
+        let now = sample(motion, self.phi22_rad, &self.start, &impulses);
         self.meet_between_steps(motion, end_s - dt)?;
         self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
