@@ -3,7 +3,6 @@
 use super::finer_stepping;
 use super::path::{Keep, POINTS, Path, angles, centres};
 use crate::analytic::discs::moving_discs;
-use crate::log::method_name;
 use crate::scene::{Actuation, BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene};
 use crate::trace::bodies::{BodiesOutcome, BodiesRunError, run_bodies};
 use crate::trace::{self, Model, Outcome, RunError};
@@ -62,7 +61,11 @@ fn words(integrator_used: &Integrator, judge: Model) -> String {
     match judge {
         Model::Analytic => {
             let used = other(integrator_used);
-            format!("the analytic model, {} (rtol {:.0e})", method_name(used.method), used.rtol)
+            let method = match used.method {
+                Method::Rodas5p => "rodas5p",
+                Method::RadauIIa5 => "radau5",
+            };
+            format!("the analytic model, {method} (rtol {:.0e})", used.rtol)
         }
         Model::Engine => "the engine with finer steps".to_string(),
     }
