@@ -133,9 +133,14 @@ impl<const S: usize> Mode<S> {
         let quiet = Guard::QUIET;
         let strain = || {
             let (spring, damper) = (spring_force(law, delta), damping(law, delta).0 * rate.abs());
-            let rebounds = spring > damper && rate.abs() > SLOWEST_REBOUND;
+            let springy = spring > damper;
+            let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
             let kinked = is_kinked(law);
-            if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds, kinked } } else { Strain::None }
+            if delta > 0.0 {
+                Strain::Depth { row: at.row, depth: delta, rebounds, kinked, springy }
+            } else {
+                Strain::None
+            }
         };
         match self.sites[site] {
             SiteState::Natural => quiet,

@@ -89,7 +89,7 @@ const LETTING_GO_CUT: f64 = 0.4;
 /// Depth that any step may err by, rad or m.
 const LEAST_DEPTH: f64 = 1e-14;
 /// Noise of a stiff contact's rate, in last digits of its coordinates: every stage of a step adds some.
-const NOISE_DIGITS: f64 = 32.0 * f64::EPSILON;
+const NOISE_DIGITS: f64 = 8.0 * f64::EPSILON;
 /// Part of the terms that make up a depth or slip below which it has no digits.
 const DIGITS: f64 = 4.0 * f64::EPSILON;
 /// Tries to land on one event.
@@ -280,7 +280,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     fn tolerances(&self, linearised: &Linearised<N, Z>) -> Tolerances {
         let mut tolerances = self.options.tolerances.after(&self.counters);
         for guard in &self.watch.guards {
-            let Strain::Depth { row, .. } = &guard.strain else { continue };
+            // A damper that is stronger makes nothing of it.
+            let Strain::Depth { row, springy: true, .. } = &guard.strain else { continue };
             let (mut stiffness, mut square, mut digits) = (0.0, 0.0, 0.0);
             for i in 0..N {
                 for j in 0..N {
@@ -352,7 +353,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 let left = if let Strain::Slip { normal, .. } = &end.strain { *normal } else { 0.0 };
                 left < LETTING_GO * normal && gains(row) > origin.tolerances.share() * finest
             }
-            Strain::Depth { row, depth, rebounds: true, kinked: true } => {
+            Strain::Depth { row, depth, rebounds: true, kinked: true, .. } => {
                 let left = if let Strain::Depth { depth, .. } = &end.strain { *depth } else { 0.0 };
                 let change: [f64; N] = std::array::from_fn(|n| attempt.end.v[n] - origin.state.v[n]);
                 let gained = || origin.tolerances.rate_along(row, &change, origin.state, &attempt.end);

@@ -70,6 +70,7 @@ pub enum Strain<const N: usize> {
         depth: f64,
         rebounds: bool,
         kinked: bool,
+        springy: bool,
     },
     /// Slip of a contact that presses, along rates; the finest scale of its friction law, and the normal force.
     Slip {

@@ -14,9 +14,9 @@ mod pair;
 
 pub use model::{DiscEnergies, Discs, PAIRS, PairReading, QUADRATURES};
 
-use super::SiteState;
 use super::model::branch;
 use super::modes::{restart_fraction, stopping_time};
+use super::{SiteState, mode};
 use crate::scene::BodiesScene;
 
 /// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.

@@ -1,6 +1,6 @@
 //! Where the branches of the pairs change.
 
-use super::super::mode::{Contact, DamperRange, Landing};
+use super::mode::{Contact, DamperRange, Landing};
 use super::pair::Other;
 use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, restart_fraction, stopping_time};
 use crate::integrator::{Guard, Hybrid, System, Watch};
