@@ -20,7 +20,7 @@ use phalanx::table;
 fn cheap(directory: &Path, count: usize) -> String {
     let scene = fs::canonicalize("scenes/free-swing.toml").expect("ships");
     let text = format!(
-        "scene = \"{}\"\n[set]\nduration = \"2 ms\"\nintegrator.max_steps = 24\n[[axes]]\nfield = \"design.l21_fraction\"\nfrom = \
+        "scene = \"{}\"\n[set]\nduration = \"2 ms\"\nintegrator.max_steps = 29\n[[axes]]\nfield = \"design.l21_fraction\"\nfrom = \
          0.0\nto = 1.1\n[[axes]]\nfield = \"motor.torque\"\nfrom = \"10 N*mm\"\nto = \"900 N*mm\"\n[sample]\ncount = {count}\n",
         scene.display()
     );
