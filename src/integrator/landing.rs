@@ -90,13 +90,15 @@ fn first_dip(start: f64, end: f64, parting: Option<f64>, value: impl Fn(f64) -> 
         i => value(place(i)),
     });
     let below = (1..LOOKS).find(|i| at[*i] < 0.0);
-    // A dip between two points, before the first that is below.
-    for i in 1..below.unwrap_or(LOOKS - 1) {
-        let bend = (at[i - 1] - at[i]).max(at[i + 1] - at[i]);
-        if at[i] <= at[i - 1] && at[i] <= at[i + 1] && at[i] < 4.0 * bend {
-            let lowest = golden(&value, place(i - 1), place(i + 1));
+    // A dip between two points, before the first that is below: also one about an end, whose own value is the lowest of those looked at.
+    for i in 0..below.unwrap_or(LOOKS) {
+        let (before, after) = (i.saturating_sub(1), (i + 1).min(LOOKS - 1));
+        let middle = i.clamp(1, LOOKS - 2);
+        let bend = at[middle - 1].max(at[middle + 1]) - at[i];
+        if at[i] <= at[before] && at[i] <= at[after] && at[i] < 4.0 * bend {
+            let lowest = golden(&value, place(before), place(after));
             if value(lowest) < 0.0 {
-                return Some((place(i - 1), lowest));
+                return Some((place(before), lowest));
             }
         }
     }

@@ -12,7 +12,7 @@ const MOST_HELD: usize = 60_000;
 const AFTER_EVENT: u32 = 4;
 
 /// Samples and events of a run as it goes by. Beyond 60,000 samples only every second, fourth, … is kept, and
-/// those at events and at peaks of the contact force; of these too only every second, where they alone are too many.
+/// those at events and at peaks of any contact's force; of these too only every second, where they alone are too many.
 #[derive(Clone, Debug)]
 pub struct Reel<S, E> {
     held: Vec<Held<S>>,
@@ -24,14 +24,16 @@ pub struct Reel<S, E> {
     specials: usize,
     /// The latest sample: whether it is a peak is known when the next one has come.
     latest: Option<Held<S>>,
-    rising: bool,
+    /// Which forces grew up to the latest sample.
+    rising: Vec<bool>,
     near_event: u32,
     most: usize,
 }
 
 #[derive(Clone, Debug)]
 struct Held<S> {
-    force_n: f64,
+    /// Of every contact.
+    forces_n: Vec<f64>,
     /// At an event or at a peak.
     special: bool,
     /// Which of its kind: of all samples, or of those that are special.
@@ -55,7 +57,7 @@ impl<S, E> Default for Reel<S, E> {
             special_stride: 1,
             specials: 0,
             latest: None,
-            rising: false,
+            rising: Vec::new(),
             near_event: 0,
             most: MOST_HELD,
         }
@@ -63,14 +65,15 @@ impl<S, E> Default for Reel<S, E> {
 }
 
 impl<S, E> Reel<S, E> {
-    fn take(&mut self, sample: S, force_n: f64) {
+    fn take(&mut self, sample: S, forces_n: Vec<f64>) {
         let special = self.near_event > 0 || self.recorded == 0;
         self.near_event = self.near_event.saturating_sub(1);
-        let rises = self.latest.as_ref().is_some_and(|latest| force_n > latest.force_n);
-        let latest = self.latest.replace(Held { force_n, special, ordinal: self.recorded, sample });
+        let before = self.latest.as_ref().map_or(&[][..], |latest| &latest.forces_n);
+        let rises: Vec<bool> = forces_n.iter().zip(before).map(|(now, before)| now > before).collect();
+        let latest = self.latest.replace(Held { forces_n, special, ordinal: self.recorded, sample });
         self.recorded += 1;
         if let Some(mut held) = latest {
-            held.special |= self.rising && !rises;
+            held.special |= self.rising.iter().zip(&rises).any(|(rising, rises)| *rising && !rises);
             if held.special {
                 held.ordinal = self.specials;
                 self.specials += 1;
@@ -137,7 +140,7 @@ impl Reel<BodiesSample, BodiesEvent> {
 
 impl Sink for Reel<Sample, Event> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(*sample, sample.proximal.normal_n + sample.distal.normal_n);
+        self.take(*sample, vec![sample.proximal.normal_n, sample.distal.normal_n]);
         Ok(())
     }
 
@@ -149,7 +152,7 @@ impl Sink for Reel<Sample, Event> {
 
 impl BodiesSink for Reel<BodiesSample, BodiesEvent> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.take(sample.clone(), sample.contacts.iter().map(|contact| contact.normal_n).sum());
+        self.take(sample.clone(), sample.contacts.iter().map(|contact| contact.normal_n).collect());
         Ok(())
     }
 
@@ -170,7 +173,7 @@ mod tests {
     #[test]
     fn a_short_run_is_kept_whole() {
         let mut reel = reel(100);
-        (0..99).for_each(|k| reel.take(k, 0.0));
+        (0..99).for_each(|k| reel.take(k, vec![0.0]));
         assert_eq!(reel.into_parts().0, (0..99).collect::<Vec<usize>>());
     }
 
@@ -181,7 +184,7 @@ mod tests {
             if k == 33_333 {
                 reel.note(k);
             }
-            reel.take(k, if k == 55_555 { 2.0 } else { 0.0 });
+            reel.take(k, vec![if k == 55_555 { 2.0 } else { 0.0 }]);
         }
         assert_eq!(reel.recorded(), 100_000);
         let (kept, events) = reel.into_parts();
@@ -197,7 +200,7 @@ mod tests {
     #[test]
     fn peaks_alone_do_not_break_the_bound() {
         let mut reel = reel(500);
-        (0..100_000).for_each(|k| reel.take(k, (k % 2) as f64));
+        (0..100_000).for_each(|k| reel.take(k, vec![(k % 2) as f64]));
         let kept = reel.into_parts().0;
         assert!(kept.len() <= 501 && kept.len() > 200, "{}", kept.len());
         let widest = kept.windows(2).map(|pair| pair[1] - pair[0]).max();
