@@ -98,6 +98,6 @@ fn errors_fall_with_the_tolerance() {
         list.sort_by(f64::total_cmp);
         list[list.len() / 2]
     });
-    assert!(medians[1] < 0.1 * medians[0] && medians[2] < 0.1 * medians[1], "{medians:e?}");
-    assert!(medians[0] < 1e-5, "{medians:e?}");
+    assert!(medians[1] < 0.1 * medians[0] && medians[2] < 0.1 * medians[1], "{medians:?}");
+    assert!(medians[0] < 1e-5, "{medians:?}");
 }

@@ -122,9 +122,10 @@ impl<const S: usize> Hybrid<1, 2, S> for Line<S> {
             let (delta, rate, law) = (-gap, -n * v[0], &self.walls[site].law);
             let force = unclamped_normal_force(law, delta, rate).force;
             let strain = if delta > 0.0 {
-                let rebounds =
-                    spring_force(law, delta) > damping(law, delta).0 * rate.abs() && rate.abs() > SLOWEST_REBOUND;
-                Strain::Depth { row: [n], depth: delta, rebounds }
+                let springy = spring_force(law, delta) > damping(law, delta).0 * rate.abs();
+                let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
+                let kinked = law.exponent.fract() != 0.0 && law.exponent < 3.0;
+                Strain::Depth { row: [n], depth: delta, rebounds, kinked, springy }
             } else {
                 Strain::None
             };

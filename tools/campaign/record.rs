@@ -9,7 +9,7 @@ use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 /// Points at which runs are compared.
 const POINTS: f64 = 100.0;
 /// Wall time after which a run is stopped.
-const PATIENCE: Duration = Duration::from_secs(20);
+pub const PATIENCE: Duration = Duration::from_secs(20);
 
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, PartialEq)]

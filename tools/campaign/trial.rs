@@ -1,12 +1,13 @@
 //! One scene through all settings, and what is to be said of it.
 
 use std::fmt;
+use std::time::Instant;
 
 use phalanx::check::{check, check_bodies};
 use phalanx::scene::AnyScene;
 use phalanx::trace::Model;
 
-use super::record::{Run, Setting, difference, record, same_end};
+use super::record::{PATIENCE, Run, Setting, difference, record, same_end};
 
 /// What is asked: by how much the everyday preset and the engine may be off, in rad or m along the path.
 pub const EVERYDAY: f64 = 1e-5;
@@ -19,7 +20,7 @@ const CHAOTIC: f64 = 1e-3;
 const OWN: f64 = 10.0;
 const OWN_ENGINE: f64 = 100.0;
 /// The longest a reference may take, s.
-const PATIENCE_S: f64 = 5.0;
+const SLOW_S: f64 = 5.0;
 
 /// Errors of a scene against its reference, and what the push does to that.
 #[derive(Clone, Debug)]
@@ -86,7 +87,8 @@ fn at_fold(run: &Run) -> bool {
 
 /// What the program says of its own run.
 fn ask(scene: &AnyScene, model: Model) -> &'static str {
-    let go_on = || true;
+    let deadline = Instant::now() + PATIENCE;
+    let go_on = || Instant::now() < deadline;
     let check = match scene {
         AnyScene::Finger(scene) => check(model, scene, &go_on),
         AnyScene::Bodies(scene) => check_bodies(model, scene, &go_on),
@@ -98,7 +100,7 @@ fn ask(scene: &AnyScene, model: Model) -> &'static str {
 pub fn trial(scene: &AnyScene, engine: bool) -> Trial {
     let reference = record(scene, Setting::Reference, 0.0);
     let everyday = record(scene, Setting::Default, 0.0);
-    let slow = reference.wall.as_secs_f64() > PATIENCE_S;
+    let slow = reference.wall.as_secs_f64() > SLOW_S;
     // A reference that has been stopped says nothing of what comes after.
     let pushed = record(scene, Setting::Reference, PUSH);
     let second_run = record(scene, Setting::Second, 0.0);
