@@ -40,8 +40,9 @@ fn contact_substeps_count_too() {
             RunError::Simulation { so_far, .. } => so_far.work,
             error => panic!("{error}"),
         });
-    assert!(free.contact_substeps > 11 * free.steps, "{free:?}");
-    scene.engine.max_steps = free.contact_substeps / 11;
+    assert!(free.contact_substeps > 20 * free.steps, "{free:?}");
+    // Not so near to all of them that the last step alone goes beyond.
+    scene.engine.max_steps = free.contact_substeps / 20;
     assert!(scene.engine.max_steps > free.steps, "{free:?}");
     match held::run(Model::Engine, &scene, &mut ()) {
         Err(RunError::Simulation {

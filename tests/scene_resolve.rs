@@ -113,7 +113,9 @@ fn documented_defaults_are_the_real_ones() {
 #[test]
 fn preset_is_the_base_that_single_keys_replace() {
     let scene = with("[integrator]\npreset = \"reference\"\nrtol = 1e-9\nmax_steps = 5\n");
-    let expected = Integrator { rtol: 1e-9, max_steps: 5, ..Integrator::preset(Preset::Reference) };
+    // Absolute tolerances that are not given follow the relative one.
+    let expected = Integrator { max_steps: 5, ..Integrator::preset(Preset::Reference).with_rtol(1e-9) };
+    assert!((expected.atol_angle_rad / 1e-12 - 1.0).abs() < 1e-12);
     assert_eq!(scene.integrator, expected);
     assert_eq!(expected.method, Method::RadauIIa5);
 }

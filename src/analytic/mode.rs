@@ -135,12 +135,7 @@ impl<const S: usize> Mode<S> {
             let (spring, damper) = (spring_force(law, delta), damping(law, delta).0 * rate.abs());
             let springy = spring > damper;
             let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
-            let kinked = is_kinked(law);
-            if delta > 0.0 {
-                Strain::Depth { row: at.row, depth: delta, rebounds, kinked, springy }
-            } else {
-                Strain::None
-            }
+            if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds, springy } } else { Strain::None }
         };
         match self.sites[site] {
             SiteState::Natural => quiet,
@@ -150,7 +145,7 @@ impl<const S: usize> Mode<S> {
             // Without a damper the force ends where the surfaces part, and is small long before.
             SiteState::Active if law.damping_max_n_s_per_m == 0.0 => {
                 let value = if delta > 0.0 { delta } else { delta.min(-1e-290) };
-                Guard { value, rate, look: Look::Gap, apart: false, strain: strain(), ..quiet }
+                Guard { value, rate, look: Look::Gap, apart: false, strain: strain() }
             }
             SiteState::Active => {
                 // Gone through zero without ever pulling counts as let go too.

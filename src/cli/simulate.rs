@@ -94,11 +94,10 @@ pub(super) fn finger<W: Write + Send + 'static>(
     let check = limits.check(steps, |go_on| check::check(model, scene, go_on));
     let close = |mut log: Beside<W, FingerChannels>| {
         last?;
-        record(&mut log, check.as_ref())?;
         if let Some(criteria) = &found {
             log.note(sinks.last_s, Severity::Info, "grasp", &verdict(criteria))?;
         }
-        close(log, sinks.last_s, result.as_ref().err())
+        close(log, sinks.last_s, result.as_ref().err(), check.as_ref())
     };
     let log = sinks.log.map(close).transpose();
     Simulated { result, found, wall_s, check, log }
@@ -128,10 +127,9 @@ pub(super) fn bodies<W: Write + Send + 'static>(
     });
     let steps = steps(&result, |outcome| outcome.work.steps);
     let check = limits.check(steps, |go_on| check::check_bodies(model, scene, go_on));
-    let close = |mut log| {
+    let close = |log| {
         last?;
-        record(&mut log, check.as_ref())?;
-        close(log, sinks.last_s, result.as_ref().err())
+        close(log, sinks.last_s, result.as_ref().err(), check.as_ref())
     };
     let log = sinks.log.map(close).transpose();
     Simulated { result, found: sinks.found.pairs().to_vec(), wall_s, check, log }
@@ -172,12 +170,15 @@ fn close<W: Write + Send + 'static, C: Channels, O>(
     mut log: Beside<W, C>,
     last_s: f64,
     broken: Option<&Broken<O>>,
+    check: Option<&Check>,
 ) -> Result<W, SinkError> {
     let (time_s, severity, text) = match broken {
         None => (last_s, Severity::Info, "completed".to_string()),
         Some(Broken { error, .. }) => (error.time_s, Severity::Error, format!("stopped: {}", error.reason)),
     };
     log.note(time_s, severity, "run", &text)?;
+    // Last of all: it ends a chunk.
+    record(&mut log, check)?;
     log.finish()
 }
 

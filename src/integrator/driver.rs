@@ -81,9 +81,6 @@ const APPROACH_CUT: f64 = 0.25;
 const NEAREST_APPROACH_S: f64 = 1e-11;
 /// Part of its normal force that a contact which sticks has to keep in a step…
 const LETTING_GO: f64 = 0.25;
-/// …and of its depth one that rebounds to a kink, as long as its rate gains more than so many tolerances: a step to the kink misses some
-/// hundredth of it…
-const KINK_TOLERANCES: f64 = 5.0;
 /// …else the step is cut to this part.
 const LETTING_GO_CUT: f64 = 0.4;
 /// Depth that any step may err by, rad or m.
@@ -343,8 +340,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     }
 
     /// Whether a contact that sticks loses most of its normal force in a step, and slips by what it then does not hold: creep grows
-    /// with the reciprocal of the force, which no polynomial of a step follows, nor does the error of one tell. The same for one that
-    /// rebounds on a spring whose force ends with a kink, and its rate.
+    /// with the reciprocal of the force, which no polynomial of a step follows, nor does the error of one tell.
     #[inline(always)]
     fn lets_go(&self, origin: &Origin<Y, N, Z>, attempt: &Attempt<N, Z>, end: &Watch<N, S>) -> bool {
         let gains = |row: &[f64; N]| (0..N).map(|n| row[n] * (attempt.end.v[n] - origin.state.v[n])).sum::<f64>().abs();
@@ -352,12 +348,6 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             Strain::Slip { row, finest, normal } => {
                 let left = if let Strain::Slip { normal, .. } = &end.strain { *normal } else { 0.0 };
                 left < LETTING_GO * normal && gains(row) > origin.tolerances.share() * finest
-            }
-            Strain::Depth { row, depth, rebounds: true, kinked: true, .. } => {
-                let left = if let Strain::Depth { depth, .. } = &end.strain { *depth } else { 0.0 };
-                let change: [f64; N] = std::array::from_fn(|n| attempt.end.v[n] - origin.state.v[n]);
-                let gained = || origin.tolerances.rate_along(row, &change, origin.state, &attempt.end);
-                left < LETTING_GO * depth && gained() > KINK_TOLERANCES
             }
             _ => false,
         })

@@ -69,7 +69,6 @@ pub enum Strain<const N: usize> {
         row: [f64; N],
         depth: f64,
         rebounds: bool,
-        kinked: bool,
         springy: bool,
     },
     /// Slip of a contact that presses, along rates; the finest scale of its friction law, and the normal force.

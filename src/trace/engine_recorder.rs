@@ -3,6 +3,7 @@
 use super::engine_reading::{Start, forces, sample};
 use super::grid::Grid;
 use super::moments::Moments;
+use super::thin::Instant;
 use super::tracked::{Told, Tracked};
 use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
 use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Moment, Motion};
@@ -157,7 +158,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         }
         self.emit_grid(&touch, time_s)?;
         self.emitted_s = time_s;
-        self.sink.sample(&touch)?;
+        self.show(&touch)?;
         // Whatever comes until the end of the step comes at the rates after the impact.
         self.last = Sample {
             qd11_rad_s: now.qd11_rad_s,
@@ -208,9 +209,17 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         if self.emitted_s < self.last.time_s {
             let last = self.last;
             self.emitted_s = last.time_s;
-            self.sink.sample(&last)?;
+            self.show(&last)?;
         }
         self.sink.event(&Event { time_s, site, kind, approach_speed: approach, impulse })
+    }
+
+    /// Hands out a sample; by rounding, and where a step has frozen the geometry, it can be above the extremes within the steps.
+    fn show(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        for (index, site) in self.sites.iter_mut().enumerate() {
+            site.summary.take(sample.pressed(index));
+        }
+        self.sink.sample(sample)
     }
 
     /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie
@@ -220,7 +229,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         self.last = *now;
         if self.grid.takes_end(now.time_s, dt) || now.time_s >= self.end_s {
             self.emitted_s = now.time_s;
-            self.sink.sample(now)
+            self.show(now)
         } else if self.moments.at_end {
             self.sink.extreme(now)
         } else {
@@ -237,7 +246,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             }
             if t > self.last.time_s {
                 self.emitted_s = t;
-                self.sink.sample(&between(&self.last, end, t))?;
+                self.show(&between(&self.last, end, t))?;
             }
         }
         Ok(())
@@ -249,9 +258,10 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
     }
 
     /// The last sample, if the run broke off between grid points, and the summary.
-    pub fn finish(self) -> Result<Outcome, SinkError> {
+    pub fn finish(mut self) -> Result<Outcome, SinkError> {
         if self.emitted_s < self.last.time_s {
-            self.sink.sample(&self.last)?;
+            let last = self.last;
+            self.show(&last)?;
         }
         let sites = self.sites.map(|tracked| tracked.summary);
         Ok(Outcome { last: self.last, sites, work: self.work, loop_gap_m: self.loop_gap_m })

@@ -124,8 +124,7 @@ impl<const S: usize> Hybrid<1, 2, S> for Line<S> {
             let strain = if delta > 0.0 {
                 let springy = spring_force(law, delta) > damping(law, delta).0 * rate.abs();
                 let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
-                let kinked = law.exponent.fract() != 0.0 && law.exponent < 3.0;
-                Strain::Depth { row: [n], depth: delta, rebounds, kinked, springy }
+                Strain::Depth { row: [n], depth: delta, rebounds, springy }
             } else {
                 Strain::None
             };
