@@ -25,7 +25,10 @@ use phalanx::scene::{AnyScene, parse_any};
 use record::{Run, Setting, difference, record};
 use trial::{Trial, Verdict, trial};
 
-const FAMILIES: [(&str, fn(&mut Dice) -> String); 4] =
+/// Makes the text of a scene.
+type Family = fn(&mut Dice) -> String;
+
+const FAMILIES: [(&str, Family); 4] =
     [("mixed", fingers::mixed), ("soft", fingers::soft), ("stick", fingers::stick), ("discs", discs::text)];
 
 #[derive(Parser)]
@@ -110,7 +113,7 @@ fn main() {
     }
 }
 
-fn family(name: &str, text: fn(&mut Dice) -> String, args: &Args) -> Tally {
+fn family(name: &str, text: Family, args: &Args) -> Tally {
     let next = AtomicU64::new(args.seed);
     let tally = Mutex::new(Tally::default());
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
