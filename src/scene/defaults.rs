@@ -88,7 +88,7 @@ impl Integrator {
     }
 
     /// The same with another `rtol`, and with the absolute tolerances scaled along: all of what counts as tolerance is as much
-    /// tighter or looser. Below [`FINEST_ATOL_RAD`] and [`FINEST_ATOL_RAD_S`] there are no digits left to ask for.
+    /// tighter or looser, but not below 1e-14 rad and 1e-9 rad/s: there are no digits left to ask for.
     pub fn with_rtol(&self, rtol: f64) -> Self {
         let factor = rtol / self.rtol;
         let scaled = |atol: f64, finest: f64| (factor * atol).max(finest.min(atol));
