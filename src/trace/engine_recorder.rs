@@ -119,7 +119,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             }
             if time_s > self.emitted_s && time_s < now.time_s {
                 self.emit_grid(now, time_s)?;
-                self.sink.extreme(&sample)?;
+                self.show_extreme(&sample)?;
             }
         }
         Ok(())
@@ -216,10 +216,19 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
 
     /// Hands out a sample; by rounding, and where a step has frozen the geometry, it can be above the extremes within the steps.
     fn show(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.take(sample);
+        self.sink.sample(sample)
+    }
+
+    fn show_extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.take(sample);
+        self.sink.extreme(sample)
+    }
+
+    fn take(&mut self, sample: &Sample) {
         for (index, site) in self.sites.iter_mut().enumerate() {
             site.summary.take(sample.pressed(index));
         }
-        self.sink.sample(sample)
     }
 
     /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie
@@ -231,7 +240,7 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
             self.emitted_s = now.time_s;
             self.show(now)
         } else if self.moments.at_end {
-            self.sink.extreme(now)
+            self.show_extreme(now)
         } else {
             Ok(())
         }
