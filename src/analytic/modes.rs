@@ -175,7 +175,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         let row = geometry.normal_row;
         let speed = dot(row, *v).abs();
         let mobility = dot(row, solve_mass(&terms.mass, row));
-        Some(restart_fraction(law, speed, 1.0 / mobility) * stopping_time(law, speed, 1.0 / mobility))
+        Some(first_step(law, speed, 1.0 / mobility))
     }
 
     fn settle(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<Settled<2>> {
@@ -198,19 +198,14 @@ const RESTART_FRACTION: f64 = 0.05;
 /// The same where a spring without a smooth force stops it: a first step misses (h/T)^(e+1) of its impulse.
 const KINKED_FRACTION: f64 = 0.01;
 
-/// Part of its stopping time for the first step of an impact.
-pub(super) fn restart_fraction(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
-    let [damper, spring] = stopping_depths(law, speed, mass);
-    if is_kinked(law) && spring < damper { KINKED_FRACTION } else { RESTART_FRACTION }
-}
-
-/// Time scale of an impact at `speed` of an effective `mass`: depth over speed, with the depth at which damper or spring,
-/// whichever bites first, has used up the momentum.
+/// First step of an impact at `speed` of an effective `mass`: a part of its time scale, depth over speed, with the depth at which damper
+/// or spring, whichever bites first, has used up the momentum.
 ///
 /// Damper alone: m v = c_max (δ³/δ_max² − …), spring alone: m v² / 2 = k δᵉ⁺¹/(e + 1).
-pub(super) fn stopping_time(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
+pub(super) fn first_step(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
     let [damper, spring] = stopping_depths(law, speed, mass);
-    damper.min(spring) / speed.max(SLOWEST_IMPACT)
+    let fraction = if is_kinked(law) && spring < damper { KINKED_FRACTION } else { RESTART_FRACTION };
+    fraction * (damper.min(spring) / speed.max(SLOWEST_IMPACT))
 }
 
 const SLOWEST_IMPACT: f64 = 1e-6;

@@ -16,6 +16,7 @@ mod runs;
 
 use path::Path;
 use runs::{Subject, Way};
+pub use runs::{pushed, pushed_bodies};
 
 use crate::integrator::Reason;
 use crate::scene::{BodiesScene, Scene, Stepping};
@@ -102,12 +103,12 @@ fn judge<S: Subject>(model: Model, scene: &S, go_on: &dyn Fn() -> bool) -> Check
     let run = scene.run(model, &way);
     let budget = Way { budget: STEPS_PER_STEP * run.steps + MOST_STEPS, ..way };
     let finer = Way { finer: true, ..budget };
-    let analytic = scene.run(Model::Analytic, &finer);
-    // Whether the analytic model can speak for the engine.
-    let comparable = scene.is_comparable() && (analytic.failure.is_none() || run.failure.is_some());
-    let (second, judge) = match model {
-        Model::Engine if !comparable => (scene.run(Model::Engine, &finer), Model::Engine),
-        _ => (analytic, Model::Analytic),
+    let analytic = (model == Model::Analytic || scene.is_comparable()).then(|| scene.run(Model::Analytic, &finer));
+    // The analytic model speaks for the engine as far as it gets.
+    let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none() || run.failure.is_some();
+    let (second, judge) = match analytic.filter(speaks) {
+        Some(analytic) => (analytic, Model::Analytic),
+        None => (scene.run(Model::Engine, &finer), Model::Engine),
     };
     let pushed = scene.run(judge, &Way { push: PUSH, ..finer });
     let bar = if model == Model::Engine { ENGINE_BAR } else { BAR };

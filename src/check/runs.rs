@@ -3,7 +3,7 @@
 use super::finer_stepping;
 use super::path::{Keep, POINTS, Path, angles, centres};
 use crate::analytic::discs::moving_discs;
-use crate::scene::{Actuation, BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene};
+use crate::scene::{BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene, scaled};
 use crate::trace::bodies::{BodiesOutcome, BodiesRunError, run_bodies};
 use crate::trace::{self, Model, Outcome, RunError};
 
@@ -20,6 +20,26 @@ pub struct Way<'a> {
     /// Steps it may take at most.
     pub budget: u64,
     pub go_on: &'a dyn Fn() -> bool,
+}
+
+/// A scene whose motor is stronger by a part of its torque.
+pub fn pushed(scene: &Scene, by: f64) -> Scene {
+    Scene { actuation: scaled(&scene.actuation, 1.0 + by), ..scene.clone() }
+}
+
+/// A scene whose discs start faster, and fall harder, by a part of what they do.
+pub fn pushed_bodies(scene: &BodiesScene, by: f64) -> BodiesScene {
+    let (mut scene, factor) = (scene.clone(), 1.0 + by);
+    scene.gravity_m_s2 = scene.gravity_m_s2.map(|g| g * factor);
+    for disc in &mut scene.discs {
+        if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } =
+            &mut disc.motion
+        {
+            *velocity_m_s = velocity_m_s.map(|v| v * factor);
+            *spin_rad_s *= factor;
+        }
+    }
+    scene
 }
 
 /// A scene that can be checked.
@@ -73,11 +93,10 @@ fn words(integrator_used: &Integrator, judge: Model) -> String {
 
 impl Subject for Scene {
     fn run(&self, model: Model, way: &Way<'_>) -> Path {
-        let mut scene = self.clone();
+        let mut scene = pushed(self, way.push);
         scene.integrator = integrator(&self.integrator, way);
         scene.engine = engine(&self.engine, way);
         scene.log.numeric_hz = POINTS / scene.duration_s;
-        push(&mut scene.actuation, 1.0 + way.push);
         let mut keep = Keep::new(scene.duration_s, way.go_on);
         let (outcome, failure) = match trace::run(model, &scene, &mut keep) {
             Ok(outcome) => (outcome, None),
@@ -105,32 +124,12 @@ impl Subject for Scene {
     }
 }
 
-fn push(actuation: &mut Actuation, factor: f64) {
-    match actuation {
-        Actuation::Constant { torque_n_m }
-        | Actuation::Ramp { torque_n_m, .. }
-        | Actuation::HalfSine { torque_n_m, .. }
-        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
-        Actuation::Table { points, .. } => points.iter_mut().for_each(|point| point.1 *= factor),
-    }
-}
-
 impl Subject for BodiesScene {
     fn run(&self, model: Model, way: &Way<'_>) -> Path {
-        let mut scene = self.clone();
+        let mut scene = pushed_bodies(self, way.push);
         scene.integrator = integrator(&self.integrator, way);
         scene.engine = engine(&self.engine, way);
         scene.log.numeric_hz = POINTS / scene.duration_s;
-        let factor = 1.0 + way.push;
-        scene.gravity_m_s2 = scene.gravity_m_s2.map(|g| g * factor);
-        for disc in &mut scene.discs {
-            if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. }
-            | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } = &mut disc.motion
-            {
-                *velocity_m_s = velocity_m_s.map(|v| v * factor);
-                *spin_rad_s *= factor;
-            }
-        }
         let mut keep = Keep::new(scene.duration_s, way.go_on);
         let (outcome, failure) = match run_bodies(model, &scene, &mut keep) {
             Ok(outcome) => (outcome, None),

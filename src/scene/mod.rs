@@ -38,7 +38,7 @@ pub use schema::schema;
 pub use show::{show, show_any, show_bodies};
 pub(crate) use suggest::nearest;
 pub use template::Template;
-pub use torque::{next_corner, torque};
+pub use torque::{next_corner, scaled, torque};
 
 use crate::gripper::{Circle, Finger};
 pub use crate::gripper::{Placement, Spring, SpringKind};

@@ -57,6 +57,19 @@ pub fn next_corner(actuation: &Actuation, t: f64) -> f64 {
     }
 }
 
+/// A torque `factor` times as large at every time.
+pub fn scaled(actuation: &Actuation, factor: f64) -> Actuation {
+    let mut scaled = actuation.clone();
+    match &mut scaled {
+        Actuation::Constant { torque_n_m }
+        | Actuation::Ramp { torque_n_m, .. }
+        | Actuation::HalfSine { torque_n_m, .. }
+        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
+        Actuation::Table { points, .. } => points.iter_mut().for_each(|(_, torque_n_m)| *torque_n_m *= factor),
+    }
+    scaled
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,5 +105,23 @@ mod tests {
         }
         let reversal = Actuation::Reversal { torque_n_m: 0.4, at_s: 1e-3 };
         assert_eq!((torque(&reversal, 9e-4).0, torque(&reversal, 1e-3).0), (0.4, -0.4));
+    }
+
+    #[test]
+    fn every_kind_of_torque_is_scaled_at_every_time() {
+        let points = vec![(0.0, 0.1), (1e-3, 0.4), (5e-3, -0.2)];
+        for actuation in [
+            Actuation::Constant { torque_n_m: 0.48 },
+            Actuation::Ramp { torque_n_m: 0.48, rise_s: 2e-3 },
+            Actuation::HalfSine { torque_n_m: 0.48, length_s: 8e-3 },
+            Actuation::Reversal { torque_n_m: 0.48, at_s: 3e-3 },
+            Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear },
+            Actuation::Table { points, interpolation: Interpolation::Step },
+        ] {
+            let twice = scaled(&actuation, 2.0);
+            for t in [0.0, 0.7e-3, 2.1e-3, 6e-3] {
+                assert_eq!(torque(&twice, t).0, 2.0 * torque(&actuation, t).0, "{actuation:?} at {t}");
+            }
+        }
     }
 }

@@ -5,9 +5,8 @@
 //! [`RUNS`] times with torques spread evenly over ±[`SPREAD`], far wider than either's error and the same for both, and
 //! their means are compared with the standard error of their difference.
 
-use super::ensemble::scaled;
 use super::{GoOn, While};
-use crate::scene::{LogRates, Scene};
+use crate::scene::{LogRates, Scene, scaled};
 use crate::trace::{Event, EventKind, Model, Outcome, RunError, Sample, Sink, SinkError, Site, run};
 
 /// Runs of each model.

@@ -135,7 +135,9 @@ for (const [scene, ...options] of [
       const { attachments, metadata } = streamed(log);
       assert.equal(attachments.length, 1);
       assert.deepEqual(Buffer.from(attachments[0].data), readFileSync(path.join(PROJECT, "scenes", scene)));
+      assert.deepEqual(metadata.map(({ name }) => name), ["phalanx", "phalanx-check"]);
       assert.equal(metadata[0].metadata.get("model"), said.model);
+      assert.equal(metadata[1].metadata.get("verdict"), said.check.verdict);
     });
   });
 }

@@ -117,12 +117,22 @@ class Beside(unittest.TestCase):
                     text = noted[f"integrator_{key}"]
                     self.assertEqual(float(text) if isinstance(value, float) else text, value if isinstance(value, float) else str(value))
 
+    def test_check_is_what_the_run_says_of_itself(self):
+        for run in ALL:
+            with self.subTest(run.name):
+                said, noted = run.json["check"], run.log.metadata["phalanx-check"]
+                self.assertEqual(noted["verdict"], said["verdict"])
+                unit = "rad" if said.get("error_rad") is not None else "m"
+                for key, name in (("error", f"error_{unit}"), ("sensitivity", f"sensitivity_{unit}"), ("push", "push"), ("bar", "bar")):
+                    self.assertEqual(float(noted[key]), said[name], key)
+
     def test_statistics_count_what_is_there(self):
         for run in ALL:
             with self.subTest(run.name):
                 self.assertEqual(run.log.statistics.message_count, len(run.log.messages))
                 self.assertEqual(run.log.statistics.attachment_count, 1)
-                self.assertEqual(run.log.statistics.metadata_count, 1)
+                self.assertEqual(run.log.statistics.metadata_count, len(run.log.metadata))
+                self.assertEqual(set(run.log.metadata), {"phalanx", "phalanx-check"})
                 self.assertEqual(run.log.statistics.message_end_time, run.log.messages[-1].log_ns)
 
 

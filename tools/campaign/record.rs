@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use phalanx::scene::{Actuation, AnyScene, BodiesScene, DiscMotion, Integrator, Method, Preset, Scene, Stepping};
+use phalanx::check::{pushed, pushed_bodies};
+use phalanx::scene::{AnyScene, BodiesScene, Integrator, Method, Preset, Scene, Stepping};
 use phalanx::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 
@@ -144,11 +145,10 @@ fn stepping(setting: Setting, own: Stepping) -> Stepping {
 }
 
 fn finger(scene: &Scene, setting: Setting, push: f64) -> Run {
-    let mut scene = scene.clone();
+    let mut scene = pushed(scene, push);
     scene.integrator = integrator(setting);
     scene.engine.stepping = stepping(setting, scene.engine.stepping);
     scene.log.numeric_hz = POINTS / scene.duration_s;
-    pushed(&mut scene.actuation, 1.0 + push);
     let mut keep = Keep::new(scene.duration_s);
     let result = run(model(setting), &scene, &mut keep);
     let (outcome, failure) = match result {
@@ -168,31 +168,11 @@ fn finger(scene: &Scene, setting: Setting, push: f64) -> Run {
     }
 }
 
-fn pushed(actuation: &mut Actuation, factor: f64) {
-    match actuation {
-        Actuation::Constant { torque_n_m }
-        | Actuation::Ramp { torque_n_m, .. }
-        | Actuation::HalfSine { torque_n_m, .. }
-        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
-        Actuation::Table { points, .. } => points.iter_mut().for_each(|point| point.1 *= factor),
-    }
-}
-
 fn discs(scene: &BodiesScene, setting: Setting, push: f64) -> Run {
-    let mut scene = scene.clone();
+    let mut scene = pushed_bodies(scene, push);
     scene.integrator = integrator(setting);
     scene.engine.stepping = stepping(setting, scene.engine.stepping);
     scene.log.numeric_hz = POINTS / scene.duration_s;
-    for disc in &mut scene.discs {
-        match &mut disc.motion {
-            DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } => {
-                *velocity_m_s = velocity_m_s.map(|v| v * (1.0 + push));
-                *spin_rad_s *= 1.0 + push;
-            }
-            DiscMotion::Fixed => {}
-        }
-    }
-    scene.gravity_m_s2 = scene.gravity_m_s2.map(|g| g * (1.0 + push));
     let mut keep = Keep::new(scene.duration_s);
     let result = run_bodies(model(setting), &scene, &mut keep);
     let (outcome, failure) = match result {

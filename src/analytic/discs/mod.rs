@@ -15,12 +15,12 @@ mod pair;
 pub use model::{DiscEnergies, Discs, PAIRS, PairReading, QUADRATURES};
 
 use super::model::branch;
-use super::modes::{restart_fraction, stopping_time};
+use super::modes::first_step;
 use super::{SiteState, mode};
 use crate::scene::BodiesScene;
 
 /// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.
-pub type DiscMode = super::mode::Mode<PAIRS>;
+pub type DiscMode = mode::Mode<PAIRS>;
 
 /// Guards of all pairs: of their normal laws, then of their slips, then of their dampers.
 pub const GUARDS: usize = 3 * PAIRS;

@@ -2,7 +2,7 @@
 
 use super::mode::{Contact, DamperRange, Landing};
 use super::pair::Other;
-use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, restart_fraction, stopping_time};
+use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, first_step};
 use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{FrictionRange, friction_range, unclamped_normal_force};
 
@@ -148,8 +148,7 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
         };
         let mobility = self.movers[meeting.disc].inverse_mass + other;
         let speed = self.depth(q, v, site).1.abs();
-        let law = &self.law.normal;
-        Some(restart_fraction(law, speed, 1.0 / mobility) * stopping_time(law, speed, 1.0 / mobility))
+        Some(first_step(&self.law.normal, speed, 1.0 / mobility))
     }
 
     fn obstacle(&self, _: &[f64; N]) -> String {
