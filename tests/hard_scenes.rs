@@ -64,6 +64,7 @@ macro_rules! hard {
 
 hard! {
     a_turn_apart = "a-turn-apart",
+    limit_lets_go = "limit-lets-go",
     limit_pulls = "limit-pulls",
     sticks_at_once = "sticks-at-once",
     damper_none = "damper-none",

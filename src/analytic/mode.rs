@@ -109,6 +109,10 @@ pub fn is_kinked(law: &NormalLaw) -> bool {
 /// Rates below which a contact creeps rather than rebounds, m/s (limit: rad/s).
 const SLOWEST_REBOUND: f64 = 1e-2;
 
+/// A contact that parts so slowly that its damper takes this part of its spring's force may let go within a step and be back at its
+/// end: a long step holds by its polynomial what the law has let go.
+const FADING: f64 = 0.5;
+
 /// Part of a range's width by which a slip or depth may be beyond it before it counts as left, so that neighbours do not answer each
 /// other…
 const RANGE_MARGIN: f64 = 0.01;
@@ -150,7 +154,8 @@ impl<const S: usize> Mode<S> {
             SiteState::Active => {
                 // Gone through zero without ever pulling counts as let go too.
                 let value = if delta > 0.0 { force() } else { delta.min(-1e-290) };
-                Guard { value, look: Look::End, apart: false, strain: strain(), ..quiet }
+                let look = if value < FADING * spring_force(law, delta) { Look::Inside } else { Look::End };
+                Guard { value, look, apart: false, strain: strain(), ..quiet }
             }
             // The force of a released contact may come and go within a step.
             SiteState::Released => {

@@ -36,7 +36,7 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     for site in (0..S).filter(|site| suspect(*site)) {
         let value = |theta: f64| guard(theta, site).value;
         let over = end[site].value < 0.0;
-        let bracket = match end[site].look {
+        let bracket = match look(&start[site], &end[site]) {
             Look::End => over.then_some((0.0, 1.0)),
             Look::Inside => {
                 let parting =
@@ -65,11 +65,16 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
 /// end rates throughout; of others only a look inside can tell.
 fn may_dip<const N: usize>(start: &Guard<N>, end: &Guard<N>, h: f64) -> bool {
     let least = start.value.min(end.value);
-    match start.look {
+    match look(start, end) {
         Look::End => false,
         Look::Inside => least.is_finite(),
         Look::Gap => start.value.is_finite() && least < 2.0 * h * start.rate.abs().max(end.rate.abs()),
     }
+}
+
+/// How a guard is to be looked at within a step: inside if either end asks for it.
+fn look<const N: usize>(start: &Guard<N>, end: &Guard<N>) -> Look {
+    if start.look == Look::Inside { Look::Inside } else { end.look }
 }
 
 /// Points at which a value without a rate is looked at within a step, its ends included.
