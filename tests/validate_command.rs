@@ -39,6 +39,7 @@ fn the_anchor_case_is_within_its_bounds() {
         "final_force",
         "impulse",
         "loop_gap_m",
+        "reference",
         "analytic_invariants",
         "engine_invariants",
     ];

@@ -110,12 +110,14 @@ pub fn validate<S: Subject>(
         rows.push(Row { rung, tried });
     }
     let statistics = scene.statistics(go_on).map_err(broken(Model::Engine))?;
+    let checked = scene.check_reference(go_on);
     let reference_invariants = reference(scene).invariants(Model::Analytic, &references[0]);
     let engine_invariants = scene.invariants(Model::Engine, &engine);
     Ok(Validation {
         bounds: scene.bounds(),
         verdict: scene
             .judge(&differences)
+            .and_reference(&checked, scene.path_bound())
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
             .and_statistics(statistics.as_ref()),

@@ -7,6 +7,7 @@ use super::{
     Comparison, Differences, GoOn, Recording, Statistics, Verdict, While, compare, ensemble, record_while, statistics,
     verdicts,
 };
+use crate::check;
 use crate::invariants::{Finding, Invariants};
 use crate::scene::{Bounds, Engine, Integrator, LogRates, Preset, Scene};
 use crate::trace::{Model, RunError, Sink, run};
@@ -63,6 +64,10 @@ pub trait Subject: Clone + Debug + PartialEq {
     /// The worse of each figure.
     fn worse(a: &Self::Differences, b: &Self::Differences) -> Self::Differences;
     fn judge(&self, found: &Self::Differences) -> Verdict;
+    /// What a check of the reference says, as far as trajectories are compared.
+    fn check_reference(&self, go_on: GoOn) -> check::Check;
+    /// What the engine may be off by along the way, in the unit of the errors of a check.
+    fn path_bound(&self) -> f64;
     /// How near a kept run came to breaking each invariant.
     fn invariants(&self, model: Model, run: &Self::Recording) -> Vec<Finding>;
     /// Means over many runs beyond the time up to which trajectories are compared, if there is such a time.
@@ -151,6 +156,15 @@ impl Subject for Scene {
 
     fn judge(&self, found: &Differences) -> Verdict {
         verdicts(found, &self.bounds)
+    }
+
+    fn check_reference(&self, go_on: GoOn) -> check::Check {
+        let duration_s = self.bounds.until_s.min(self.duration_s);
+        check::check(Model::Analytic, &reference(&Scene { duration_s, ..self.clone() }), go_on)
+    }
+
+    fn path_bound(&self) -> f64 {
+        self.bounds.angle_rad
     }
 
     fn invariants(&self, model: Model, run: &Recording) -> Vec<Finding> {

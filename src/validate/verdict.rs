@@ -2,8 +2,12 @@
 
 use super::difference::larger;
 use super::{Differences, MOST_ERRORS, Statistics};
+use crate::check;
 use crate::invariants::Finding;
 use crate::scene::Bounds;
+
+/// What the reference may be off by, as a part of what the engine may.
+pub const REFERENCE_SHARE: f64 = 0.1;
 
 /// One bound of the scene and what was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +38,20 @@ impl Verdict {
     /// Whether every bound holds.
     pub fn passed(&self) -> bool {
         self.checks.iter().all(Check::passed)
+    }
+}
+
+impl Verdict {
+    /// With the reference judged too: by another method it may be off by a part of what the engine may. What could not be
+    /// checked is no reference.
+    pub fn and_reference(mut self, found: &check::Check, bound: f64) -> Self {
+        let measured = match found.verdict {
+            check::Verdict::Unknown => f64::INFINITY,
+            _ => found.errors.path / bound,
+        };
+        let meaning = "the reference against another method, as a part of what the engine may differ";
+        self.checks.push(Check { bound: "reference", meaning, measured: Some(measured), limit: REFERENCE_SHARE });
+        self
     }
 }
 

@@ -1,8 +1,9 @@
 //! What a validation needs of a scene of discs.
 
-use super::super::{Check, GoOn, Subject, TORQUE_STEP, Verdict, While};
+use super::super::{Check, GoOn, Subject, TORQUE_STEP, Verdict, While, reference};
 use super::difference::compare;
 use super::{BodiesComparison, BodiesDifferences, BodiesRecording};
+use crate::check;
 use crate::invariants::{Finding, Invariants};
 use crate::scene::{BodiesBounds, BodiesScene, DiscMotion, Engine, Integrator, LogRates};
 use crate::trace::Model;
@@ -102,6 +103,14 @@ impl Subject for BodiesScene {
 
     fn is_stop(error: &BodiesRunError) -> bool {
         error.is_stop()
+    }
+
+    fn check_reference(&self, go_on: GoOn) -> check::Check {
+        check::check_bodies(Model::Analytic, &reference(self), go_on)
+    }
+
+    fn path_bound(&self) -> f64 {
+        self.bounds.position_m
     }
 
     fn compare(&self, run: &BodiesRecording, reference: &BodiesRecording) -> BodiesDifferences {
