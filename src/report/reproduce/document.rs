@@ -16,6 +16,7 @@ pub struct ReproductionReport {
     pub outside: usize,
     pub figures: Vec<Comparison>,
     pub other_sizings: Vec<OtherSizingReport>,
+    pub checks: ChecksReport,
     pub near_chaotic: ChaosReport,
     pub selection: SelectionReport,
 }
@@ -25,6 +26,17 @@ pub struct OtherSizingReport {
     pub torques: &'static str,
     pub statically_stable_mu_0: usize,
     pub statically_stable_mu_0_8: usize,
+}
+
+/// Completed runs by what their checks say.
+#[derive(Clone, Debug, Serialize)]
+pub struct ChecksReport {
+    pub runs: usize,
+    pub uncertain_runs: Vec<i64>,
+    pub chaotic_runs: Vec<i64>,
+    pub unknown_runs: Vec<i64>,
+    /// Largest error of all others.
+    pub worst_error_rad: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -88,6 +100,13 @@ impl ReproductionReport {
                     statically_stable_mu_0_8: of.stable[1],
                 })
                 .collect(),
+            checks: ChecksReport {
+                runs: found.checks.runs,
+                uncertain_runs: found.checks.uncertain.clone(),
+                chaotic_runs: found.checks.chaotic.clone(),
+                unknown_runs: found.checks.unknown.clone(),
+                worst_error_rad: found.checks.worst_rad,
+            },
             near_chaotic: ChaosReport {
                 variations: chaos.variations.iter().map(|of| of.name()).collect(),
                 conditions: (0..chaos.stable.len()).map(spread).collect(),

@@ -5,8 +5,9 @@ use super::parts::{compared, of_section};
 use crate::criteria::Class;
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
+use crate::report::table::figure;
 use crate::report::{condition_name, duration, percent_of};
-use crate::study::reproduce::{Chaos, DRIFT_S, Reproduction, Variation};
+use crate::study::reproduce::{Chaos, Checks, DRIFT_S, Reproduction, Variation};
 use crate::study::select::{CLASSES, Classes, RunStatus, Selection};
 
 /// The section.
@@ -19,6 +20,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
     );
     let section = compared(section, "Dynamic stability.", &of_section(all, "sweep"));
     let section = broken(classes(section, selection), selection);
+    let section = section.words(checked(&found.checks));
     let section = crossed(section, selection);
     let section = chaos(section, &found.chaos, selection);
     Ok(section
@@ -65,6 +67,24 @@ fn broken(section: Section, selection: &Selection) -> Section {
             stable.count()
         )),
     }
+}
+
+/// What the checks of the runs say, in words.
+pub fn checked(checks: &Checks) -> String {
+    let Checks { runs, uncertain, chaotic, unknown, worst_rad } = checks;
+    let doubtful = [("uncertain", uncertain), ("chaotic", chaotic), ("not to be checked", unknown)];
+    let named = |(what, runs): &(&str, &Vec<i64>)| {
+        let numbers: Vec<String> = runs.iter().map(i64::to_string).collect();
+        format!("{what}: runs {}", numbers.join(", "))
+    };
+    let doubts: Vec<String> = doubtful.iter().filter(|(_, runs)| !runs.is_empty()).map(named).collect();
+    let sure = runs - uncertain.len() - chaotic.len() - unknown.len();
+    let which = if sure == *runs { "all".to_string() } else { sure.to_string() };
+    let right = format!(
+        "Of {runs} completed runs, each held to another method, {which} are right to {} rad along their path",
+        figure(*worst_rad, 2)
+    );
+    std::iter::once(right).chain(doubts).collect::<Vec<_>>().join("; ") + "."
 }
 
 /// Static against dynamic stability, without against with friction.

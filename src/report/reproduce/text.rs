@@ -1,5 +1,6 @@
 //! A table for the terminal.
 
+use super::sweep::checked;
 use super::{Comparison, ReproductionReport, Verdict};
 use crate::report::duration;
 use crate::report::table::{row, table};
@@ -31,6 +32,7 @@ pub fn reproduction_text(found: &Reproduction) -> String {
         true => "no run changes its class with the tolerances\n".to_string(),
         false => format!("class changes with tolerances or a torque nudged by 1e-9: runs {}\n", chaotic.join(", ")),
     });
+    text.push_str(&format!("{}\n", checked(&found.checks)));
     let drifting: Vec<String> = report.near_chaotic.drifting_runs.iter().map(i64::to_string).collect();
     text.push_str(&match drifting.is_empty() {
         true => format!("no time to stability moves by more than {}\n", duration(DRIFT_S)),

@@ -9,8 +9,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use super::ReproduceError;
+use crate::check::pushed;
 use crate::criteria::{Class, Tracker, at_rest};
-use crate::scene::{Actuation, Preset, Scene};
+use crate::scene::{Preset, Scene};
 use crate::study::select::{Candidate, Selection};
 use crate::trace::{self, RunError};
 
@@ -45,25 +46,13 @@ impl Variation {
     }
 
     fn apply(self, scene: &Scene) -> Scene {
-        let mut scene = scene.clone();
+        let own = &scene.integrator;
         match self {
-            Variation::Tighter => {
-                scene.integrator.rtol *= 0.1;
-                scene.integrator.atol_angle_rad *= 0.1;
-                scene.integrator.atol_rate_rad_s *= 0.1;
-            }
-            Variation::Reference => scene.integrator = scene.integrator.with_preset(Preset::Reference),
-            Variation::Stronger => nudge(&mut scene.actuation, 1.0 + NUDGE),
-            Variation::Weaker => nudge(&mut scene.actuation, 1.0 - NUDGE),
+            Variation::Tighter => Scene { integrator: own.with_rtol(0.1 * own.rtol), ..scene.clone() },
+            Variation::Reference => Scene { integrator: own.with_preset(Preset::Reference), ..scene.clone() },
+            Variation::Stronger => pushed(scene, NUDGE),
+            Variation::Weaker => pushed(scene, -NUDGE),
         }
-        scene
-    }
-}
-
-/// The study's motors are constant.
-fn nudge(actuation: &mut Actuation, factor: f64) {
-    if let Actuation::Constant { torque_n_m } = actuation {
-        *torque_n_m *= factor;
     }
 }
 

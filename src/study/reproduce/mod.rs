@@ -8,12 +8,14 @@
 //! | `designs` | masses, trajectories and statics of the 192 designs, also by other sizings |
 //! | `grids` | volumes with points elsewhere and by other torques |
 //! | `chaos` | which of the simulations change their class with the tolerances |
+//! | `checks` | what the checks of the simulations found |
 //! | `chosen` | design 95 as printed, and its CAD model |
 //! | `measured` | everything found, by the keys of the figures |
 //!
 //! Everything is computed from the shipped study and scenes, which are part of the program.
 
 mod chaos;
+mod checks;
 mod chosen;
 mod designs;
 mod grids;
@@ -24,6 +26,7 @@ mod thesis;
 use std::collections::HashSet;
 
 pub use chaos::{Chaos, DRIFT_S, Flip, Variation};
+pub use checks::Checks;
 pub use chosen::{Closing, ClosingPoint};
 pub use designs::{Designs, OtherSizing};
 pub use grids::{CELLS, Grid};
@@ -53,8 +56,9 @@ pub struct Reproduction {
     pub designs: Designs,
     pub volumes: Vec<Volume>,
     pub grids: Vec<Grid>,
-    /// Results of the 384 simulations.
+    /// Results of the 384 simulations, each checked.
     pub results: Table,
+    pub checks: Checks,
     pub selection: Selection,
     pub chaos: Chaos,
     /// Design 95 with the printed torques, and its CAD model.
@@ -93,9 +97,11 @@ pub fn reproduce(
         show(part, PARTS, name);
         part += 1;
     };
-    let study = sweep::parse(STUDY, "thesis.toml").map_err(|error| ReproduceError::of("the study")(&error))?;
+    let mut study = sweep::parse(STUDY, "thesis.toml").map_err(|error| ReproduceError::of("the study")(&error))?;
+    study.checked = true;
     next("the 384 simulations");
     let results = swept(&study, threads);
+    let checks = checks::checks(&results)?;
     let scenes = scenes(&study)?;
     let selection =
         select(&results, &SelectionCriteria::default()).map_err(|error| ReproduceError::of("the selection")(&error))?;
@@ -111,7 +117,7 @@ pub fn reproduce(
     let chaos = chaos::chaos(&scenes, &selection, quick, threads)?;
     next("design 95");
     let (chosen, cad) = (chosen::chosen()?, chosen::cad()?);
-    Ok(Reproduction { quick, sizing, designs, volumes, grids, results, selection, chaos, chosen, cad })
+    Ok(Reproduction { quick, sizing, designs, volumes, grids, results, checks, selection, chaos, chosen, cad })
 }
 
 /// The scene of every run.
