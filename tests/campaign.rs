@@ -17,6 +17,8 @@ mod record;
 #[allow(dead_code)]
 mod trial;
 
+use std::ops::Range;
+
 use dice::Dice;
 use phalanx::scene::parse_any;
 use record::{Setting, difference, record};
@@ -83,22 +85,36 @@ fn discs_in_both_models() {
     campaign(discs::text, 30_000, 20, true);
 }
 
-/// Over random scenes the error falls with the tolerance: over two decades of it the median by more than one.
-#[test]
-fn errors_fall_with_the_tolerance() {
-    let settings = [1e-4, 1e-6, 1e-8].map(Setting::Rtol);
-    let mut errors: [Vec<f64>; 3] = Default::default();
-    for seed in 40_000..40_040 {
-        let Ok(scene) = parse_any(&fingers::stick(&mut Dice::new(seed)), "random.toml") else { continue };
+/// Medians over random scenes of the error at each setting.
+fn medians<const N: usize>(family: fn(&mut Dice) -> String, seeds: Range<u64>, settings: [Setting; N]) -> [f64; N] {
+    let mut errors: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+    for seed in seeds {
+        let Ok(scene) = parse_any(&family(&mut Dice::new(seed)), "random.toml") else { continue };
         let reference = record(&scene, Setting::Reference, 0.0);
         for (list, setting) in errors.iter_mut().zip(settings) {
             list.push(difference(&reference, &record(&scene, setting, 0.0)));
         }
     }
-    let medians = errors.map(|mut list| {
+    errors.map(|mut list| {
         list.sort_by(f64::total_cmp);
         list[list.len() / 2]
-    });
+    })
+}
+
+/// Over random scenes the error falls with the tolerance: over two decades of it the median by more than one.
+#[test]
+fn errors_fall_with_the_tolerance() {
+    let medians = medians(fingers::stick, 40_000..40_040, [1e-4, 1e-6, 1e-8].map(Setting::Rtol));
     assert!(medians[1] < 0.1 * medians[0] && medians[2] < 0.1 * medians[1], "{medians:?}");
     assert!(medians[0] < 1e-5, "{medians:?}");
+}
+
+/// And so does that of the engine, whose steps are of second order: a decade of its tolerance takes half of the error at least.
+#[test]
+fn errors_of_the_engine_fall_with_its_tolerance() {
+    for family in [fingers::mixed, fingers::stick] {
+        let medians = medians(family, 40_000..40_020, [10.0, 1.0, 0.1].map(Setting::EngineAt));
+        assert!(medians[1] < 0.5 * medians[0] && medians[2] < 0.5 * medians[1], "{medians:?}");
+        assert!(medians[1] < 1e-4, "{medians:?}");
+    }
 }
