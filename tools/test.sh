@@ -18,6 +18,15 @@ done
 say "formatting"
 cargo fmt --check
 
+say "lock files of what is built apart"
+# Nothing else here builds them, and a change of the main manifest makes them stale.
+for apart in benches/solvers tests/fuzz; do
+    if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
+        echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
+        exit 1
+    fi
+done
+
 say "lints"
 # Everything with all features, so that one build serves; the default set has to be sound too.
 cargo clippy --locked --quiet -- -D warnings
