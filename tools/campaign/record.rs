@@ -9,8 +9,8 @@ use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Points at which runs are compared.
 const POINTS: f64 = 100.0;
-/// Wall time after which a run is stopped.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+/// Wall time after which a run counts as one that hangs.
+pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
