@@ -73,7 +73,6 @@ impl Model {
         Some(Settled {
             q: std::array::from_fn(|i| q[i] + gap * response[i]),
             v: std::array::from_fn(|i| v[i] + rate * response[i]),
-            rate: at.rate.abs().max((at.delta - depth).abs() * (stiffness * mobility).sqrt()),
         })
     }
 }
@@ -179,13 +178,13 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 
     fn settle(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<Settled<2>> {
-        let (mut q, mut v, mut rate) = (*q, *v, 0.0f64);
+        let (mut q, mut v, mut found) = (*q, *v, false);
         for site in Site::ALL {
             if let Some(at_rest) = self.at_rest(t, &q, &v, mode, site) {
-                (q, v, rate) = (at_rest.q, at_rest.v, rate.max(at_rest.rate));
+                (q, v, found) = (at_rest.q, at_rest.v, true);
             }
         }
-        (rate > 0.0).then_some(Settled { q, v, rate })
+        found.then_some(Settled { q, v })
     }
 
     fn obstacle(&self, q: &[f64; 2]) -> String {

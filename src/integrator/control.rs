@@ -20,12 +20,11 @@ const REBOUND_SHARE: f64 = 0.1;
 
 /// Errors of single steps add up. A smooth closing takes some [`USUAL_STEPS`] at a relative tolerance of 1e-5, and as many more as the order
 /// of the methods asks for at finer ones; a run that takes longer, for it rebounds and sticks and slips, gets tolerances tighter by
-/// this power of how much longer it is, down to a [`TIGHTEST`] part.
+/// the square of how much longer it is, down to a [`TIGHTEST`] part.
 const USUAL_STEPS: f64 = 150.0;
 /// Events that a closing has, and the steps that every other one counts for: an impact makes the most of errors.
 const USUAL_EVENTS: u64 = 4;
 const STEPS_PER_EVENT: u64 = 40;
-const TIGHTENING: f64 = 2.0;
 const TIGHTEST: f64 = 1.0 / 100.0;
 /// Tolerances that are not tightened further: below them angles of 1 rad and rates of 100 rad/s have no digits.
 const FINEST: Tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
@@ -40,8 +39,18 @@ impl Tolerances {
     /// Those of the normal rate of a rebound: it keeps every error, and the next rebound multiplies it.
     #[inline(always)]
     pub fn of_rebounds(&self) -> Self {
-        let part = |tolerance: f64, finest: f64| (REBOUND_SHARE * tolerance).max(finest.min(tolerance));
-        Self { atol_v: part(self.atol_v, FINEST.atol_v), rtol_v: part(self.rtol_v, FINEST.rtol_v), ..*self }
+        Self { atol_q: self.atol_q, ..self.part(REBOUND_SHARE) }
+    }
+
+    /// A part of them, as far as numbers have digits.
+    #[inline(always)]
+    fn part(&self, part: f64) -> Self {
+        let tighter = |tolerance: f64, finest: f64| (part * tolerance).max(finest.min(tolerance));
+        Self {
+            atol_q: tighter(self.atol_q, FINEST.atol_q),
+            atol_v: tighter(self.atol_v, FINEST.atol_v),
+            rtol_v: tighter(self.rtol_v, FINEST.rtol_v),
+        }
     }
 
     /// Scaled error of the rate along a row.
@@ -61,24 +70,6 @@ impl Tolerances {
         if scale > 0.0 { error.abs() / scale } else { 0.0 }
     }
 
-    /// Those for the next step of a run that has come so far.
-    #[inline(always)]
-    pub fn after(&self, counters: &Counters) -> Self {
-        let usual = USUAL_STEPS * (1e-5 / self.rtol_v).powf(0.2);
-        let eventful = counters.events.saturating_sub(USUAL_EVENTS) * STEPS_PER_EVENT;
-        let longer = (counters.steps + eventful) as f64 / usual;
-        if longer <= 1.0 {
-            return *self;
-        }
-        let part = longer.powf(-TIGHTENING).max(TIGHTEST);
-        let tighter = |tolerance: f64, finest: f64| (part * tolerance).max(finest.min(tolerance));
-        Self {
-            atol_q: tighter(self.atol_q, FINEST.atol_q),
-            atol_v: tighter(self.atol_v, FINEST.atol_v),
-            rtol_v: tighter(self.rtol_v, FINEST.rtol_v),
-        }
-    }
-
     /// Root mean square of the scaled errors of coordinates and rates; 1 is just acceptable.
     #[inline(always)]
     pub fn norm<const N: usize, const Z: usize>(
@@ -96,6 +87,28 @@ impl Tolerances {
             sum += scaled_q * scaled_q + scaled_v * scaled_v;
         }
         (sum / (2 * N) as f64).sqrt()
+    }
+}
+
+/// How tolerances tighten as a run goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Pacing {
+    /// Steps of a smooth closing.
+    usual: f64,
+}
+
+impl Pacing {
+    /// Of a run with these tolerances.
+    pub fn new(tolerances: &Tolerances) -> Self {
+        Self { usual: USUAL_STEPS * (1e-5 / tolerances.rtol_v).powf(0.2) }
+    }
+
+    /// Tolerances of the next step of a run that has come so far.
+    #[inline(always)]
+    pub fn tolerances(&self, asked: &Tolerances, counters: &Counters) -> Tolerances {
+        let eventful = counters.events.saturating_sub(USUAL_EVENTS) * STEPS_PER_EVENT;
+        let longer = (counters.steps + eventful) as f64 / self.usual;
+        if longer <= 1.0 { *asked } else { asked.part((longer * longer).recip().max(TIGHTEST)) }
     }
 }
 

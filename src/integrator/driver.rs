@@ -2,12 +2,12 @@
 
 use super::chatter::Chatter;
 use super::clock::Clock;
-use super::control::Controller;
+use super::control::{Controller, Pacing};
 use super::landing::{Crossing, first_crossing, may_have_passed};
 use super::method::{Attempt, Method, Origin};
 use super::observer::{Observer, Step, StepTools};
 use super::pace::Pace;
-use super::{Hybrid, Linearised, State, Strain, Tolerances, Watch};
+use super::{Hybrid, Linearised, State, Tolerances, Watch, strain};
 
 /// How to integrate.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +64,6 @@ pub struct End<const N: usize, const Z: usize> {
     pub time_s: f64,
     pub state: State<N, Z>,
     pub counters: Counters,
-    /// The largest rate of a trembling contact that was brought to rest, see [`Settled`](super::Settled); 0 if none was.
-    pub settled_rate: f64,
     pub result: Result<(), Failure>,
 }
 
@@ -79,16 +77,8 @@ const NEAR_OBSTACLE: f64 = 0.1;
 const APPROACH_CUT: f64 = 0.25;
 /// …until it is shorter than this: then the obstacle is there.
 const NEAREST_APPROACH_S: f64 = 1e-11;
-/// Part of its normal force that a contact which sticks has to keep in a step…
-const LETTING_GO: f64 = 0.25;
-/// …else the step is cut to this part.
+/// A step in which a contact that sticks lets go is cut to this part.
 const LETTING_GO_CUT: f64 = 0.4;
-/// Depth that any step may err by, rad or m.
-const LEAST_DEPTH: f64 = 1e-14;
-/// Noise of a stiff contact's rate, in last digits of its coordinates: every stage of a step adds some.
-const NOISE_DIGITS: f64 = 8.0 * f64::EPSILON;
-/// Part of the terms that make up a depth or slip below which it has no digits.
-const DIGITS: f64 = 4.0 * f64::EPSILON;
 /// Tries to land on one event.
 const MAX_LANDINGS: usize = 12;
 
@@ -120,7 +110,7 @@ where
         h: FIRST_STEP_S,
         chatter: Chatter::new(),
         pace: Pace::new(&options.tolerances, t0),
-        settled_rate: 0.0,
+        pacing: Pacing::new(&options.tolerances),
         counters: Counters::default(),
     };
     let result = loop {
@@ -131,7 +121,7 @@ where
             break Err(Failure { time_s: run.clock.now(), reason });
         }
     };
-    End { time_s: run.clock.now(), state: run.state, counters: run.counters, settled_rate: run.settled_rate, result }
+    End { time_s: run.clock.now(), state: run.state, counters: run.counters, result }
 }
 
 /// An integration under way.
@@ -150,7 +140,7 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     h: f64,
     chatter: Chatter<S>,
     pace: Pace,
-    settled_rate: f64,
+    pacing: Pacing,
     counters: Counters,
 }
 
@@ -215,7 +205,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     /// A step whose error is acceptable, cut short at the first event within it.
     fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Found<N, Z>, Reason> {
         let (state, mode) = (self.state, self.mode);
-        let tolerances = self.tolerances(linearised);
+        let mut tolerances = self.pacing.tolerances(&self.options.tolerances, &self.counters);
+        strain::above_noise(&mut tolerances, &self.watch.guards, &self.state, linearised);
         let origin = Origin {
             system: self.system,
             mode: &mode,
@@ -252,7 +243,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 h = APPROACH_CUT * size;
                 continue;
             }
-            if self.lets_go(&origin, &attempt, &watch) {
+            if strain::lets_go(&self.watch.guards, &watch.guards, &attempt, &state, &tolerances) {
                 self.counters.rejected += 1;
                 h = LETTING_GO_CUT * size;
                 continue;
@@ -272,85 +263,16 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         }
     }
 
-    /// Tolerances of the next step. A rate that a stiff contact makes of the last digit of a coordinate is noise.
-    #[inline(always)]
-    fn tolerances(&self, linearised: &Linearised<N, Z>) -> Tolerances {
-        let mut tolerances = self.options.tolerances.after(&self.counters);
-        for guard in &self.watch.guards {
-            // A damper that is stronger makes nothing of it.
-            let Strain::Depth { row, springy: true, .. } = &guard.strain else { continue };
-            let (mut stiffness, mut square, mut digits) = (0.0, 0.0, 0.0);
-            for i in 0..N {
-                for j in 0..N {
-                    stiffness -= row[i] * linearised.a_q[i][j] * row[j];
-                }
-                square += row[i] * row[i];
-                digits += (row[i] * self.state.q[i]).abs();
-            }
-            // ω² = nᵀ M⁻¹ n ∂F/∂δ, of which a_q has M⁻¹ n nᵀ ∂F/∂δ.
-            let noise = (stiffness.max(0.0) / square).sqrt() * NOISE_DIGITS * digits / square.sqrt();
-            tolerances.atol_v = tolerances.atol_v.max(noise);
-        }
-        tolerances
-    }
-
     /// A try of the method; its error is also that of what the laws of pressing contacts are sensitive to.
-    ///
-    /// The tolerance of the coordinates knows nothing of a contact that presses from less deep than that: there the step's
-    /// linearised damper may hold, or pull, what the law does not. Nor does that of the rates know of a sticking range that is
-    /// narrower.
     #[inline(always)]
     fn attempt(&mut self, origin: &Origin<Y, N, Z>, size: f64) -> Attempt<N, Z> {
         let mut attempt = self.method.attempt(origin, size);
         self.counters.rhs += attempt.rhs;
-        if !attempt.is_acceptable() {
-            return attempt;
-        }
-        let share = origin.tolerances.share();
-        let rebound = origin.tolerances.of_rebounds();
-        for guard in &self.watch.guards {
-            let (mut error, mut scale, mut digits) = (0.0, 0.0, 0.0);
-            let mut floor = 0.0;
-            match &guard.strain {
-                Strain::None => continue,
-                Strain::Depth { row, depth, rebounds, .. } => {
-                    if *rebounds {
-                        let rate = rebound.rate_along(row, &attempt.error_v, origin.state, &attempt.end);
-                        attempt.error = attempt.error.max(rate);
-                    }
-                    for n in 0..N {
-                        error += row[n] * attempt.error_q[n];
-                        scale -= row[n] * (attempt.end.q[n] - origin.state.q[n]);
-                        digits += (row[n] * origin.state.q[n]).abs();
-                    }
-                    scale = (depth + scale).max(*depth);
-                    floor = LEAST_DEPTH;
-                }
-                Strain::Slip { row, finest, .. } => {
-                    for n in 0..N {
-                        error += row[n] * attempt.error_v[n];
-                        digits += (row[n] * origin.state.v[n]).abs();
-                    }
-                    scale = *finest;
-                }
-            }
-            attempt.error = attempt.error.max(error.abs() / (share * scale).max(floor + DIGITS * digits));
+        if attempt.is_acceptable() {
+            attempt.error =
+                attempt.error.max(strain::error(&self.watch.guards, &attempt, origin.state, origin.tolerances));
         }
         attempt
-    }
-
-    /// Whether a contact that sticks loses most of its normal force in a step, and slips by what it then does not hold: creep grows
-    /// with the reciprocal of the force, which no polynomial of a step follows, nor does the error of one tell.
-    #[inline(always)]
-    fn lets_go(&self, origin: &Origin<Y, N, Z>, attempt: &Attempt<N, Z>, end: &Watch<N, S>) -> bool {
-        let gains = |row: &[f64; N]| (0..N).map(|n| row[n] * (attempt.end.v[n] - origin.state.v[n])).sum::<f64>().abs();
-        self.watch.guards.iter().zip(&end.guards).any(|(start, end)| match &start.strain {
-            Strain::Slip { row, finest, normal } => {
-                let left = if let Strain::Slip { normal, .. } = &end.strain { *normal } else { 0.0 };
-                left < LETTING_GO * normal && gains(row) > origin.tolerances.share() * finest
-            }
-            _ => false,
-        })
     }
 
     /// Half the time in which a small clearance would be used up at its present rate.
@@ -386,7 +308,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                     return Landing::Refused { size: target, error: attempt.error };
                 }
                 let watch = self.system.watch(&attempt.end.q, &attempt.end.v, origin.mode);
-                if self.lets_go(origin, &attempt, &watch) {
+                if strain::lets_go(&self.watch.guards, &watch.guards, &attempt, origin.state, origin.tolerances) {
                     return Landing::Refused { size: target, error: f64::INFINITY };
                 }
                 let value = watch.guards[site].value;
@@ -506,7 +428,6 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         if let Some(settled) = self.system.settle(t, &self.state.q, &self.state.v, &self.mode) {
             (self.state.q, self.state.v) = (settled.q, settled.v);
             self.mode = self.system.read_mode(t, &self.state.q, &self.state.v);
-            self.settled_rate = self.settled_rate.max(settled.rate);
             self.refresh_watch();
             self.forget();
         }

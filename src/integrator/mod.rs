@@ -20,6 +20,7 @@ mod observer;
 mod pace;
 mod radau5;
 mod rodas5p;
+mod strain;
 mod system;
 mod tableau;
 

@@ -117,8 +117,6 @@ pub struct Watch<const N: usize, const S: usize> {
 pub struct Settled<const N: usize> {
     pub q: [f64; N],
     pub v: [f64; N],
-    /// The largest rate of a contact that was taken away, m/s (limit: rad/s).
-    pub rate: f64,
 }
 
 /// A system whose modes change at events.

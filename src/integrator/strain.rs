@@ -1,0 +1,104 @@
+//! What of pressing contacts a step may err by: quantities their laws are sensitive to, beyond what tolerances of coordinates and rates
+//! know of.
+
+use super::method::Attempt;
+use super::{Guard, Linearised, State, Strain, Tolerances};
+
+/// Part of its normal force that a contact which sticks has to keep in a step.
+const LETTING_GO: f64 = 0.25;
+/// Depth that any step may err by, rad or m.
+const LEAST_DEPTH: f64 = 1e-14;
+/// Noise of a stiff contact's rate, in last digits of its coordinates: every stage of a step adds some.
+const NOISE_DIGITS: f64 = 8.0 * f64::EPSILON;
+/// Part of the terms that make up a depth or slip below which it has no digits.
+const DIGITS: f64 = 4.0 * f64::EPSILON;
+
+/// Raises the tolerance of rates above the noise that a stiff contact's rate has of the last digit of a coordinate.
+#[inline(always)]
+pub fn above_noise<const N: usize, const Z: usize, const S: usize>(
+    tolerances: &mut Tolerances,
+    guards: &[Guard<N>; S],
+    state: &State<N, Z>,
+    linearised: &Linearised<N, Z>,
+) {
+    for guard in guards {
+        // A damper that is stronger makes nothing of it.
+        let Strain::Depth { row, springy: true, .. } = &guard.strain else { continue };
+        let (mut stiffness, mut square, mut digits) = (0.0, 0.0, 0.0);
+        for i in 0..N {
+            for j in 0..N {
+                stiffness -= row[i] * linearised.a_q[i][j] * row[j];
+            }
+            square += row[i] * row[i];
+            digits += (row[i] * state.q[i]).abs();
+        }
+        // ω² = nᵀ M⁻¹ n ∂F/∂δ, of which a_q has M⁻¹ n nᵀ ∂F/∂δ.
+        let noise = (stiffness.max(0.0) / square).sqrt() * NOISE_DIGITS * digits / square.sqrt();
+        tolerances.atol_v = tolerances.atol_v.max(noise);
+    }
+}
+
+/// Scaled error of a step in what the laws of pressing contacts are sensitive to.
+///
+/// The tolerance of the coordinates knows nothing of a contact that presses from less deep than that: there the step's
+/// linearised damper may hold, or pull, what the law does not. Nor does that of the rates know of a sticking range that is
+/// narrower.
+#[inline(always)]
+pub fn error<const N: usize, const Z: usize, const S: usize>(
+    guards: &[Guard<N>; S],
+    attempt: &Attempt<N, Z>,
+    from: &State<N, Z>,
+    tolerances: &Tolerances,
+) -> f64 {
+    let share = tolerances.share();
+    let rebound = tolerances.of_rebounds();
+    let mut worst: f64 = 0.0;
+    for guard in guards {
+        let (mut error, mut scale, mut digits) = (0.0, 0.0, 0.0);
+        let mut floor = 0.0;
+        match &guard.strain {
+            Strain::None => continue,
+            Strain::Depth { row, depth, rebounds, .. } => {
+                if *rebounds {
+                    worst = worst.max(rebound.rate_along(row, &attempt.error_v, from, &attempt.end));
+                }
+                for n in 0..N {
+                    error += row[n] * attempt.error_q[n];
+                    scale -= row[n] * (attempt.end.q[n] - from.q[n]);
+                    digits += (row[n] * from.q[n]).abs();
+                }
+                scale = (depth + scale).max(*depth);
+                floor = LEAST_DEPTH;
+            }
+            Strain::Slip { row, finest, .. } => {
+                for n in 0..N {
+                    error += row[n] * attempt.error_v[n];
+                    digits += (row[n] * from.v[n]).abs();
+                }
+                scale = *finest;
+            }
+        }
+        worst = worst.max(error.abs() / (share * scale).max(floor + DIGITS * digits));
+    }
+    worst
+}
+
+/// Whether a contact that sticks loses most of its normal force in a step, and slips by what it then does not hold: creep grows
+/// with the reciprocal of the force, which no polynomial of a step follows, nor does the error of one tell.
+#[inline(always)]
+pub fn lets_go<const N: usize, const Z: usize, const S: usize>(
+    start: &[Guard<N>; S],
+    end: &[Guard<N>; S],
+    attempt: &Attempt<N, Z>,
+    from: &State<N, Z>,
+    tolerances: &Tolerances,
+) -> bool {
+    let gains = |row: &[f64; N]| (0..N).map(|n| row[n] * (attempt.end.v[n] - from.v[n])).sum::<f64>().abs();
+    start.iter().zip(end).any(|(start, end)| match &start.strain {
+        Strain::Slip { row, finest, normal } => {
+            let left = if let Strain::Slip { normal, .. } = &end.strain { *normal } else { 0.0 };
+            left < LETTING_GO * normal && gains(row) > tolerances.share() * finest
+        }
+        _ => false,
+    })
+}
