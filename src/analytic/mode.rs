@@ -3,9 +3,7 @@
 use std::ops::{Index, IndexMut};
 
 use crate::integrator::{Guard, Look, Strain};
-use crate::law::{
-    FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, normal_force, spring_force, unclamped_normal_force,
-};
+use crate::law::{FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, spring_force};
 
 /// Branch of the normal law at one site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +84,28 @@ pub struct Contact<const N: usize> {
     pub tangent: [f64; N],
 }
 
+/// What the normal law makes of a contact: the forces of its spring and its damper, N (limit: N·m), which may pull.
+#[derive(Clone, Copy, Debug)]
+pub struct Press {
+    spring: f64,
+    damper: f64,
+}
+
+impl Press {
+    #[inline(always)]
+    pub fn of<const N: usize>(law: &NormalLaw, at: &Contact<N>) -> Self {
+        if at.delta <= 0.0 {
+            return Self { spring: 0.0, damper: 0.0 };
+        }
+        Self { spring: spring_force(law, at.delta), damper: damping(law, at.delta).0 * at.rate }
+    }
+
+    #[inline(always)]
+    fn force(&self) -> f64 {
+        self.spring + self.damper
+    }
+}
+
 /// How exactly events are landed on: forces in N (limit: N·m).
 #[derive(Clone, Copy, Debug)]
 pub struct Landing {
@@ -131,13 +151,12 @@ impl<const S: usize> Mode<S> {
         law: &NormalLaw,
         landing: &Landing,
         at: &Contact<N>,
+        press: &Press,
     ) -> Guard<N> {
         let Contact { delta, rate, .. } = *at;
-        let force = || unclamped_normal_force(law, delta, rate).force;
         let quiet = Guard::QUIET;
         let strain = || {
-            let (spring, damper) = (spring_force(law, delta), damping(law, delta).0 * rate.abs());
-            let springy = spring > damper;
+            let springy = press.spring > press.damper.abs();
             let rebounds = springy && rate.abs() > SLOWEST_REBOUND;
             if delta > 0.0 { Strain::Depth { row: at.row, depth: delta, rebounds, springy } } else { Strain::None }
         };
@@ -153,13 +172,13 @@ impl<const S: usize> Mode<S> {
             }
             SiteState::Active => {
                 // Gone through zero without ever pulling counts as let go too.
-                let value = if delta > 0.0 { force() } else { delta.min(-1e-290) };
-                let look = if value < FADING * spring_force(law, delta) { Look::Inside } else { Look::End };
+                let value = if delta > 0.0 { press.force() } else { delta.min(-1e-290) };
+                let look = if value < FADING * press.spring { Look::Inside } else { Look::End };
                 Guard { value, look, apart: false, strain: strain(), ..quiet }
             }
             // The force of a released contact may come and go within a step.
             SiteState::Released => {
-                Guard { value: landing.reload() - force(), look: Look::Inside, apart: delta < 0.0, ..quiet }
+                Guard { value: landing.reload() - press.force(), look: Look::Inside, apart: delta < 0.0, ..quiet }
             }
         }
     }
@@ -170,8 +189,8 @@ impl<const S: usize> Mode<S> {
         &self,
         site: usize,
         law: &FrictionLaw,
-        normal: &NormalLaw,
         at: &Contact<N>,
+        press: &Press,
     ) -> Guard<N> {
         let pressing = matches!(self.sites[site], SiteState::Active | SiteState::Natural);
         if !pressing || self.slips[site] == FrictionRange::Any {
@@ -179,13 +198,10 @@ impl<const S: usize> Mode<S> {
         }
         let value = self.slips[site].room(law, at.slip) + RANGE_MARGIN * law.finest_m_s();
         // Out of sticking a step may look and come back; out of sliding it must not miss that it would have stuck.
-        let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Inside };
+        let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Smooth };
         let strain = match self.slips[site] {
             FrictionRange::Slides { .. } | FrictionRange::Any => Strain::None,
-            _ => {
-                let normal = normal_force(normal, at.delta, at.rate).force;
-                Strain::Slip { row: at.tangent, finest: law.finest_m_s(), normal }
-            }
+            _ => Strain::Slip { row: at.tangent, finest: law.finest_m_s(), normal: press.force().max(0.0) },
         };
         Guard { value, look, apart: false, strain, ..Guard::QUIET }
     }

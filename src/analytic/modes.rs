@@ -1,6 +1,6 @@
 //! Where the branches of the finger's contacts change.
 
-use super::mode::{Contact, DamperRange, Landing, SiteState, is_kinked};
+use super::mode::{Contact, DamperRange, Landing, Press, SiteState, is_kinked};
 use super::model::{GUARDS, Mode, Model, QUADRATURES};
 use crate::fivebar::dynamics::{Terms, absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
@@ -98,10 +98,11 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
                 continue;
             }
             let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
-            guards[index] = mode.normal_guard(index, law, &LANDING, &at);
+            let press = Press::of(law, &at);
+            guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
             guards[index + 2 * Site::ALL.len()] = mode.damper_guard(index, law, &at);
             if let Some(friction) = self.friction_law(site) {
-                guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, law, &at);
+                guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, &at, &press);
             }
         }
         Watch {

@@ -1,5 +1,7 @@
 //! Finding where within a step a guard gives way.
 
+use std::cell::OnceCell;
+
 use super::{Dense, Guard, Hybrid, Look};
 
 /// The earliest crossing of a step.
@@ -32,13 +34,25 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         let state = dense.at(theta);
         system.watch(&state.q, &state.v, mode).guards[site]
     };
+    // Of all sites at once: most steps ask no more.
+    let thirds = OnceCell::new();
+    let at_thirds = |site: usize| {
+        let guards = thirds.get_or_init(|| {
+            THIRDS.map(|theta| {
+                let state = dense.at(theta);
+                system.watch(&state.q, &state.v, mode).guards
+            })
+        });
+        [guards[0][site].value, guards[1][site].value]
+    };
     let mut first: Option<Crossing> = None;
     for site in (0..S).filter(|site| suspect(*site)) {
         let value = |theta: f64| guard(theta, site).value;
         let over = end[site].value < 0.0;
         let bracket = match look(&start[site], &end[site]) {
             Look::End => over.then_some((0.0, 1.0)),
-            Look::Inside => {
+            Look::Smooth if !over && !bends(start[site].value, end[site].value, at_thirds(site)) => None,
+            Look::Inside | Look::Smooth => {
                 let parting =
                     (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
                 first_dip(start[site].value, end[site].value, parting, value)
@@ -67,7 +81,7 @@ fn may_dip<const N: usize>(start: &Guard<N>, end: &Guard<N>, h: f64) -> bool {
     let least = start.value.min(end.value);
     match look(start, end) {
         Look::End => false,
-        Look::Inside => least.is_finite(),
+        Look::Inside | Look::Smooth => least.is_finite(),
         Look::Gap => start.value.is_finite() && least < 2.0 * h * start.rate.abs().max(end.rate.abs()),
     }
 }
@@ -79,6 +93,17 @@ fn look<const N: usize>(start: &Guard<N>, end: &Guard<N>) -> Look {
 
 /// Points at which a value without a rate is looked at within a step, its ends included.
 const LOOKS: usize = 9;
+
+const THIRDS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+
+/// Whether a value between these ends bends so much, at the thirds between them, that it might dip below zero elsewhere.
+fn bends(start: f64, end: f64, thirds: [f64; 2]) -> bool {
+    let straight = |theta: f64| start + theta * (end - start);
+    let bend = (thirds[0] - straight(THIRDS[0])).abs().max((thirds[1] - straight(THIRDS[1])).abs());
+    let least = start.min(end).min(thirds[0]).min(thirds[1]);
+    // Written so that a value that is no number counts as one that bends.
+    !(least >= 4.0 * bend)
+}
 
 /// Looks on the way to where surfaces part, each at a part of what the one before leaves: a damper that fades with the depth leaves
 /// the last of it to the spring, whose force returns as late as it likes.
@@ -261,5 +286,15 @@ mod tests {
     #[test]
     fn root_that_is_met_exactly_is_returned() {
         assert_eq!(root(|x| 0.75 - x, 0.5, 1.0), 0.75);
+    }
+
+    #[test]
+    fn a_value_is_looked_at_closely_where_it_bends_enough_to_dip() {
+        let look = |value: fn(f64) -> f64| bends(value(0.0), value(1.0), THIRDS.map(value));
+        assert!(!look(|x| 1.0 + x), "straight");
+        assert!(!look(|x| 1.0 + 0.1 * x * (1.0 - x)), "hardly bent");
+        assert!(look(|x| 1.0 - 4.4 * x * (1.0 - x)), "dips below zero half way");
+        assert!(look(|x| 1.0 + 15.0 * x * (x - 0.5) * (x - 1.0)), "as much above half way as below");
+        assert!(look(|x| if x > 0.5 { f64::NAN } else { 1.0 }), "no number");
     }
 }

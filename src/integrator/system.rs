@@ -56,6 +56,8 @@ pub enum Look {
     /// A smooth value without a known rate, which may dip below zero and come back within the step: at points inside, and
     /// where it is smallest between them.
     Inside,
+    /// The same of a value that a step follows closely, a rate: at more points only where it bends enough for a dip.
+    Smooth,
 }
 
 /// A quantity that the law of a site is sensitive to, beyond what tolerances of coordinates and rates know of: `row` says how these

@@ -1,6 +1,6 @@
 //! Where the branches of the pairs change.
 
-use super::mode::{Contact, DamperRange, Landing};
+use super::mode::{Contact, DamperRange, Landing, Press};
 use super::pair::Other;
 use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, first_step};
 use crate::integrator::{Guard, Hybrid, System, Watch};
@@ -78,10 +78,11 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
                 continue;
             }
             let at = self.contact(q, v, pair);
-            guards[pair] = mode.normal_guard(pair, &self.law.normal, &LANDING, &at);
+            let press = Press::of(&self.law.normal, &at);
+            guards[pair] = mode.normal_guard(pair, &self.law.normal, &LANDING, &at, &press);
             guards[2 * PAIRS + pair] = mode.damper_guard(pair, &self.law.normal, &at);
             if let Some(friction) = &self.law.friction {
-                guards[PAIRS + pair] = mode.slip_guard(pair, friction, &self.law.normal, &at);
+                guards[PAIRS + pair] = mode.slip_guard(pair, friction, &at, &press);
             }
         }
         Watch { guards, clearance: f64::INFINITY, clearance_rate: 0.0 }
