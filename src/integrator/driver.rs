@@ -292,7 +292,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         'site: loop {
             let site = crossing.site;
             let tolerance = self.system.landing_tolerance(site, origin.mode);
-            let (mut low, mut high) = (0.0, whole);
+            let (mut low, mut high) = (0.0, crossing.beyond * whole);
             let mut target = crossing.theta * whole;
             // The tightest landing past the event, and the last one short of it.
             let (mut past, mut short) = (None, None);
@@ -315,16 +315,6 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 let near = value.abs() <= tolerance;
                 let event = (near || value < 0.0).then_some(site);
                 let landed = Some((Accepted { attempt, size: target, resume: size, event, stops: false }, watch));
-                if event.is_some() {
-                    past = landed
-                } else {
-                    short = landed
-                }
-                if value < 0.0 {
-                    high = target
-                } else {
-                    low = target
-                }
                 // The landed step shows where the crossing is, if it is within it, or an earlier one elsewhere.
                 let (now, then) = (&self.watch.guards, &watch.guards);
                 let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
@@ -335,9 +325,17 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                         continue 'site;
                     }
                 }
+                match again.filter(|c| c.site == site && event.is_none()) {
+                    // Beyond a dip that is over.
+                    Some(dip) => (low, high) = (0.0, dip.beyond * target),
+                    None if value < 0.0 => (past, high) = (landed, target),
+                    None if near => (past, low) = (landed, target),
+                    None => (short, low) = (landed, target),
+                }
                 if near || high - low <= 4.0 * f64::EPSILON * high {
                     break;
                 }
+                // Short of it, it is between here and where a longer step has seen it.
                 target = again.map_or(0.5 * (low + high), |c| c.theta * target);
             }
             // Where positions have no digits left to land more exactly, past the event is better than short of it: from

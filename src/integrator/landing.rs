@@ -10,6 +10,8 @@ pub struct Crossing {
     pub site: usize,
     /// Fraction of the step, on the far side of the crossing.
     pub theta: f64,
+    /// A later one at which the guard is seen to be negative: what dips may be back at the end of the step.
+    pub beyond: f64,
 }
 
 /// Looks for the first guard that is negative anywhere in a step of size `h`, given the guards at both of its ends.
@@ -68,7 +70,7 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         if let Some((low, high)) = bracket {
             let theta = root(value, low, high);
             if first.is_none_or(|f| theta < f.theta) {
-                first = Some(Crossing { site, theta });
+                first = Some(Crossing { site, theta, beyond: high });
             }
         }
     }
