@@ -2,7 +2,7 @@
 //! digits of its input.
 //!
 //! A run of the analytic model is held to one by the other family of methods (Rodas5P against Radau IIA) at a hundredth of its
-//! tolerance; a run of the engine to the analytic model itself, or where there is none of the scene (a fold of the linkage, rapier's own
+//! tolerance; a run of the engine to the analytic model itself, or where there is none of the scene (beyond a fold of the linkage, rapier's own
 //! contact, more discs than it takes) to the engine at a tenth of its tolerance or a quarter of its step. What drives the scene is
 //! changed by [`PUSH`] of itself to see what such a change does.
 //!
@@ -104,7 +104,9 @@ fn judge<S: Subject>(model: Model, scene: &S, go_on: &dyn Fn() -> bool) -> Check
     let budget = Way { budget: STEPS_PER_STEP * run.steps + MOST_STEPS, ..way };
     let finer = Way { finer: true, ..budget };
     let analytic = (model == Model::Analytic || scene.is_comparable()).then(|| scene.run(Model::Analytic, &finer));
-    // The analytic model speaks for the engine as far as it gets.
+    // The analytic model speaks for the engine as far as it gets; beyond, the engine itself does.
+    let as_far =
+        if model == Model::Engine { analytic.as_ref().map_or(0.0, |path| path::difference(&run, path)) } else { 0.0 };
     let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none() || run.failure.is_some();
     let (second, judge) = match analytic.filter(speaks) {
         Some(analytic) => (analytic, Model::Analytic),
@@ -112,7 +114,8 @@ fn judge<S: Subject>(model: Model, scene: &S, go_on: &dyn Fn() -> bool) -> Check
     };
     let pushed = scene.run(judge, &Way { push: PUSH, ..finer });
     let bar = if model == Model::Engine { ENGINE_BAR } else { BAR };
-    let errors = path::errors(&run, &second);
+    let mut errors = path::errors(&run, &second);
+    errors.path = errors.path.max(as_far);
     let sensitivity = path::difference(&second, &pushed);
     let (verdict, reason) = verdict(&run, &second, &pushed, errors.path, sensitivity, bar);
     Check { verdict, errors, sensitivity, bar, against: scene.words(judge), reason }

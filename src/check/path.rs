@@ -2,11 +2,12 @@
 
 use super::Errors;
 use crate::integrator::Reason;
+use crate::numeric::plane::near_turn;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
-/// Points of the grid.
-pub const POINTS: f64 = 64.0;
+/// Points of the grid: errors come and go within a hundredth of a run.
+pub const POINTS: f64 = 256.0;
 /// Runs that end early do so alike if they do at times as near to each other, in parts of these.
 const SAME_END: f64 = 1e-4;
 
@@ -35,17 +36,20 @@ impl<'a> Keep<'a> {
     }
 
     /// Samples also come at short steps, between the points.
-    fn take(&mut self, time_s: f64, values: impl FnOnce() -> Vec<f64>) {
+    fn take(&mut self, time_s: f64, values: impl FnOnce(Option<&Vec<f64>>) -> Vec<f64>) {
         let next = self.points.len() as f64 * self.interval_s;
         if (time_s - next).abs() <= 1e-9 * self.interval_s {
-            self.points.push(values());
+            self.points.push(values(self.points.last()));
         }
     }
 }
 
-/// The coordinates of a finger that are compared.
-pub fn angles(sample: &Sample) -> Vec<f64> {
-    vec![sample.q11_rad, sample.q21_rad, sample.q22_rad]
+/// The coordinates of a finger that are compared, in the turns in which they follow on those before: readings of passive angles
+/// jump by one.
+pub fn angles(sample: &Sample, before: Option<&Vec<f64>>) -> Vec<f64> {
+    let angles = [sample.q11_rad, sample.q21_rad, sample.q22_rad];
+    let follow = |(index, angle)| before.map_or(angle, |before| near_turn(angle, before[index]));
+    angles.into_iter().enumerate().map(follow).collect()
 }
 
 /// Those of discs.
@@ -55,7 +59,7 @@ pub fn centres(sample: &BodiesSample) -> Vec<f64> {
 
 impl Sink for Keep<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(sample.time_s, || angles(sample));
+        self.take(sample.time_s, |before| angles(sample, before));
         Ok(())
     }
 
@@ -70,7 +74,7 @@ impl Sink for Keep<'_> {
 
 impl BodiesSink for Keep<'_> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.take(sample.time_s, || centres(sample));
+        self.take(sample.time_s, |_| centres(sample));
         Ok(())
     }
 

@@ -105,8 +105,8 @@ impl Subject for Scene {
             Err(RunError::Sink(_)) => (Outcome::default(), None),
         };
         Path {
+            last: angles(&outcome.last, keep.points.last()),
             points: keep.points,
-            last: angles(&outcome.last),
             first_s: outcome.sites.iter().take(2).map(|site| site.first_s).collect(),
             normal_n: vec![outcome.last.proximal.normal_n, outcome.last.distal.normal_n],
             end_s: outcome.last.time_s,

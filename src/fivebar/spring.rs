@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use super::kinematics::{Directions, PassiveRates, passive_rates, reference_gamma, straight};
 use crate::gripper::{Lengths, Placement, Spring, SpringKind};
 use crate::numeric::Real;
-use crate::numeric::plane::{angle_between, opening_angle, rotate};
+use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
 
 /// A spring with what its placement needs of the straight configuration.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +75,7 @@ impl SpringModel {
             // A crank may go round and round: the seam is a quarter of a turn behind straight.
             _ => FRAC_PI_2,
         };
-        Self { centre_rad: near(centre, first), ..model }
+        Self { centre_rad: near_turn(centre, first), ..model }
     }
 
     /// Extension with the seam a quarter of a turn behind straight.
@@ -120,9 +120,4 @@ impl SpringModel {
             }
         }
     }
-}
-
-/// `angle` by whole turns as near to `other` as it comes.
-fn near(angle: f64, other: f64) -> f64 {
-    angle + TAU * ((other - angle) / TAU).round()
 }

@@ -71,6 +71,12 @@ pub fn opening_angle<T: Real>(from: Vector<T>, to: Vector<T>) -> T {
     if angle.value() <= -FRAC_PI_2 { angle + TAU } else { angle }
 }
 
+/// `angle` by whole turns as near to `other` as it comes, rad.
+#[inline(always)]
+pub fn near_turn(angle: f64, other: f64) -> f64 {
+    angle + TAU * ((other - angle) / TAU).round()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,11 +1,9 @@
 //! Turns a node of the engine model into a sample.
 
-use std::f64::consts::TAU;
-
 use super::{ContactSample, Energy, LimitSample, Sample, Site};
 use crate::engine::{self, L11, L12, L21, L22, Motion, Touch, kinetic, potential};
 use crate::law::elastic_energy;
-use crate::numeric::plane::{angle_between, opening_angle, rotate};
+use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
 
 /// Energies at the start of the run, from which works and losses count.
 #[derive(Clone, Copy, Debug)]
@@ -28,11 +26,6 @@ pub(super) fn elastic(motion: &Motion) -> f64 {
     governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum()
 }
 
-/// An angle that bodies have turned to, by whole turns to the one that `shown` is.
-fn unwound(angle_rad: f64, shown_rad: f64) -> f64 {
-    angle_rad + TAU * ((shown_rad - angle_rad) / TAU).round()
-}
-
 /// Everything about the node; `impulses` are those of the three sites since the start, `phi22_rad` is the bend of l22.
 ///
 /// Bodies count their turns; passive angles do not. Their turn is the one both models show: q12 is the angle between two
@@ -43,8 +36,8 @@ pub(super) fn sample(motion: &Motion, phi22_rad: f64, start: &Start, impulses: &
     let direction = |body: usize| places[body].direction;
     let (sin, cos) = phi22_rad.sin_cos();
     let bend = opening_angle(direction(L21), rotate(direction(L22), [cos, sin]));
-    let q12_rad = unwound(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
-    let q22_rad = unwound(angle(L22) - angle(L21), bend - phi22_rad);
+    let q12_rad = near_turn(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
+    let q22_rad = near_turn(angle(L22) - angle(L21), bend - phi22_rad);
     let now = Start::new(motion);
     let gained = (now.kinetic - start.kinetic) + (now.gravity - start.gravity) + (now.spring - start.spring);
     let time_s = motion.clock.now();

@@ -6,6 +6,7 @@ use phalanx::check::{pushed, pushed_bodies};
 use phalanx::scene::{AnyScene, BodiesScene, Integrator, Method, Preset, Scene, Stepping};
 use phalanx::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
+use phalanx::validate::turned;
 
 /// Points at which runs are compared.
 const POINTS: f64 = 100.0;
@@ -69,7 +70,9 @@ impl Keep {
 
 impl Sink for Keep {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
-        self.take(s.time_s, || vec![s.q11_rad, s.q21_rad, s.q22_rad]);
+        // Readings of passive angles jump by a turn.
+        let before = self.path.last().map_or(s.q22_rad, |before| before[2]);
+        self.take(s.time_s, || vec![s.q11_rad, s.q21_rad, before + turned(s.q22_rad - before)]);
         Ok(())
     }
 

@@ -1,0 +1,72 @@
+//! What a run says of itself, where the truth is known.
+
+use std::path::Path;
+
+use phalanx::check::{CHAOTIC, Check, PUSH, Verdict, check, pushed};
+use phalanx::scene::{Engine, Scene, Stepping, load};
+use phalanx::trace::Model;
+use phalanx::validate::{compare, record, reference, sampled};
+
+fn scene(name: &str) -> Scene {
+    load(Path::new(&format!("scenes/{name}.toml"))).expect("a scene")
+}
+
+fn checked(model: Model, scene: &Scene) -> Check {
+    check(model, scene, &|| true)
+}
+
+/// Largest difference of an angle from the reference.
+fn off(model: Model, scene: &Scene) -> f64 {
+    let exact = record(Model::Analytic, &reference(scene)).expect("a reference");
+    compare(&record(model, &sampled(model, scene)).expect("a run"), &exact, &scene.bounds).angle_rad()
+}
+
+#[test]
+fn the_error_of_a_run_is_estimated_within_a_factor_of_two() {
+    for (model, name, rtol) in [
+        (Model::Analytic, "experiment-95", 1e-5),
+        (Model::Analytic, "experiment-95", 1e-3),
+        (Model::Analytic, "hard/friction-2", 1e-5),
+        (Model::Engine, "experiment-95", 1e-5),
+    ] {
+        let scene = scene(name);
+        let scene = Scene { integrator: scene.integrator.with_rtol(rtol), ..scene };
+        let (said, off) = (checked(model, &scene), off(model, &scene));
+        assert_eq!(said.verdict, Verdict::Sure, "{name}");
+        let estimate = said.errors.path;
+        assert!(estimate > 0.5 * off && estimate < 2.0 * off, "{name}, {model:?}, {rtol}: {estimate:e} for {off:e}");
+    }
+}
+
+#[test]
+fn a_run_whose_tolerance_is_too_coarse_is_uncertain() {
+    let coarse = scene("experiment-95");
+    let engine = Engine { stepping: Stepping::Fixed { step_s: 1e-4 }, ..coarse.engine };
+    let coarse = Scene { engine, ..coarse };
+    let said = checked(Model::Engine, &coarse);
+    let off = off(Model::Engine, &coarse);
+    assert_eq!(said.verdict, Verdict::Uncertain);
+    assert!(said.errors.path > 0.5 * off && said.errors.path < 2.0 * off, "{:e} for {off:e}", said.errors.path);
+}
+
+#[test]
+fn a_run_that_the_last_digits_of_its_input_decide_is_chaotic() {
+    // Rebounds without any loss, and enough of them.
+    let longer = Scene { duration_s: 0.2, ..scene("hard/chaos") };
+    for model in [Model::Analytic, Model::Engine] {
+        let said = checked(model, &longer);
+        assert_eq!(said.verdict, Verdict::Chaotic, "{model:?}");
+        assert!(said.sensitivity > CHAOTIC, "{:e}", said.sensitivity);
+    }
+}
+
+/// What the push does is what it is said to do, also where it does little.
+#[test]
+fn sensitivity_is_what_a_push_does() {
+    let scene = scene("experiment-95");
+    let exact = record(Model::Analytic, &reference(&scene)).expect("a reference");
+    let moved = record(Model::Analytic, &reference(&pushed(&scene, PUSH))).expect("a reference");
+    let moves = compare(&moved, &exact, &scene.bounds).angle_rad();
+    let said = checked(Model::Analytic, &scene).sensitivity;
+    assert!(said > 0.5 * moves && said < 2.0 * moves, "{said:e} for {moves:e}");
+}
