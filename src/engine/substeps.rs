@@ -8,7 +8,7 @@
 use super::implicit::{NotConverged, Stage, Workspace};
 use super::space::{Site, Space};
 use super::touch::ROUNDING;
-use crate::law::{FrictionRange, friction_range, normal_force};
+use crate::law::{friction_range, normal_force};
 use crate::scene::Stepping;
 
 /// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. At 3e-3
@@ -31,10 +31,6 @@ const COARSEST_SLIP_TOLERANCE: f64 = 0.1;
 /// By this part of the narrowest range a sub-step may go over the end of one: there μ has moved
 /// by three hundredths of the range, with a slope that starts at zero.
 const BEYOND_RANGE: f64 = 0.1;
-/// A contact that sticks and keeps less than this of its normal force in a sub-step may slip by no more than a part of its
-/// sticking range in it.
-const KEPT_FORCE: f64 = 0.25;
-const SLIP_LETTING_GO: f64 = 0.1;
 /// Part of the damper's transition that a first sub-step may cross.
 const FIRST_CROSSING: f64 = 0.05;
 const GROWTH: f64 = 4.0;
@@ -346,8 +342,7 @@ impl Contact {
     }
 
     /// The part of the sub-step after which friction leaves the polynomial it starts on; `None` where it stays there, or goes
-    /// over its end by little. What sticks may not let go within one sub-step either: where it loses most of its
-    /// normal force it is left to slip only in the next one.
+    /// over its end by little.
     fn leaves_range(&self, space: &Space) -> Option<f64> {
         let Buffers { second, .. } = &self.buffers;
         let mut part: Option<f64> = None;
@@ -366,12 +361,6 @@ impl Contact {
                 let had = range.room(law, before).max(0.0);
                 let share = ((had + 0.5 * margin) / (had - room)).clamp(0.02, 0.9);
                 part = Some(part.map_or(share, |part| part.min(share)));
-            }
-            if range == FrictionRange::Sticks
-                && holds < KEPT_FORCE * held
-                && (after - before).abs() > SLIP_LETTING_GO * law.v_static_m_s
-            {
-                part = Some(part.map_or(0.5, |part| part.min(0.5)));
             }
         }
         part
