@@ -18,13 +18,13 @@ const SHARES: [f64; 2] = [1e-5, 0.05];
 /// Part of the tolerance of rates for the normal rate of a rebound.
 const REBOUND_SHARE: f64 = 0.1;
 
-/// Errors of single steps add up. A smooth closing takes some [`USUAL_STEPS`] at a relative tolerance of 1e-5, and as many more as the order
+/// Errors of single steps add up. A closing takes up to [`USUAL_STEPS`] at a relative tolerance of 1e-5, and as many more as the order
 /// of the methods asks for at finer ones; a run that takes longer, for it rebounds and sticks and slips, gets tolerances tighter by
 /// the square of how much longer it is, down to a [`TIGHTEST`] part.
-const USUAL_STEPS: f64 = 150.0;
+const USUAL_STEPS: f64 = 300.0;
 /// Events that a closing has, and the steps that every other one counts for: an impact makes the most of errors.
 const USUAL_EVENTS: u64 = 4;
-const STEPS_PER_EVENT: u64 = 40;
+const STEPS_PER_EVENT: u64 = 80;
 const TIGHTEST: f64 = 1.0 / 100.0;
 /// Tolerances that are not tightened further: below them angles of 1 rad and rates of 100 rad/s have no digits.
 const FINEST: Tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
