@@ -180,13 +180,75 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("draws a straight line between two samples", async () => {
+  it("draws between two samples what their values and rates say", async () => {
     const { call, state, close } = await opened(file);
     const samples = logs[1]["/state"];
-    const [a, b] = [samples[10], samples[11]];
+    const bendAt = (k) => (samples[k + 1].timestamp - samples[k].timestamp) / 8 * (samples[k].qd11_rad_s - samples[k + 1].qd11_rad_s);
+    const swing = samples.filter(({ timestamp }) => timestamp < 4e-3).length - 1;
+    const [k, bend] = Array.from({ length: swing }, (_, k) => [k, bendAt(k)]).reduce((most, each) => (Math.abs(each[1]) > Math.abs(most[1]) ? each : most));
+    const [a, b] = [samples[k], samples[k + 1]];
     await call("seek", 0.5 * (a.timestamp + b.timestamp));
-    const drawn = (await state()).runs[1].bodies.find((body) => body.name === "l11");
-    near(drawn.angle_rad, 0.5 * (a.q11_rad + b.q11_rad), 1e-14, "halfway");
+    const { bodies, readings } = (await state()).runs[1];
+    const halfway = 0.5 * (a.q11_rad + b.q11_rad) + bend;
+    assert.ok(Math.abs(bend) > 1e-6, `a straight line would be seen: ${bend}`);
+    near(bodies.find((body) => body.name === "l11").angle_rad, halfway, 1e-13, "halfway");
+    near(readings["Joint angle"].q11, halfway, 1e-13, "the curve halfway");
+    near(readings["Energy"].kinetic, 0.5 * (logs[1]["/energy"][k].kinetic_j + logs[1]["/energy"][k + 1].kinetic_j), 1e-13, "no rate: a straight line");
+    // A link keeps its length while it swings.
+    const arm = (name) => bodies.find((body) => body.name === name);
+    const [start, end] = [Math.hypot(arm("l12").x_m, arm("l12").y_m), Math.hypot(arm("l22").x_m, arm("l22").y_m)];
+    near(start, 15e-3, 1e-6, "l11");
+    near(end, 24.4324e-3, 1e-5, "l21");
+    await close();
+  });
+
+  it("shows no difference of the models before a touch-down that is not there", async () => {
+    const { page, call, state, close } = await opened(file, { width: 1400 });
+    const touch = logs[0]["/impact/distal"].find((impact) => impact.touch_down);
+    // Whatever lies between the samples of one model and of the other: from a millimetre down to ten micrometres.
+    for (let gap = 1e-3; gap > 1e-5; gap /= 1.3) {
+      await call("seek", touch.timestamp - gap / touch.approach_speed_m_s);
+      const [analytic, engine] = (await state()).runs.map((run) => run.readings.Gap.distal);
+      near(engine, analytic, 0.01, `gap of about ${gap}`);
+      near(analytic, gap, 0.2, "gap");
+    }
+    // The same of what is drawn: the curves of both models, each by itself, column of pixels for column.
+    const from = touch.timestamp - 4e-4;
+    await call("window", from, touch.timestamp + 1e-4);
+    await call("seek", from);
+    await page.locator('.plot[aria-label="Gap"] button.series', { hasText: "proximal" }).click();
+    const drawn = async (index) => {
+      await call("show", 1 - index, false);
+      await call("show", index, true);
+      await state();
+      return page.evaluate(() => {
+        const canvas = document.querySelector('.plot[aria-label="Gap"] canvas');
+        const { width, height } = canvas;
+        const copy = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d", { willReadFrequently: true });
+        copy.drawImage(canvas, 0, 0);
+        const { data } = copy.getImageData(0, 0, width, height);
+        const rows = [];
+        for (let x = 66; x < width - 12; x++) {
+          let [sum, count] = [0, 0];
+          for (let y = 0; y < height - 24; y++) {
+            const k = 4 * (y * width + x);
+            if (data[k + 3] > 40 && Math.max(...data.slice(k, k + 3)) - Math.min(...data.slice(k, k + 3)) > 60) [sum, count] = [sum + y, count + 1];
+          }
+          rows.push(count ? sum / count : null);
+        }
+        return { rows, height };
+      });
+    };
+    const [analytic, engine] = [await drawn(0), await drawn(1)];
+    const edge = Math.floor(0.78 * analytic.rows.length);
+    let compared = 0;
+    for (let x = 0; x < edge; x++) {
+      // The curve of the second model is dashed.
+      if (analytic.rows[x] === null || engine.rows[x] === null) continue;
+      compared++;
+      assert.ok(Math.abs(analytic.rows[x] - engine.rows[x]) < 4, `${engine.rows[x]}, not ${analytic.rows[x]}, at ${x} of ${edge}`);
+    }
+    assert.ok(compared > edge / 3, `${compared} columns`);
     await close();
   });
 

@@ -1,6 +1,6 @@
 // Puts the page together and draws it when something has changed.
 
-const STATEMENT = "Between two samples the page draws a straight line.";
+const STATEMENT = "Between two samples the page draws gaps, angles and poses by their values and rates (a cubic), all else as a straight line, on every scale.";
 
 function main() {
   const film = loaded();

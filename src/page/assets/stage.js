@@ -41,12 +41,7 @@ class Stage {
 
   // Everything of a run that is drawn at a place among its samples.
   state(run, place, view) {
-    const bodies = run.bodies.map((body) => ({
-      name: body.name,
-      x_m: valueAt(body.x_m, place),
-      y_m: valueAt(body.y_m, place),
-      angle_rad: valueAt(body.angle_rad, place),
-    }));
+    const bodies = run.bodies.map((body) => ({ name: body.name, ...poseAt(body, place) }));
     const contacts = run.contacts.map((contact) => contactAt(run, contact.name, place));
     const arrows = contacts.flatMap((contact) => this.arrowsOf(run, contact, view));
     return { run, place, bodies, contacts, arrows };
@@ -77,7 +72,7 @@ class Stage {
   bodies(ctx, view, run, place, which, style) {
     for (const body of run.bodies.filter(which)) {
       const { fixed } = body;
-      const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
+      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, place);
       const surface = body.shapes.some((shape) => shape.kind === "capsule");
       for (const shape of body.shapes) {
         // Where a body has a surface that touches, the outline of its mass is drawn weaker.
@@ -141,7 +136,7 @@ class Stage {
   overlaps(ctx, view, { run, place, contacts }) {
     if (!contacts.some((contact) => contact.gap_m < 0)) return;
     const surfaces = run.bodies.map((body) => {
-      const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
+      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, place);
       const shapes = body.shapes.filter((shape) => shape.kind !== "polygon");
       return { body, outlines: shapes.map((shape) => outline(shape, x, y, angle, view)) };
     });
@@ -255,7 +250,7 @@ function contactAt(run, name, place) {
   const value = (key) => valueAt(contact[key], place);
   return {
     name,
-    gap_m: value("gap_m"),
+    gap_m: valueAt(contact.gap_m, place, contact.gap_rate_m_s),
     normal_n: value("normal_n"),
     tangential_n: value("tangential_n"),
     point_m: [value("point_x_m"), value("point_y_m")],
