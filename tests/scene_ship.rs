@@ -103,7 +103,7 @@ fn every_variant_comes_back_bit_for_bit() {
 #[test]
 fn scene_command_shows_checks_and_explains() {
     let good = "scenes/experiment-95.toml".into();
-    let shown = answer(&SceneCommand::Show { scene: good });
+    let shown = answer(&SceneCommand::Show { scene: good, figure: None });
     assert!(shown.good && shown.stderr.is_empty());
     assert_round_trip(&parse(&shown.stdout));
 

@@ -27,6 +27,7 @@ mod run;
 mod run_bodies;
 mod run_page;
 pub mod scene;
+mod scene_figure;
 mod select;
 mod simulate;
 mod size;

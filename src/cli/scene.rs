@@ -6,17 +6,21 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::output::{complain, print};
-use super::{Failure, Status};
+use super::{Failure, Status, scene_figure};
 use crate::gripper::total_mass;
 use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
 
 /// Show, check and describe scene files.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SceneCommand {
-    /// Print a scene with every default filled in, as a scene file
+    /// Print a scene with every default filled in, as a scene file; or draw its linkage
     Show {
         /// Scene file (TOML)
         scene: PathBuf,
+
+        /// Instead of printing it: draw the finger with the letters of scenes and results on it (l11, φ22, q21, F22, …)
+        #[arg(long, value_name = "FILE.svg")]
+        figure: Option<PathBuf>,
     },
     /// Check scene files; exit status 2 if one is wrong
     Check {
@@ -51,7 +55,8 @@ pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
 pub fn answer(command: &SceneCommand) -> Answer {
     match command {
         SceneCommand::Schema => Answer { stdout: scene::schema(), good: true, ..Answer::default() },
-        SceneCommand::Show { scene } => match scene::load_any(scene) {
+        SceneCommand::Show { scene, figure: Some(figure) } => scene_figure::answer(scene, figure),
+        SceneCommand::Show { scene, figure: None } => match scene::load_any(scene) {
             Ok(scene) => Answer { stdout: scene::show_any(&scene), good: true, ..Answer::default() },
             Err(error) => Answer { stderr: format!("{error}\n"), ..Answer::default() },
         },

@@ -8,7 +8,7 @@ const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 3] =
     [include_str!("assets/theme.css"), include_str!("assets/layout.css"), include_str!("assets/pictures.css")];
 /// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 16] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
     include_str!("assets/reading.js"),
@@ -17,6 +17,7 @@ const SCRIPTS: [&str; 15] = [
     include_str!("assets/canvas.js"),
     include_str!("assets/camera.js"),
     include_str!("assets/shapes.js"),
+    include_str!("assets/letters.js"),
     include_str!("assets/stage.js"),
     include_str!("assets/plots.js"),
     include_str!("assets/events.js"),

@@ -252,6 +252,43 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
+  it("shows the letters of the linkage where it is pointed at, none over another", async () => {
+    const names = ["l11", "l12", "l21", "l22", "t22", "w", "base", "q11", "q12", "q21", "q22", "φ22"];
+    for (const width of [1400, 390]) {
+      const { page, call, state, close } = await opened(file, { width, height: 844 });
+      assert.deepEqual((await state()).letters, []);
+      const stage = await page.locator("#stage").boundingBox();
+      // Over the sky nothing is pointed at, over the end of the proximal phalanx the linkage is.
+      await page.mouse.move(stage.x + 20, stage.y + 60);
+      assert.deepEqual((await state()).letters, []);
+      const { bodies, view } = await state().then(({ runs, view }) => ({ bodies: runs[0].bodies, view }));
+      const tip = bodies.find((body) => body.name === "l22");
+      const at = [0, 1].map((k) => (k ? -1 : 1) * ([tip.x_m, tip.y_m][k] - view.centre_m[k]) * view.px_per_m);
+      await page.mouse.move(stage.x + stage.width / 2 + at[0], stage.y + stage.height / 2 + at[1]);
+      assert.deepEqual((await state()).letters.map((letter) => letter.text).sort(), [...names].sort());
+      await page.mouse.move(stage.x + 20, stage.y + 60);
+      assert.deepEqual((await state()).letters, []);
+      await page.keyboard.press("l");
+      for (const time of [0, 2e-3, 4.4e-3, 4.501316e-3, 5.5e-3, 6.8e-3, 0.02]) {
+        await call("seek", time);
+        const { letters } = await state();
+        for (const name of names) assert.ok(letters.some((letter) => letter.text === name), `${name} at ${time}`);
+        if (time === 0.02) assert.deepEqual(letters.filter(({ text }) => text.startsWith("F")).map(({ text }) => text), ["F21 23.6 N", "F22 8.26 N"]);
+        for (const [k, one] of letters.entries()) {
+          assert.ok(one.box[0] >= 0 && one.box[1] >= 0 && one.box[2] <= stage.width && one.box[3] <= stage.height, one.text);
+          for (const other of letters.slice(k + 1)) {
+            const apart = one.box[2] <= other.box[0] || other.box[2] <= one.box[0] || one.box[3] <= other.box[1] || other.box[3] <= one.box[1];
+            assert.ok(apart, `${one.text} over ${other.text} at ${time}, ${width} pixels`);
+          }
+        }
+      }
+      await page.locator("#letters").click();
+      await page.mouse.move(stage.x + 20, stage.y + 60);
+      assert.deepEqual((await state()).letters, []);
+      await close();
+    }
+  });
+
   it("plays at the speed that was chosen, and stops at the end", async () => {
     const { page, call, state, close } = await opened(file);
     for (const speed of [1e-5, 2e-3]) {
@@ -337,7 +374,7 @@ describe("the page of a closing in both models", () => {
       assert.ok(focus.outline && focus.named, JSON.stringify(focus));
       seen.add(focus.id);
     }
-    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "theme", "help-open", "window-event"]) {
+    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "letters", "theme", "help-open", "window-event"]) {
       assert.ok(seen.has(id), `${id} is not reached with Tab`);
     }
     await close();

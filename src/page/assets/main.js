@@ -99,6 +99,10 @@ function main() {
     app.stage.camera.fit();
     app.changed();
   };
+  app.toggleLetters = () => {
+    app.stage.named = !app.stage.named;
+    app.changed();
+  };
   app.setArrows = (kind) => {
     app.stage.arrowsToScale = kind === "linear";
     app.changed();
@@ -171,6 +175,7 @@ function forTests(app) {
       auto: clock.auto,
       speed: clock.speed,
       window_s: [from, to],
+      letters: stage.letters,
       view: { centre_m: [...stage.camera.centre], px_per_m: stage.camera.scale, follow: stage.camera.follow },
       runs: stage.drawn.map(({ run, place, bodies, contacts, arrows }) => ({
         label: run.label,
@@ -193,6 +198,7 @@ function forTests(app) {
     setSpeed: (speed) => app.setNotch(Math.round(3 * Math.log10(speed / SLOWEST))),
     setAuto: app.setAuto,
     setArrows: app.setArrows,
+    toggleLetters: app.toggleLetters,
     show: app.show,
     follow: app.follow,
     zoom: app.zoom,

@@ -10,6 +10,10 @@ class Stage {
     this.camera = new Camera(film, canvas);
     this.arrowsToScale = false;
     this.largest = 0;
+    // Whether letters were asked for, and where a pointer is.
+    this.named = false;
+    this.pointer = null;
+    this.letters = [];
     for (const run of film.runs) {
       for (const contact of run.contacts) {
         for (const force of contact.normal_n) this.largest = Math.max(this.largest, force);
@@ -34,9 +38,18 @@ class Stage {
     states.forEach((state) => this.bodies(ctx, view, state.run, state.place, moving, state.run.index));
     if (states.length > 0) this.overlaps(ctx, view, states[0]);
     states.forEach((state) => this.contactPoints(ctx, view, state));
-    states.forEach((state, index) => this.arrows(ctx, view, state, index === 0));
+    const linkage = this.namedLinkage(view, states[0]);
+    states.forEach((state, index) => this.arrows(ctx, view, state, index === 0 && !linkage));
     this.ruler(ctx, view, width, height);
+    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM) : [];
     this.drawn = states;
+  }
+
+  // The linkage of the first run that is shown, if its letters are wanted.
+  namedLinkage(view, state) {
+    const linkage = state ? linkageOf(state.run, state.bodies) : null;
+    this.pointed = Boolean(linkage && this.pointer && pointsAt(linkage, view, this.pointer));
+    return this.named || this.pointed ? linkage : null;
   }
 
   // Everything of a run that is drawn at a place among its samples.
