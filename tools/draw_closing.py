@@ -3,7 +3,7 @@
 
 usage: draw_closing.py LOG.mcap OUT.svg      (needs tools/requirements.txt)
 
-The lengths come from the scene that is attached to the log, through `phalanx scene show`.
+The lengths come from the scene that is attached to the log, through `phalanx scene show --resolved`.
 """
 
 import subprocess
@@ -41,7 +41,7 @@ def read(path: str):
     with tempfile.NamedTemporaryFile(suffix=".toml") as file:
         file.write(scene)
         file.flush()
-        command = ["cargo", "run", "--release", "--quiet", "--", "scene", "show", file.name]
+        command = ["cargo", "run", "--release", "--quiet", "--", "scene", "show", file.name, "--resolved"]
         shown = subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent.parent)
     scene = tomllib.loads(shown.stdout)
     geometry = {name: quantity(value) for name, value in scene["lengths"].items()}
