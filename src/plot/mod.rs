@@ -5,6 +5,7 @@
 //! | `axis` | ranges and ticks, linear and logarithmic |
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
 //! | `closings` | angles of closings over time |
+//! | `dark` | the same colours for a dark ground |
 //! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
@@ -25,6 +26,7 @@ mod canvas;
 mod closings;
 pub mod colours;
 mod curve;
+mod dark;
 mod difference;
 mod grasp;
 mod linkage;
