@@ -289,6 +289,44 @@ describe("the page of a closing in both models", () => {
     }
   });
 
+  it("saves samples and pictures, and links to an instant", async () => {
+    const touch = logs[1]["/impact/distal"].find((impact) => impact.touch_down).timestamp;
+    const { page, call, state, close } = await opened(file, { hash: "#t=4.25ms" });
+    near((await state()).time_s, 4.25e-3, 1e-12, "the instant of the link");
+    await call("seek", touch);
+    await page.waitForFunction((time) => location.hash === `#t=${time}`, touch);
+    const saved = async (kind) => {
+      const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#save").selectOption(kind)]);
+      assert.equal(download.suggestedFilename(), `experiment-95.${kind}`);
+      return readFileSync(await download.path());
+    };
+    const [head, ...lines] = (await saved("csv")).toString().trim().split("\n");
+    const names = head.split(",").map((name) => name.slice(1, -1));
+    const engine = lines.map((line) => line.split(",")).filter((line) => line[0] === '"engine"');
+    const states = logs[1]["/state"];
+    assert.equal(engine.length, states.length);
+    const [time, q22, gap] = ["time_s", "Joint angle: q22 (rad)", "Gap: distal (m)"].map((name) => names.indexOf(name));
+    states.forEach((logged, index) => {
+      assert.equal(Number(engine[index][time]), logged.timestamp);
+      assert.equal(Number(engine[index][q22]), logged.q22_rad);
+    });
+    assert.equal(Number(engine.at(-1)[gap]), logs[1]["/contact/distal"].at(-1).gap_m);
+    const svg = (await saved("svg")).toString();
+    const found = await page.evaluate((text) => {
+      const document = new DOMParser().parseFromString(text, "image/svg+xml");
+      return { error: document.querySelector("parsererror")?.textContent, paths: document.querySelectorAll("path").length, texts: [...document.querySelectorAll("text")].map((each) => each.textContent) };
+    }, svg);
+    assert.equal(found.error, undefined);
+    assert.ok(found.paths > 60 && !svg.includes("NaN"), `${found.paths} paths`);
+    for (const text of ["Normal force ", "Gap ", "proximal", "q22", "20 mm"]) assert.ok(found.texts.includes(text), `${text} in ${found.texts}`);
+    writeFileSync(path.join(SCREENSHOTS, "saved.svg"), svg);
+    const png = await saved("png");
+    assert.deepEqual([...png.subarray(1, 4)], [..."PNG"].map((char) => char.charCodeAt(0)));
+    assert.ok(png.readUInt32BE(16) > 800 && png.length > 40_000, `${png.readUInt32BE(16)} wide, ${png.length} bytes`);
+    writeFileSync(path.join(SCREENSHOTS, "saved.png"), png);
+    await close();
+  });
+
   it("plays at the speed that was chosen, and stops at the end", async () => {
     const { page, call, state, close } = await opened(file);
     for (const speed of [1e-5, 2e-3]) {
@@ -374,7 +412,7 @@ describe("the page of a closing in both models", () => {
       assert.ok(focus.outline && focus.named, JSON.stringify(focus));
       seen.add(focus.id);
     }
-    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "letters", "theme", "help-open", "window-event"]) {
+    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "letters", "save", "theme", "help-open", "window-event"]) {
       assert.ok(seen.has(id), `${id} is not reached with Tab`);
     }
     await close();

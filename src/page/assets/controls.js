@@ -28,6 +28,11 @@ function controls(app) {
   byId("speed").addEventListener("input", (event) => app.setNotch(Number(event.target.value)));
   byId("auto").addEventListener("change", (event) => app.setAuto(event.target.checked));
   byId("arrows").addEventListener("change", (event) => app.setArrows(event.target.value));
+  byId("save").addEventListener("change", async (event) => {
+    const kind = event.target.value;
+    event.target.value = "";
+    await saveAs(app, kind);
+  });
   byId("follow").addEventListener("change", (event) => app.follow(event.target.value || null));
   for (const name of stage.camera.deepest.keys()) byId("follow").append(element("option", { value: name }, `At ${name}`));
   byId("follow").hidden = stage.camera.deepest.size === 0;

@@ -179,8 +179,10 @@ function drawLetters(ctx, view, linkage, arrows, room) {
   }
   for (const { text, ink, x, y, at, box } of shown) {
     if (Math.hypot(at[0] - x, at[1] - y) > 26 + (box[2] - box[0]) / 2) {
+      // From the edge of the letter, not through it.
+      const part = Math.min((box[2] - x) / Math.max(Math.abs(at[0] - x), 1e-9), (box[3] - y) / Math.max(Math.abs(at[1] - y), 1e-9), 1);
       ctx.beginPath();
-      ctx.moveTo(x, y);
+      ctx.moveTo(x + part * (at[0] - x), y + part * (at[1] - y));
       ctx.lineTo(...at);
       ctx.lineWidth = 1;
       ctx.strokeStyle = colour("soft");

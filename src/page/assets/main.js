@@ -125,6 +125,7 @@ function main() {
   const refreshControls = controls(app);
   keyboard(app);
   about(film);
+  const link = linked(app);
 
   app.render = () => {
     if (!app.dirty) return;
@@ -135,6 +136,7 @@ function main() {
     app.readings = app.plots.read(time);
     app.events.show(time);
     refreshControls();
+    link();
   };
   new ResizeObserver(app.changed).observe(document.body);
   new ResizeObserver(app.changed).observe(app.stage.canvas);
