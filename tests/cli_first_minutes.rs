@@ -147,6 +147,50 @@ fn the_page_is_opened_with_the_browser_of_the_session() {
     assert!(fs::read_to_string(opened()).expect("the page").starts_with("<!DOCTYPE html>"));
 }
 
+/// What `--watch` prints, as it comes.
+#[cfg(unix)]
+#[test]
+fn a_scene_that_is_saved_is_run_again() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    let directory = directory("cli_watch");
+    let scene = write(&directory, "scene.toml", &fs::read_to_string(ANCHOR).expect("the anchor"));
+    let page = directory.join("run.html");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_phalanx"))
+        .args(["run", &scene, "--watch", "--no-check", "--html", page.to_str().expect("text")])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary starts");
+    let (send, lines) = channel();
+    let errors = BufReader::new(child.stderr.take().expect("stderr"));
+    let reader =
+        std::thread::spawn(move || errors.lines().map_while(Result::ok).for_each(|line| drop(send.send(line))));
+    let wait_for = |part: &str| {
+        while !lines.recv_timeout(Duration::from_secs(60)).expect(part).contains(part) {}
+    };
+    wait_for("save it and it runs again");
+    let first = fs::read_to_string(&page).expect("the page");
+    // A mistake is told, and does not end it; its correction runs.
+    write(&directory, "scene.toml", "[design]\nbase = 3\n");
+    wait_for("error:");
+    wait_for("save it and it runs again");
+    variant(&directory, "scene.toml", "[initial]\noffset = \"20 deg\"");
+    wait_for("save it and it runs again");
+    assert_ne!(fs::read_to_string(&page).expect("the page"), first);
+    let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(asked.success());
+    assert_eq!(child.wait().expect("an end").code(), Some(0));
+    reader.join().expect("all was read");
+
+    let output = with(&[("BROWSER", "true")], &["run", &scene, "--watch", "--open"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--html FILE.html"), "{}", stderr(&output));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_browser_that_fails_leaves_the_page() {

@@ -42,6 +42,7 @@ mod validate_files;
 mod volume;
 mod volume_args;
 mod volume_files;
+mod watch;
 
 use std::fmt::Display;
 use std::process::ExitCode;

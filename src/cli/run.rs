@@ -10,7 +10,7 @@ use super::output::print;
 use super::overrides::Overrides;
 use super::run_page::PageArgs;
 use super::simulate::{self, Broken, Checking, Limits, Simulated};
-use super::{Failure, Status, run_bodies, run_page};
+use super::{Failure, Status, run_bodies, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
 use crate::page::Reel;
 use crate::report::{self, RunCheckReport, RunReport};
@@ -41,6 +41,10 @@ pub struct RunArgs {
 
     #[command(flatten)]
     pub(super) page: PageArgs,
+
+    /// Run again whenever the scene file is saved, until Ctrl-C; the log and the page are written anew each time
+    #[arg(long, conflicts_with = "json")]
+    watch: bool,
 
     /// Print one JSON document with SI units in its keys instead of the summary
     #[arg(long)]
@@ -75,15 +79,26 @@ impl RunArgs {
 
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<Status, Failure> {
-    match scene::load_any(&args.scene)? {
-        AnyScene::Finger(scene) => finger(args, *scene),
-        AnyScene::Bodies(scene) => run_bodies::run(args, *scene),
+    match args.watch {
+        true => {
+            args.page.can_be_watched()?;
+            watch::watch(&args.scene, |first| once(args, first))
+        }
+        false => once(args, true),
     }
 }
 
-fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
+/// One run; `first` of those that are to be made.
+fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
+    match scene::load_any(&args.scene)? {
+        AnyScene::Finger(scene) => finger(args, *scene, first),
+        AnyScene::Bodies(scene) => run_bodies::run(args, *scene, first),
+    }
+}
+
+fn finger(args: &RunArgs, mut scene: Scene, first: bool) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
-    let page = args.page.start(&args.scene, args.log.as_deref())?;
+    let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;

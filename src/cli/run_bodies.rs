@@ -11,9 +11,9 @@ use crate::report::{self, BodiesReport, RunCheckReport};
 use crate::scene::BodiesScene;
 
 /// Runs the command.
-pub fn run(args: &RunArgs, mut scene: BodiesScene) -> Result<Status, Failure> {
+pub fn run(args: &RunArgs, mut scene: BodiesScene, first: bool) -> Result<Status, Failure> {
     args.overrides.apply_bodies(args.model, &mut scene)?;
-    let page = args.page.start(&args.scene, args.log.as_deref())?;
+    let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;

@@ -30,9 +30,20 @@ pub(super) struct PageOrder {
 }
 
 impl PageArgs {
-    /// Refuses what cannot be done before anything is simulated.
-    pub fn start(&self, scene: &Path, log: Option<&Path>) -> Result<Option<PageOrder>, Failure> {
-        let found = if self.open { Some(Browser::find()) } else { None };
+    /// Refuses a page that each run of many would put elsewhere.
+    pub fn can_be_watched(&self) -> Result<(), Failure> {
+        match (self.open, &self.html) {
+            (true, None) => Err(Failure::bad_input(
+                "--watch --open: every run would have a page of another name; give it one with --html FILE.html, open it once, \
+                 and reload it after each run",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses what cannot be done before anything is simulated. Only the `first` of several runs opens its page.
+    pub fn start(&self, scene: &Path, log: Option<&Path>, first: bool) -> Result<Option<PageOrder>, Failure> {
+        let found = if self.open && first { Some(Browser::find()) } else { None };
         let browser = found.transpose().map_err(|why| Failure::bad_input(format!("--open: {why}")))?;
         let target = match (&self.html, &browser) {
             (Some(target), _) => {
