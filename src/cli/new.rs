@@ -39,8 +39,8 @@ pub fn run(args: &NewArgs) -> Result<Status, Failure> {
     }
     print(&format!(
         "wrote {path}: a gripper of two phalanges, with comments\n\
-         see it close:   phalanx run {path} --open        (or --html FILE.html)\n\
-         see it all:     phalanx scene show {path}\n\
+         see it close:    phalanx run {path} --open        (or --html FILE.html)\n\
+         see it all:      phalanx scene show {path}\n\
          see its letters: phalanx scene show {path} --figure FILE.svg\n"
     ))?;
     Ok(Status::Done)
