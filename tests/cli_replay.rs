@@ -344,12 +344,14 @@ fn a_page_of_one_log_and_of_two() {
         let summary = phalanx(&["replay", &analytic]);
         let output = phalanx(&["replay", &analytic, "--html", &target]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-        assert_eq!(stdout(&output), stdout(&summary));
+        assert!(!stdout(&summary).contains("page:") && stdout(&output).contains(&format!("\npage: {target}\n")));
+        assert_eq!(stdout(&output).replace(&format!("page: {target}\n"), ""), stdout(&summary));
         let one = fs::read_to_string(&target).expect("the page");
         assert!(one.starts_with("<!doctype html>") || one.starts_with("<!DOCTYPE html>"), "{}", &one[..40]);
         let out = place("comparison");
         let output = phalanx(&["replay", &analytic, "--against", &engine, "--html", &target, "--out", &out]);
         assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
+        assert!(stdout(&output).contains(&format!("\npage: {target}\n")), "{}", stdout(&output));
         let two = fs::read_to_string(&target).expect("the page");
         assert!(two.len() > one.len() + 10_000, "{} and {}", one.len(), two.len());
         assert!(two.contains("Side by side") && !one.contains("Side by side"));

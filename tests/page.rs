@@ -94,6 +94,7 @@ fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
                 assert_eq!(bits(column(run, &contact[key])), bits(samples.iter().map(value)), "{key}");
             };
             same("gap_m", &|s| of(s).gap_m);
+            same("gap_rate_m_s", &|s| of(s).gap_rate_m_s);
             same("normal_n", &|s| of(s).normal_n);
             same("tangential_n", &|s| of(s).tangential_n);
             same("point_x_m", &|s| of(s).point_m[0]);

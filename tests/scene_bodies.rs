@@ -195,7 +195,7 @@ fn scene_commands_take_discs() {
          motion = \"fixed\"\n"
     );
     std::fs::write(&file, text).expect("write");
-    let shown = answer(&SceneCommand::Show { scene: file.clone() });
+    let shown = answer(&SceneCommand::Show { scene: file.clone(), figure: None, resolved: false });
     let checked = answer(&SceneCommand::Check { scenes: vec![file.clone()] });
     let _ = std::fs::remove_file(&file);
     assert!(shown.good, "{shown:?}");

@@ -103,9 +103,31 @@ fn every_variant_comes_back_bit_for_bit() {
 #[test]
 fn scene_command_shows_checks_and_explains() {
     let good = "scenes/experiment-95.toml".into();
-    let shown = answer(&SceneCommand::Show { scene: good });
+    let shown = answer(&SceneCommand::Show { scene: good, figure: None, resolved: false });
     assert!(shown.good && shown.stderr.is_empty());
     assert_round_trip(&parse(&shown.stdout));
+
+    // What was written is still there, defaults beside it, and what follows is rounded.
+    for line in [
+        "[design]",
+        "base = \"15.5 mm\"",
+        "l21_fraction = 1.0",
+        "height_ratio = 0.9375",
+        "# l12 = \"22.3628 mm\"",
+        "offset = \"25.0 deg\"",
+    ] {
+        let found = shown.stdout.lines().any(|shown| shown == line);
+        assert!(
+            found || line.starts_with("offset") && shown.stdout.contains("\noffset = \"25 deg\""),
+            "{line}\n{}",
+            shown.stdout
+        );
+    }
+    assert!(!shown.stdout.contains("e-19") && !shown.stdout.contains("\n[lengths]"), "{}", shown.stdout);
+    let resolved =
+        answer(&SceneCommand::Show { scene: "scenes/experiment-95.toml".into(), figure: None, resolved: true });
+    assert!(resolved.stdout.contains("\n[lengths]") && !resolved.stdout.contains("[design]"));
+    assert_round_trip(&parse(&resolved.stdout));
 
     let files = vec!["scenes/free-swing.toml".into(), "tests/broken/unit-missing.toml".into()];
     let checked = answer(&SceneCommand::Check { scenes: files });

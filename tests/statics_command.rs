@@ -104,18 +104,26 @@ fn a_motion_that_is_free_is_said_in_words_and_drawn() {
         assert!(text.contains(part), "no \"{part}\" in\n{text}");
     }
     let svg = std::fs::read_to_string(&picture).unwrap();
-    for part in
-        ["open: the grasp at rest", "tip would have to pull", "palm would have to pull", "a motion that is free"]
-    {
+    for part in ["open: the grasp at rest", "tip: would have to pull", "palm: would have to pull", "a free motion"] {
         assert!(svg.contains(part), "no \"{part}\" in the picture");
     }
     // Two balanced grasps draw differently, the same one alike.
+    // Whose force on whom, each in a colour of its own, on light and dark grounds.
+    assert!(svg.contains("forces on the object"));
+    let legend = |part: &str| {
+        let before = svg.split(part).next().expect("what is before");
+        let line = before.rsplit("<polyline").next().expect("the line beside it");
+        line.split("stroke=\"").nth(1).and_then(|rest| rest.get(..7)).expect("a colour").to_string()
+    };
+    let colours = ["F21, by the proximal phalanx", "F22, by the tip"].map(legend);
+    assert_eq!(colours, ["#0072B2", "#D55E00"]);
+    assert!(svg.contains("prefers-color-scheme:dark") && svg.contains("svg:root [fill=\"#FFFFFF\"]"));
     let again = directory.join("again.svg");
     phalanx(&["statics", &scene, "--svg", again.to_str().unwrap()]);
     assert_eq!(svg, std::fs::read_to_string(&again).unwrap());
     phalanx(&["statics", ANCHOR, "--svg", again.to_str().unwrap()]);
     let closed = std::fs::read_to_string(&again).unwrap();
-    assert!(closed.contains("form-closed") && !closed.contains("a motion that is free"));
+    assert!(closed.contains("form-closed") && !closed.contains("a free motion"));
 
     let found = json(&phalanx(&["statics", &scene, "--json"]));
     let motion = &found["form_closure"]["motion"];

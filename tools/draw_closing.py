@@ -3,9 +3,10 @@
 
 usage: draw_closing.py LOG.mcap OUT.svg      (needs tools/requirements.txt)
 
-The lengths come from the scene that is attached to the log, through `phalanx scene show`.
+The lengths come from the scene that is attached to the log, through $PHALANX or `cargo run`: `phalanx scene show --resolved`.
 """
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -20,7 +21,13 @@ import numpy as np
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-INK, PALE, ACCENT, WARM = "#27323f", "#9aa7b4", "#1f77b4", "#d1495b"
+# The colours of the page and of all other pictures, each with the one that stands for it on a dark ground.
+DARK = {
+    "#ffffff": "#1b1f26", "#1b1f26": "#eceff3", "#565e6b": "#a7b0bd", "#0072b2": "#56b4e9", "#c75300": "#ff9a52", "#00875f": "#3ccb9c",
+    "#b3261e": "#ff8078", "#b9c2cf": "#4c5766", "#d3d9e2": "#3a4350", "#a9d2ec": "#1f5678", "#f5c7a1": "#7d4316", "#e3dccb": "#4a453a",
+    "#e4e7ec": "#262c35",
+}
+GROUND, INK, SOFT, BLUE, ORANGE, GREEN, WARM, DRIVER, COUPLER, PROXIMAL, DISTAL, OBJECT, PALM = DARK
 UNITS = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1e3, "deg": np.pi / 180, "rad": 1.0}
 
 
@@ -41,7 +48,8 @@ def read(path: str):
     with tempfile.NamedTemporaryFile(suffix=".toml") as file:
         file.write(scene)
         file.flush()
-        command = ["cargo", "run", "--release", "--quiet", "--", "scene", "show", file.name]
+        phalanx = [os.environ["PHALANX"]] if "PHALANX" in os.environ else ["cargo", "run", "--release", "--quiet", "--"]
+        command = [*phalanx, "scene", "show", file.name, "--resolved"]
         shown = subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent.parent)
     scene = tomllib.loads(shown.stdout)
     geometry = {name: quantity(value) for name, value in scene["lengths"].items()}
@@ -74,20 +82,32 @@ def pose(axis, g, state, title: str):
     a12, a22 = g["l11"] * e(q11), g["l21"] * e(q21)
     a13 = a12 + g["l12"] * e(q11 + q12)
     tip = a22 + g["t22"] * e(q21 + q22 + g["phi22"])
-    axis.axhspan(-30, 0, color="#eef1f4", lw=0)
-    axis.axhline(0, color=PALE, lw=1)
-    axis.add_patch(plt.Circle(g["centre"], g["radius"], fc="#f6ead7", ec="#c9a66b", lw=1))
-    axis.add_patch(plt.Polygon([a22, a13, tip], fc="#dbe9f4", ec="none"))
-    capsule(axis, origin, a12, 1.2, fc=PALE, ec="none")
-    capsule(axis, a12, a13, 1.2, fc=PALE, ec="none")
-    capsule(axis, a22, a13, 1.2, fc="#8fbbdc", ec="none")
-    capsule(axis, origin, a22, g["w"], fc=INK, ec="none")
-    capsule(axis, a22, tip, g["w"], fc=ACCENT, ec="none")
+    axis.axhspan(-30, 0, color=PALM, lw=0)
+    axis.axhline(0, color=SOFT, lw=1)
+    axis.add_patch(plt.Circle(g["centre"], g["radius"], fc=OBJECT, ec=SOFT, lw=1))
+    axis.add_patch(plt.Polygon([a22, a13, tip], fc=DISTAL, ec="none"))
+    capsule(axis, origin, a12, 1.2, fc=DRIVER, ec=SOFT, lw=0.5)
+    capsule(axis, a12, a13, 1.2, fc=COUPLER, ec=SOFT, lw=0.5)
+    capsule(axis, a22, a13, 1.2, fc=DISTAL, ec=SOFT, lw=0.5)
+    capsule(axis, origin, a22, g["w"], fc=PROXIMAL, ec=INK, lw=0.6)
+    capsule(axis, a22, tip, g["w"], fc=DISTAL, ec=INK, lw=0.6)
     for joint in (origin, a12, a22, a13):
-        axis.plot(*joint, "o", ms=3.2, mfc="white", mec=INK, mew=0.8)
+        axis.plot(*joint, "o", ms=3.2, mfc=GROUND, mec=INK, mew=0.8)
     axis.set(xlim=(-38, 34), ylim=(-17, 44), aspect="equal")
     axis.axis("off")
     axis.set_title(title, fontsize=8.5, color=INK)
+
+
+def both_schemes(picture: Path):
+    """Puts the colours for a dark ground into a picture, for readers whose scheme that is."""
+    text = picture.read_text()
+    rules = []
+    for light, dark in DARK.items():
+        for name in ("fill", "stroke"):
+            if f"{name}: {light}" in text:
+                rules.append(f'svg:root [style*="{name}: {light}"] {{ {name}: {dark} !important; }}')
+    style = "<style>@media (prefers-color-scheme: dark) {\n" + "\n".join(rules) + "\n}</style>\n"
+    picture.write_text(text.replace(" <defs>", f" {style} <defs>", 1))
 
 
 def main(log: str, out: str):
@@ -100,10 +120,12 @@ def main(log: str, out: str):
         gap = column(contact, "gap_m")
         touches[site] = column(contact, "timestamp")[np.argmax(gap < 0)] * 1e3
     instants = [0.0, 0.75 * touches["proximal"], touches["proximal"], 0.5 * sum(touches.values()), touches["distal"]]
-    words = ["start", "swing", "proximal contact", "tip closes", "tip contact"]
+    words = ["start", "swing", "proximal contact", "distal closes", "distal contact"]
 
     plt.rcParams.update({"font.size": 8, "font.family": "DejaVu Sans", "svg.hashsalt": "phalanx", "svg.fonttype": "path"})
-    figure = plt.figure(figsize=(9.6, 4.3), facecolor="white")
+    plt.rcParams.update({key: INK for key in ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")})
+    plt.rcParams.update({"axes.facecolor": GROUND})
+    figure = plt.figure(figsize=(9.6, 4.3), facecolor=GROUND)
     poses = figure.add_gridspec(1, 5, left=0.01, right=0.99, bottom=0.47, top=0.95, wspace=0.03)
     plots = figure.add_gridspec(1, 2, left=0.065, right=0.985, bottom=0.1, top=0.44, wspace=0.16)
     for i, (instant, word) in enumerate(zip(instants, words)):
@@ -111,25 +133,26 @@ def main(log: str, out: str):
         pose(figure.add_subplot(poses[i]), g, state, f"{word}, {instant:.2f} ms")
 
     angles = figure.add_subplot(plots[0])
-    for name, color in (("q11", PALE), ("q21", INK), ("q22", ACCENT)):
+    for name, color in (("q11", BLUE), ("q21", ORANGE), ("q22", GREEN)):
         angles.plot(time, np.degrees(column(states, f"{name}_rad")), color=color, lw=1.4)
         at = np.degrees(getattr(states[-1], f"{name}_rad"))
         angles.annotate(name, (time[-1], at), xytext=(-2, 4), textcoords="offset points", ha="right", color=color)
     angles.set(xlabel="time, ms", ylabel="joint angle, deg", xlim=(0, time[-1]))
 
     forces = figure.add_subplot(plots[1])
-    for site, color, lift in (("proximal", INK, 4), ("distal", ACCENT, -11)):
+    for site, color, lift in (("proximal", BLUE, 4), ("distal", ORANGE, -11)):
         contact = topics[f"/contact/{site}"]
         t, force = column(contact, "timestamp") * 1e3, column(contact, "normal_n")
         shown = np.where(force > 1e-3, force, np.nan)
         forces.plot(t, shown, color=color, lw=1.4)
-        forces.annotate(site, (t[-1], force[-1]), xytext=(-2, lift), textcoords="offset points", ha="right", color=color)
-    forces.set(xlabel="time, ms", ylabel="normal force, N", yscale="log", xlim=(0, time[-1]), ylim=(1, 1e6))
+        forces.annotate({"proximal": "F21, proximal", "distal": "F22, distal"}[site], (t[-1], force[-1]), xytext=(-2, lift), textcoords="offset points", ha="right", color=color)
+    forces.set(xlabel="time, ms", ylabel="force on phalanx, N", yscale="log", xlim=(0, time[-1]), ylim=(1, 1e6))
     for axis in (angles, forces):
         axis.spines[["top", "right"]].set_visible(False)
         for instant in touches.values():
             axis.axvline(instant, color=WARM, lw=0.8, ls=(0, (4, 3)), zorder=0)
     figure.savefig(out, metadata={"Date": None})
+    both_schemes(Path(out))
 
 
 if __name__ == "__main__":

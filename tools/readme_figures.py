@@ -7,8 +7,8 @@
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
 blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate, log,
-reproduce, design. Needs only Python's own library, and GNU time for the block memory. The blocks engine and reproduce also put
-their pictures into tools/figures.
+reproduce, design. Needs only Python's own library, and GNU time for the block memory. The blocks scenes, engine and reproduce
+also put their pictures into tools/figures.
 """
 
 import argparse
@@ -112,8 +112,9 @@ def accuracy(scratch):
 
 
 def scenes(_):
-    """Every shipped scene."""
+    """Every shipped scene; and the picture of one with its letters."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    call(PHALANX, "scene", "show", "scenes/experiment-95.toml", "--figure", "tools/figures/linkage.svg", stdout=sys.stderr)
     header = [
         "scene", "contact, proximal / tip (ms)", "q11, q21 at the end (°)", "force, proximal / tip (N)", "class", "tts (ms)",
         "steps", "time (ms)",

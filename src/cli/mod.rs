@@ -7,9 +7,11 @@
 //! | 2 | bad input: arguments, scene, or a path that cannot be written |
 //! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
+mod browser;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
+mod new;
 mod output;
 mod overrides;
 mod progress;
@@ -23,7 +25,9 @@ mod replay_verify;
 mod reproduce;
 mod run;
 mod run_bodies;
+mod run_page;
 pub mod scene;
+mod scene_figure;
 mod select;
 mod simulate;
 mod size;
@@ -38,6 +42,7 @@ mod validate_files;
 mod volume;
 mod volume_args;
 mod volume_files;
+mod watch;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -53,7 +58,7 @@ use crate::scene::SceneError;
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Example:\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit status: 0 done; 1 a check failed; 2 bad \
+    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit status: 0 done; 1 a check failed; 2 bad \
                   input; 3 the simulation could not be completed."
 )]
 struct Cli {
@@ -63,6 +68,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    New(new::NewArgs),
     Run(run::RunArgs),
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
@@ -119,6 +125,7 @@ impl From<SceneError> for Failure {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
+        Command::New(args) => new::run(args),
         Command::Run(args) => run::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),

@@ -85,8 +85,19 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     };
     let (figures, words) = side_by_side(&logs);
     let kind = if kinds[0] { "bodies" } else { "finger" };
-    let mut report =
-        AgainstReport { kind, labels, logs, compared_to_s, notes, figures, words, apart, directory: None, files: None };
+    let mut report = AgainstReport {
+        kind,
+        labels,
+        logs,
+        compared_to_s,
+        notes,
+        figures,
+        words,
+        apart,
+        directory: None,
+        files: None,
+        page: None,
+    };
     let shown = films.map(|films| both(films, paths, &report)).transpose()?;
     if let Some(out) = &args.out {
         report.directory = Some(out.display().to_string());
@@ -104,6 +115,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     }
     if let (Some(target), Some(page)) = (&args.html, &shown) {
         save(target, page)?;
+        report.page = Some(target.display().to_string());
     }
     print(&match args.json {
         true => against_json(&report),

@@ -31,10 +31,11 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     let reading = log::read_any_file(path, &mut Tee(&mut listeners, &mut reels));
     listeners.done();
     let reading = reading.map_err(|error| bad_log(path, &error))?;
-    let report = listeners.report(path.display().to_string(), &reading);
+    let mut report = listeners.report(path.display().to_string(), &reading);
     let (title, description) = reels.about();
     let film = reels.film(path, report.model.as_deref().unwrap_or("run"), &replay_text(&report))?;
     save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
+    report.page = Some(target.display().to_string());
     print(&said(args, &report))?;
     Ok(losses(path, &reading))
 }

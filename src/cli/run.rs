@@ -8,9 +8,11 @@ use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
 use super::output::print;
 use super::overrides::Overrides;
+use super::run_page::PageArgs;
 use super::simulate::{self, Broken, Checking, Limits, Simulated};
-use super::{Failure, Status, run_bodies};
+use super::{Failure, Status, run_bodies, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
+use crate::page::Reel;
 use crate::report::{self, RunCheckReport, RunReport};
 use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{Model, SinkError};
@@ -18,7 +20,7 @@ use crate::trace::{Model, SinkError};
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx run scenes/experiment-95.toml\n  phalanx run scenes/experiment-95.toml --log run.mcap\n  \
+    after_help = "Examples:\n  phalanx run scenes/experiment-95.toml\n  phalanx run scenes/experiment-95.toml --open\n  phalanx run scenes/experiment-95.toml --log run.mcap\n  \
                   phalanx run scenes/experiment-95.toml --duration \"30 ms\" --preset reference --json > run.json\n  \
                   phalanx run scenes/experiment-95.toml --model engine --step \"1 us\"\n\nThe log \
                   opens in Foxglove, Rerun and PlotJuggler. Exit status: 0 done; 2 bad input; 3 the simulation could not be \
@@ -36,6 +38,13 @@ pub struct RunArgs {
     /// when the new one is whole
     #[arg(long, value_name = "FILE.mcap")]
     pub(super) log: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) page: PageArgs,
+
+    /// Run again whenever the scene file is saved, until Ctrl-C; the log and the page are written anew each time
+    #[arg(long, conflicts_with = "json")]
+    watch: bool,
 
     /// Print one JSON document with SI units in its keys instead of the summary
     #[arg(long)]
@@ -70,25 +79,43 @@ impl RunArgs {
 
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<Status, Failure> {
-    match scene::load_any(&args.scene)? {
-        AnyScene::Finger(scene) => finger(args, *scene),
-        AnyScene::Bodies(scene) => run_bodies::run(args, *scene),
+    match args.watch {
+        true => {
+            args.page.can_be_watched()?;
+            watch::watch(&args.scene, |first| once(args, first))
+        }
+        false => once(args, true),
     }
 }
 
-fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
+/// One run; `first` of those that are to be made.
+fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
+    match scene::load_any(&args.scene)? {
+        AnyScene::Finger(scene) => finger(args, *scene, first),
+        AnyScene::Bodies(scene) => run_bodies::run(args, *scene, first),
+    }
+}
+
+fn finger(args: &RunArgs, mut scene: Scene, first: bool) -> Result<Status, Failure> {
     args.overrides.apply(args.model, &mut scene)?;
+    let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
+    let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
-    let Simulated { result, found, wall_s, check, log } = simulate::finger(args.model, &scene, log, &limits, &mut ());
+    let Simulated { result, found, wall_s, check, log } = simulate::finger(args.model, &scene, log, &limits, &mut reel);
     let model = args.model.name();
     let mut report = match result {
         Ok(outcome) => RunReport::completed(&scene, model, wall_s, &outcome, found),
         Err(Broken { error, so_far }) => RunReport::failed(&scene, model, wall_s, error, so_far.as_ref()),
     };
     report.check = check.map(|check| RunCheckReport::new(&check, true));
+    // A page is given to others: it does not say where the files are.
+    let made = page.as_ref().zip(reel).map(|(page, reel)| {
+        page.write(&scene.name, &scene.description, reel.film(model, &scene, &report::text(&report)))
+    });
+    report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
     print(&match args.json {
@@ -98,7 +125,7 @@ fn finger(args: &RunArgs, mut scene: Scene) -> Result<Status, Failure> {
     if let Some(live) = live {
         live.end();
     }
-    ended(args, scene.duration_s, report.error.as_ref(), kept)
+    run_page::ended(page.as_ref(), made, ended(args, scene.duration_s, report.error.as_ref(), kept))
 }
 
 /// The log of a run, if there is to be one or the run is watched.

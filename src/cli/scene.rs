@@ -6,17 +6,26 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::output::{complain, print};
-use super::{Failure, Status};
+use super::{Failure, Status, scene_figure};
 use crate::gripper::total_mass;
 use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
 
 /// Show, check and describe scene files.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SceneCommand {
-    /// Print a scene with every default filled in, as a scene file
+    /// Print a scene as it was written with every default filled in, as a scene file; or draw its linkage
     Show {
         /// Scene file (TOML)
         scene: PathBuf,
+
+        /// Instead of printing it: draw the finger with the letters of scenes and results on it (l11, φ22, q21, F22, …)
+        #[arg(long, value_name = "FILE.svg")]
+        figure: Option<PathBuf>,
+
+        /// Print what is simulated instead, in full precision: lengths and masses in place of a design and a material, angles
+        /// of the start, the law of each contact
+        #[arg(long, conflicts_with = "figure")]
+        resolved: bool,
     },
     /// Check scene files; exit status 2 if one is wrong
     Check {
@@ -51,8 +60,12 @@ pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
 pub fn answer(command: &SceneCommand) -> Answer {
     match command {
         SceneCommand::Schema => Answer { stdout: scene::schema(), good: true, ..Answer::default() },
-        SceneCommand::Show { scene } => match scene::load_any(scene) {
-            Ok(scene) => Answer { stdout: scene::show_any(&scene), good: true, ..Answer::default() },
+        SceneCommand::Show { scene, figure: Some(figure), .. } => scene_figure::answer(scene, figure),
+        SceneCommand::Show { scene, figure: None, resolved } => match scene::load_any(scene) {
+            Ok(scene) => {
+                let stdout = if *resolved { scene::show_any(&scene) } else { scene::show_written(&scene) };
+                Answer { stdout, good: true, ..Answer::default() }
+            }
             Err(error) => Answer { stderr: format!("{error}\n"), ..Answer::default() },
         },
         SceneCommand::Check { scenes } => check(scenes),

@@ -44,6 +44,16 @@ pub fn disc_poses(scene: &BodiesScene, sample: &BodiesSample) -> Vec<Pose> {
     plane.into_iter().chain(discs).collect()
 }
 
+/// How fast these change: velocities and spins in place of positions and angles.
+pub fn disc_motions(scene: &BodiesScene, sample: &BodiesSample) -> Vec<Pose> {
+    let plane = scene.half_plane.map(|_| Pose::default());
+    let discs = sample
+        .discs
+        .iter()
+        .map(|DiscState { velocity_m_s, spin_rad_s, .. }| Pose { position_m: *velocity_m_s, angle_rad: *spin_rad_s });
+    plane.into_iter().chain(discs).collect()
+}
+
 /// Largest force of an impact without damping at the speeds of the start, k δᵉ with ½ m v² = k δ^(e+1)/(e+1); where that
 /// is nothing, the weight.
 fn impact_n(scene: &BodiesScene, pair: Pair) -> f64 {

@@ -62,6 +62,24 @@ pub fn finger_poses_at(scene: &Scene, posture: &Posture) -> Vec<Pose> {
     poses
 }
 
+/// How fast the poses of [`finger_poses`] change: velocities and angular velocities in place of positions and angles.
+pub fn finger_motions(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    let Lengths { l11_m, l21_m, .. } = scene.finger.lengths;
+    let fixed = usize::from(scene.palm) + usize::from(scene.object.is_some());
+    let mut motions = vec![Pose::default(); fixed];
+    let turning = |position_m, angle_rad| Pose { position_m, angle_rad };
+    // d/dt of L (cos q, sin q).
+    let end = |length: f64, q: f64, rate: f64| [-length * rate * q.sin(), length * rate * q.cos()];
+    let Sample { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *sample;
+    motions.extend([
+        turning([0.0; 2], qd11_rad_s),
+        turning(end(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),
+        turning([0.0; 2], qd21_rad_s),
+        turning(end(l21_m, q21_rad, qd21_rad_s), qd21_rad_s + qd22_rad_s),
+    ]);
+    motions
+}
+
 /// The four links: what they weigh by, and where they touch.
 fn links(lengths: &Lengths) -> [Body; 4] {
     let w = lengths.half_width_m;

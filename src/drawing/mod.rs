@@ -10,8 +10,8 @@
 mod discs;
 mod finger;
 
-pub use discs::{disc_poses, discs};
-pub use finger::{finger, finger_poses, finger_poses_at};
+pub use discs::{disc_motions, disc_poses, discs};
+pub use finger::{finger, finger_motions, finger_poses, finger_poses_at};
 
 /// Everything that is to be drawn of a scene.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 
-use super::film::{Body, Film, Mark, Panel, Scale, Touch};
+use super::film::{Body, Film, Mark, Panel, Scale, Series, Touch};
 use crate::drawing::Shape;
 
 #[derive(Serialize)]
@@ -40,6 +40,9 @@ struct Bodies<'a> {
     x_m: usize,
     y_m: usize,
     angle_rad: usize,
+    vx_m_s: usize,
+    vy_m_s: usize,
+    spin_rad_s: usize,
 }
 
 #[derive(Serialize)]
@@ -55,6 +58,7 @@ enum Form<'a> {
 struct Contact<'a> {
     name: &'a str,
     gap_m: usize,
+    gap_rate_m_s: usize,
     normal_n: usize,
     tangential_n: usize,
     point_x_m: usize,
@@ -75,6 +79,8 @@ struct Panels<'a> {
 struct Line<'a> {
     name: &'a str,
     values: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rates: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -149,6 +155,9 @@ fn bodies<'a>(body: &'a Body, table: &mut Table) -> Bodies<'a> {
         x_m: table.put(&body.x_m),
         y_m: table.put(&body.y_m),
         angle_rad: table.put(&body.angle_rad),
+        vx_m_s: table.put(&body.vx_m_s),
+        vy_m_s: table.put(&body.vy_m_s),
+        spin_rad_s: table.put(&body.spin_rad_s),
     }
 }
 
@@ -156,6 +165,7 @@ fn contact<'a>(touch: &'a Touch, table: &mut Table) -> Contact<'a> {
     Contact {
         name: &touch.name,
         gap_m: table.put(&touch.gap_m),
+        gap_rate_m_s: table.put(&touch.gap_rate_m_s),
         normal_n: table.put(&touch.normal_n),
         tangential_n: table.put(&touch.tangential_n),
         point_x_m: table.put(&touch.point_x_m),
@@ -173,7 +183,11 @@ fn panels<'a>(panel: &'a Panel, table: &mut Table) -> Panels<'a> {
         series: panel
             .series
             .iter()
-            .map(|series| Line { name: &series.name, values: table.put(&series.values) })
+            .map(|Series { name, values, rates }| Line {
+                name,
+                values: table.put(values),
+                rates: rates.as_ref().map(|rates| table.put(rates)),
+            })
             .collect(),
     }
 }

@@ -7,7 +7,7 @@ use crate::trace::ContactSample;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
 
 /// A quantity of a disc, by its name.
-type OfDisc = (&'static str, fn(&DiscState) -> f64);
+type OfDisc = (&'static str, fn(&DiscState) -> f64, Option<fn(&DiscState) -> f64>);
 
 /// Pairs that are shown where none touches.
 const IDLE_PAIRS: usize = 6;
@@ -34,6 +34,7 @@ pub fn discs_film(
         samples,
         time_s: |sample| sample.time_s,
         poses: Box::new(|sample| drawing::disc_poses(scene, sample)),
+        motions: Box::new(|sample| drawing::disc_motions(scene, sample)),
         contacts: shown.iter().map(|&index| pair(index)).collect(),
         panels: panels(scene, &names, &shown),
         marks: events.iter().map(|event| of(event, &names)).collect(),
@@ -56,17 +57,25 @@ fn touching(pairs: usize, samples: &[BodiesSample], events: &[BodiesEvent]) -> V
 fn panels<'a>(scene: &BodiesScene, names: &[String], shown: &[usize]) -> Vec<Plan<'a, BodiesSample>> {
     let of_pairs = |value: fn(&ContactSample) -> f64| -> Vec<Curve<'a, BodiesSample>> {
         let of = |&pair: &usize| -> Curve<'a, BodiesSample> {
-            (names[pair].clone(), Box::new(move |sample| value(&sample.contacts[pair])))
+            Curve::new(&names[pair], move |sample: &BodiesSample| value(&sample.contacts[pair]))
         };
-        shown.iter().map(of).collect()
+        shown.iter().map(of).collect::<Vec<_>>()
     };
+    let gaps = of_pairs(|contact| contact.gap_m)
+        .into_iter()
+        .zip(shown)
+        .map(|(gap, &pair)| gap.with_rate(move |sample: &BodiesSample| sample.contacts[pair].gap_rate_m_s));
     let of_discs = |quantities: &[OfDisc]| -> Vec<Curve<'a, BodiesSample>> {
         let moving = scene.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
         let mut curves: Vec<Curve<'a, BodiesSample>> = Vec::new();
         for (index, disc) in moving {
-            for &(quantity, value) in quantities {
+            for &(quantity, value, rate) in quantities {
                 let name = format!("{} {quantity}", disc.name);
-                curves.push((name, Box::new(move |sample| value(&sample.discs[index]))));
+                let curve = Curve::new(name, move |sample: &BodiesSample| value(&sample.discs[index]));
+                curves.push(match rate {
+                    Some(rate) => curve.with_rate(move |sample| rate(&sample.discs[index])),
+                    None => curve,
+                });
             }
         }
         curves
@@ -75,21 +84,27 @@ fn panels<'a>(scene: &BodiesScene, names: &[String], shown: &[usize]) -> Vec<Pla
         Some(_) => of_pairs(|contact| contact.tangential_n),
         None => Vec::new(),
     };
-    let energy = |name: &str, value: fn(&BodiesSample) -> f64| -> Curve<'a, BodiesSample> {
-        (name.to_string(), Box::new(value))
-    };
+    let energy = |name: &str, value: fn(&BodiesSample) -> f64| -> Curve<'a, BodiesSample> { Curve::new(name, value) };
     vec![
         plan("Normal force", "N", Scale::Linear, of_pairs(|contact| contact.normal_n)),
         plan("Friction force", "N", Scale::Linear, friction),
-        plan("Gap", "m", Scale::Linear, of_pairs(|contact| contact.gap_m)),
-        plan("Place", "m", Scale::Linear, of_discs(&[("x", |disc| disc.centre_m[0]), ("y", |disc| disc.centre_m[1])])),
+        plan("Gap", "m", Scale::Linear, gaps.collect()),
+        plan(
+            "Place",
+            "m",
+            Scale::Linear,
+            of_discs(&[
+                ("x", |disc| disc.centre_m[0], Some(|disc| disc.velocity_m_s[0])),
+                ("y", |disc| disc.centre_m[1], Some(|disc| disc.velocity_m_s[1])),
+            ]),
+        ),
         plan(
             "Velocity",
             "m/s",
             Scale::Linear,
-            of_discs(&[("vx", |disc| disc.velocity_m_s[0]), ("vy", |disc| disc.velocity_m_s[1])]),
+            of_discs(&[("vx", |disc| disc.velocity_m_s[0], None), ("vy", |disc| disc.velocity_m_s[1], None)]),
         ),
-        plan("Spin", "rad/s", Scale::Linear, of_discs(&[("spin", |disc| disc.spin_rad_s)])),
+        plan("Spin", "rad/s", Scale::Linear, of_discs(&[("spin", |disc| disc.spin_rad_s, None)])),
         plan(
             "Energy",
             "J",

@@ -37,6 +37,10 @@ pub struct Body {
     pub x_m: Vec<f64>,
     pub y_m: Vec<f64>,
     pub angle_rad: Vec<f64>,
+    /// How fast these three change, for what lies between samples.
+    pub vx_m_s: Vec<f64>,
+    pub vy_m_s: Vec<f64>,
+    pub spin_rad_s: Vec<f64>,
 }
 
 /// A place of contact: as [`ContactSample`] has it.
@@ -44,6 +48,7 @@ pub struct Body {
 pub struct Touch {
     pub name: String,
     pub gap_m: Vec<f64>,
+    pub gap_rate_m_s: Vec<f64>,
     pub normal_n: Vec<f64>,
     pub tangential_n: Vec<f64>,
     pub point_x_m: Vec<f64>,
@@ -75,6 +80,9 @@ pub enum Scale {
 pub struct Series {
     pub name: String,
     pub values: Vec<f64>,
+    /// Their time derivative, where a sample has it: without it nobody knows the curve between samples, which may be 0.1 ms
+    /// and half a millimetre apart.
+    pub rates: Option<Vec<f64>>,
 }
 
 /// Something that happens.
@@ -89,8 +97,25 @@ pub struct Mark {
     pub figure: Option<(f64, &'static str)>,
 }
 
-/// A curve before it has values: its name, and how a sample has it.
-pub(super) type Curve<'a, S> = (String, Box<dyn Fn(&S) -> f64 + 'a>);
+/// How a sample has a number.
+pub(super) type Value<'a, S> = Box<dyn Fn(&S) -> f64 + 'a>;
+
+/// A curve before it has values: its name, and how a sample has it and, maybe, its rate.
+pub(super) struct Curve<'a, S> {
+    pub name: String,
+    pub value: Value<'a, S>,
+    pub rate: Option<Value<'a, S>>,
+}
+
+impl<'a, S> Curve<'a, S> {
+    pub fn new(name: impl Into<String>, value: impl Fn(&S) -> f64 + 'a) -> Self {
+        Curve { name: name.into(), value: Box::new(value), rate: None }
+    }
+
+    pub fn with_rate(self, rate: impl Fn(&S) -> f64 + 'a) -> Self {
+        Curve { rate: Some(Box::new(rate)), ..self }
+    }
+}
 
 /// A panel before it has values; left out where it has no curves.
 pub(super) struct Plan<'a, S> {
@@ -123,6 +148,8 @@ pub(super) struct Shown<'a, S> {
     pub samples: &'a [S],
     pub time_s: fn(&S) -> f64,
     pub poses: Poses<'a, S>,
+    /// Their time derivatives.
+    pub motions: Poses<'a, S>,
     /// Contacts that are drawn, by their names.
     pub contacts: Vec<(String, Contact<'a, S>)>,
     pub panels: Vec<Plan<'a, S>>,
@@ -140,7 +167,9 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
     let column = |value: &dyn Fn(&S) -> f64| samples.iter().map(|sample| value(sample)).collect::<Vec<f64>>();
 
     let poses: Vec<Vec<Pose>> = samples.iter().map(|sample| (shown.poses)(sample)).collect();
+    let motions: Vec<Vec<Pose>> = samples.iter().map(|sample| (shown.motions)(sample)).collect();
     let place = |index: usize, value: fn(&Pose) -> f64| poses.iter().map(|all| value(&all[index])).collect();
+    let motion = |index: usize, value: fn(&Pose) -> f64| motions.iter().map(|all| value(&all[index])).collect();
     let body = |(index, body): (usize, crate::drawing::Body)| Body {
         name: body.name,
         part: part(body.part),
@@ -149,10 +178,14 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
         x_m: place(index, |pose| pose.position_m[0]),
         y_m: place(index, |pose| pose.position_m[1]),
         angle_rad: place(index, |pose| pose.angle_rad),
+        vx_m_s: motion(index, |rate| rate.position_m[0]),
+        vy_m_s: motion(index, |rate| rate.position_m[1]),
+        spin_rad_s: motion(index, |rate| rate.angle_rad),
     };
     let touch = |(name, contact): &(String, Contact<'_, S>)| Touch {
         name: name.clone(),
         gap_m: column(&|sample| contact(sample).gap_m),
+        gap_rate_m_s: column(&|sample| contact(sample).gap_rate_m_s),
         normal_n: column(&|sample| contact(sample).normal_n),
         tangential_n: column(&|sample| contact(sample).tangential_n),
         point_x_m: column(&|sample| contact(sample).point_m[0]),
@@ -160,7 +193,11 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
         normal_x: column(&|sample| contact(sample).normal[0]),
         normal_y: column(&|sample| contact(sample).normal[1]),
     };
-    let series = |(name, value): &Curve<'_, S>| Series { name: name.clone(), values: column(value.as_ref()) };
+    let series = |Curve { name, value, rate }: &Curve<'_, S>| Series {
+        name: name.clone(),
+        values: column(value.as_ref()),
+        rates: rate.as_ref().map(|rate| column(rate.as_ref())),
+    };
     let panel = |plan: &Plan<'_, S>| Panel {
         title: plan.title.to_string(),
         unit: plan.unit,
@@ -184,7 +221,7 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
 
 fn thinned<S>(shown: &Shown<'_, S>, times: &[f64]) -> Vec<usize> {
     let curves = shown.panels.iter().flat_map(|plan| &plan.curves);
-    let values: Vec<Vec<f64>> = curves.map(|(_, value)| shown.samples.iter().map(value).collect()).collect();
+    let values: Vec<Vec<f64>> = curves.map(|curve| shown.samples.iter().map(&curve.value).collect()).collect();
     let force = |sample: &S| shown.contacts.iter().map(|(_, contact)| contact(sample).normal_n).sum();
     let weight: Vec<f64> = shown.samples.iter().map(force).collect();
     let events: Vec<f64> = shown.marks.iter().map(|mark| mark.time_s).collect();

@@ -17,6 +17,7 @@ pub fn finger_film(label: &str, scene: &Scene, samples: &[Sample], events: &[Eve
         samples,
         time_s: |sample| sample.time_s,
         poses: Box::new(|sample| drawing::finger_poses(scene, sample)),
+        motions: Box::new(|sample| drawing::finger_motions(scene, sample)),
         contacts: match scene.object {
             None => Vec::new(),
             Some(_) => vec![
@@ -38,7 +39,11 @@ fn of(event: &Event) -> Mark {
 }
 
 fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static, Sample> {
-    (name.to_string(), Box::new(value))
+    Curve::new(name, value)
+}
+
+fn moving(name: &str, value: fn(&Sample) -> f64, rate: fn(&Sample) -> f64) -> Curve<'static, Sample> {
+    Curve::new(name, value).with_rate(rate)
 }
 
 /// Both phalanges, where there is something to touch.
@@ -46,10 +51,15 @@ fn contacts(scene: &Scene, value: fn(&ContactSample) -> f64) -> Vec<Curve<'stati
     match scene.object {
         None => Vec::new(),
         Some(_) => vec![
-            ("proximal".to_string(), Box::new(move |sample: &Sample| value(&sample.proximal))),
-            ("distal".to_string(), Box::new(move |sample: &Sample| value(&sample.distal))),
+            Curve::new("proximal", move |sample: &Sample| value(&sample.proximal)),
+            Curve::new("distal", move |sample: &Sample| value(&sample.distal)),
         ],
     }
+}
+
+fn gaps(scene: &Scene) -> Vec<Curve<'static, Sample>> {
+    let rates: [fn(&Sample) -> f64; 2] = [|s| s.proximal.gap_rate_m_s, |s| s.distal.gap_rate_m_s];
+    contacts(scene, |contact| contact.gap_m).into_iter().zip(rates).map(|(gap, rate)| gap.with_rate(rate)).collect()
 }
 
 fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
@@ -59,19 +69,19 @@ fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
         _ => contacts(scene, |contact| contact.tangential_n),
     };
     let mut angles = vec![
-        curve("q11", |s| turned(s.q11_rad)),
-        curve("q21", |s| turned(s.q21_rad)),
-        curve("q22", |s| turned(s.q22_rad)),
+        moving("q11", |s| turned(s.q11_rad), |s| s.qd11_rad_s),
+        moving("q21", |s| turned(s.q21_rad), |s| s.qd21_rad_s),
+        moving("q22", |s| turned(s.q22_rad), |s| s.qd22_rad_s),
     ];
     let mut torques = vec![curve("motor", |s| s.motor_torque_n_m)];
     if scene.limit.is_some() {
-        angles.push(curve("to limit", |s| s.limit.gap_rad));
+        angles.push(moving("to limit", |s| s.limit.gap_rad, |s| s.limit.gap_rate_rad_s));
         torques.push(curve("limit", |s| s.limit.torque_n_m));
     }
     vec![
         plan("Normal force", "N", Scale::Logarithmic, contacts(scene, |contact| contact.normal_n)),
         plan("Friction force", "N", Scale::Logarithmic, friction),
-        plan("Gap", "m", Scale::Logarithmic, contacts(scene, |contact| contact.gap_m)),
+        plan("Gap", "m", Scale::Logarithmic, gaps(scene)),
         plan("Joint angle", "rad", Scale::Linear, angles),
         plan(
             "Joint rate",

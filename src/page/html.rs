@@ -8,18 +8,21 @@ const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 3] =
     [include_str!("assets/theme.css"), include_str!("assets/layout.css"), include_str!("assets/pictures.css")];
 /// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
     include_str!("assets/reading.js"),
     include_str!("assets/clock.js"),
     include_str!("assets/axis.js"),
     include_str!("assets/canvas.js"),
+    include_str!("assets/recorder.js"),
     include_str!("assets/camera.js"),
     include_str!("assets/shapes.js"),
+    include_str!("assets/letters.js"),
     include_str!("assets/stage.js"),
     include_str!("assets/plots.js"),
     include_str!("assets/events.js"),
+    include_str!("assets/save.js"),
     include_str!("assets/controls.js"),
     include_str!("assets/help.js"),
     include_str!("assets/keys.js"),

@@ -11,6 +11,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
 use super::axis::Axis;
+use super::dark::with_dark;
 
 /// Why a picture could not be drawn. Drawing to a text in memory does not fail by itself.
 pub type DrawError = DrawingAreaErrorKind<std::io::Error>;
@@ -37,6 +38,13 @@ pub const AMBER: RGBColor = RGBColor(200, 140, 0);
 pub const BLACK: RGBColor = RGBColor(0, 0, 0);
 pub const GREY: RGBColor = RGBColor(120, 120, 120);
 pub const WHITE: RGBColor = RGBColor(255, 255, 255);
+/// The parts of a finger and what is around it, as on the page.
+pub const DRIVER: RGBColor = RGBColor(185, 194, 207);
+pub const COUPLER: RGBColor = RGBColor(211, 217, 226);
+pub const PROXIMAL: RGBColor = RGBColor(169, 210, 236);
+pub const DISTAL: RGBColor = RGBColor(245, 199, 161);
+pub const OBJECT: RGBColor = RGBColor(227, 220, 203);
+pub const PALM: RGBColor = RGBColor(228, 231, 236);
 const PALE: RGBColor = RGBColor(232, 232, 232);
 const PALEST: RGBColor = RGBColor(246, 246, 246);
 
@@ -50,8 +58,6 @@ pub enum Mark {
     Ring,
     /// Smaller ones, for hundreds of points, and a single pixel for thousands.
     SmallTriangle,
-    SmallRing,
-    Dot,
     SmallDot,
     Speck,
     Line {
@@ -85,7 +91,7 @@ pub fn picture(height: u32, draw: impl FnOnce(&Area) -> Result<(), DrawError>) -
         draw(&area)?;
         area.present()?;
     }
-    Ok(text)
+    Ok(with_dark(&text))
 }
 
 /// The title of a picture; what is left of the area below it.
@@ -242,8 +248,6 @@ fn sign(area: &Area, at: Pixel, mark: Mark, colour: RGBColor) -> Result<(), Draw
         Mark::Cross => area.draw(&Cross::new(at, 6, colour.stroke_width(3))),
         Mark::Ring => area.draw(&Circle::new(at, 10, colour.stroke_width(2))),
         Mark::SmallTriangle => area.draw(&TriangleMarker::new(at, 5, filled)),
-        Mark::SmallRing => area.draw(&Circle::new(at, 5, colour.stroke_width(1))),
-        Mark::Dot => area.draw(&Circle::new(at, 3, filled)),
         Mark::SmallDot => area.draw(&Circle::new(at, 2, filled)),
         Mark::Speck => area.draw(&Circle::new(at, 1, filled)),
         Mark::Line { .. } | Mark::Pale { .. } => Ok(()),

@@ -6,8 +6,8 @@ use plotters::element::{PathElement, Polygon};
 use plotters::style::{Color, RGBColor, ShapeStyle};
 
 use super::canvas::{
-    Area, BLACK, BLUE, DrawError, Entry, GREEN, GREY, Mark, ORANGE, PURPLE, Pixel, WIDTH, legend, picture, titled,
-    words,
+    Area, BLACK, BLUE, COUPLER, DISTAL, DRIVER, DrawError, Entry, GREEN, GREY, Mark, OBJECT, ORANGE, PALM, PROXIMAL,
+    PURPLE, Pixel, WIDTH, legend, picture, titled, words,
 };
 use crate::drawing::{Body, Part, Pose, Shape, finger, finger_poses_at};
 use crate::gripper::{Posture, posture_at};
@@ -21,9 +21,6 @@ type Point = [f64; 2];
 const BESIDE: u32 = 330;
 const HEAD: u32 = 40;
 const MARGIN: f64 = 24.0;
-const STEEL: RGBColor = RGBColor(205, 210, 218);
-const CLAY: RGBColor = RGBColor(238, 224, 205);
-const GROUND: RGBColor = RGBColor(225, 225, 225);
 
 /// How far the free motion is drawn: the object by a part of its radius, or the fastest joint by an angle.
 const SHOWN_RADII: f64 = 0.2;
@@ -61,12 +58,13 @@ impl View {
 /// The picture, with the forces of the last of the friction coefficients.
 pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
     let bodies = finger(scene).bodies;
-    let rest = links(scene, &bodies, &found.end.posture);
+    let rest = coloured(scene, &bodies, &found.end.posture);
     let centre = found.disc.centre_m;
     let round = circle(centre, found.disc.radius_m);
     let ghosts = ghosts(scene, found, &bodies);
     let both = |outline: &Vec<Point>| [outline.clone(), mirrored(outline, centre[0])];
-    let mut points: Vec<Point> = rest.iter().flat_map(both).flatten().chain(round.clone()).collect();
+    let mut points: Vec<Point> =
+        rest.iter().map(|(outline, _)| outline).flat_map(both).flatten().chain(round.clone()).collect();
     points.extend(ghosts.iter().flatten());
     points.push([centre[0], -0.15 * found.disc.radius_m]);
     let view = View::of(&points, WIDTH - BESIDE);
@@ -77,17 +75,17 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
         [a, b] => format!(", μ_s {a} and {b}"),
     });
     picture(HEAD + view.height().max(360), |area| {
-        let below = titled(area, &format!("{}: the grasp at rest{friction}", found.scene))?;
+        let below = titled(area, &format!("{}: the grasp at rest{friction}; forces on the object", found.scene))?;
         let (left, right) = below.split_horizontally(WIDTH - BESIDE);
         if scene.palm {
             ground(&left, &view, centre[0])?;
         }
-        for outline in &rest {
-            filled(&left, &view, &mirrored(outline, centre[0]), STEEL.mix(0.5), GREY)?;
+        for (outline, fill) in &rest {
+            filled(&left, &view, &mirrored(outline, centre[0]), fill.mix(0.5), GREY)?;
         }
-        filled(&left, &view, &round, CLAY.mix(1.0), GREY)?;
-        for outline in &rest {
-            filled(&left, &view, outline, STEEL.mix(1.0), BLACK)?;
+        filled(&left, &view, &round, OBJECT.mix(1.0), GREY)?;
+        for (outline, fill) in &rest {
+            filled(&left, &view, outline, fill.mix(1.0), BLACK)?;
         }
         for outline in &ghosts {
             dashed(&left, &view, outline, GREEN)?;
@@ -104,9 +102,24 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
 
 /// Outlines of the four links at a posture.
 fn links(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<Vec<Point>> {
+    coloured(scene, bodies, posture).into_iter().map(|(outline, _)| outline).collect()
+}
+
+/// The same with the colours of their parts.
+fn coloured(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<(Vec<Point>, RGBColor)> {
     let poses = finger_poses_at(scene, posture);
-    let moving = bodies.iter().zip(&poses).filter(|(body, _)| !matches!(body.part, Part::Palm | Part::Object));
-    moving.flat_map(|(body, pose)| body.shapes.iter().map(|shape| outline(shape, pose))).collect()
+    let mut outlines = Vec::new();
+    for (body, pose) in bodies.iter().zip(&poses) {
+        let fill = match body.part {
+            Part::Driver => DRIVER,
+            Part::Coupler => COUPLER,
+            Part::Proximal => PROXIMAL,
+            Part::Distal => DISTAL,
+            Part::Object | Part::Palm | Part::Disc => continue,
+        };
+        outlines.extend(body.shapes.iter().map(|shape| (outline(shape, pose), fill)));
+    }
+    outlines
 }
 
 fn outline(shape: &Shape, pose: &Pose) -> Vec<Point> {
@@ -181,7 +194,7 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
 fn ground(area: &Area, view: &View, middle_x: f64) -> Result<(), DrawError> {
     let (left, right) = (view.low[0], view.high[0]);
     let below = view.low[1];
-    filled(area, view, &[[left, 0.0], [right, 0.0], [right, below], [left, below]], GROUND.mix(1.0), GROUND)?;
+    filled(area, view, &[[left, 0.0], [right, 0.0], [right, below], [left, below]], PALM.mix(1.0), PALM)?;
     let line = vec![view.pixel([left, 0.0]), view.pixel([right, 0.0])];
     area.draw(&PathElement::new(line, GREY.stroke_width(2)))?;
     words(area, "palm", view.pixel([middle_x, 0.5 * below]), 13, GREY)
@@ -248,10 +261,11 @@ fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Ve
     let scale = if largest > 0.0 { LONGEST * found.disc.radius_m / largest } else { 0.0 };
     let line = Mark::Line { width: 3 };
     let mut entries = Vec::new();
-    for (i, name) in ["proximal phalanx", "tip"].into_iter().enumerate() {
+    for (i, (name, colour)) in
+        [("F21, by the proximal phalanx", BLUE), ("F22, by the tip", ORANGE)].into_iter().enumerate()
+    {
         let contact = &found.contacts[i];
         let pulls = normal[i] < 0.0;
-        let colour = if pulls { ORANGE } else { BLUE };
         // The object is pushed against n, and by friction against t.
         let to = [0, 1].map(|k| {
             let push = contact.normal[k] + forces.mu_static[i] * contact.tangent[k];
@@ -262,21 +276,21 @@ fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Ve
             arrow(area, view, ends[0], ends[1], colour)?;
         }
         let text = match pulls {
-            true => format!("{name} would have to pull {:.2} N", -normal[i]),
-            false => format!("{name} {:.2} N", normal[i]),
+            true => format!("{name}: would have to pull {:.2} N", -normal[i]),
+            false => format!("{name}: {:.2} N", normal[i]),
         };
         entries.push(Entry::new(line, colour, &text));
     }
     let text = match (found.palm, palm_n) {
-        (Palm::None | Palm::Apart { .. }, _) => format!("towards the palm: {palm_n:.2} N"),
-        (_, force) if force >= 0.0 => format!("palm {force:.2} N (both fingers)"),
-        (_, force) => format!("palm would have to pull {:.2} N", -force),
+        (Palm::None | Palm::Apart { .. }, _) => format!("PFP, towards the palm: {palm_n:.2} N"),
+        (_, force) if force >= 0.0 => format!("2 PFP, by the palm: {force:.2} N"),
+        (_, force) => format!("2 PFP, by the palm: would have to pull {:.2} N", -force),
     };
     if held {
         let foot = [centre[0], centre[1] - found.disc.radius_m];
         arrow(area, view, foot, [foot[0], foot[1] + scale * palm_n], PURPLE)?;
     }
-    entries.push(Entry::new(line, if palm_n >= 0.0 { PURPLE } else { ORANGE }, &text));
+    entries.push(Entry::new(line, PURPLE, &text));
     Ok(entries)
 }
 
@@ -291,6 +305,5 @@ fn closure(area: &Area, view: &View, found: &Grasp) -> Result<Vec<Entry>, DrawEr
         let to = [0, 1].map(|i| centre[i] + 0.5 * found.disc.radius_m * moved[i] / length);
         arrow(area, view, centre, to, GREEN)?;
     }
-    let line = Mark::Line { width: 1 };
-    Ok(vec![Entry::new(Mark::Cross, GREEN, "not form-closed:"), Entry::new(line, GREEN, "a motion that is free")])
+    Ok(vec![Entry::new(Mark::Line { width: 1 }, GREEN, "not form-closed: a free motion")])
 }

@@ -5,6 +5,7 @@
 //! | `axis` | ranges and ticks, linear and logarithmic |
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
 //! | `closings` | angles of closings over time |
+//! | `dark` | the same colours for a dark ground |
 //! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
@@ -14,6 +15,7 @@
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
 //! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
+//! | `linkage` | the letters of scenes and results on the finger itself |
 //! | `volume` | slices of grasp-state volumes |
 //! | `colours` | colour scales of a quantity |
 //! | `difference` | difference of two runs over time |
@@ -24,8 +26,10 @@ mod canvas;
 mod closings;
 pub mod colours;
 mod curve;
+mod dark;
 mod difference;
 mod grasp;
+mod linkage;
 mod overlay;
 mod select;
 mod sizing;
@@ -39,6 +43,7 @@ pub use canvas::DrawError;
 pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
 pub use grasp::grasp;
+pub use linkage::{Linkage, Spot, linkage};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};

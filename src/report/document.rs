@@ -45,6 +45,8 @@ pub struct RunReport {
     pub loop_gap_m: Option<f64>,
     /// Path of the log as given; null if none was asked for.
     pub log: Option<String>,
+    /// Path of the page; null if none was asked for.
+    pub page: Option<String>,
     /// Null if the run was not checked.
     pub check: Option<RunCheckReport>,
 }
@@ -196,6 +198,7 @@ impl RunReport {
             engine: engine.then(|| EngineUsed::from(&scene.engine)),
             loop_gap_m: outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m),
             log: None,
+            page: None,
             check: None,
         }
     }

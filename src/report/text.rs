@@ -24,6 +24,7 @@ pub fn text(report: &RunReport) -> String {
         joints: true,
         loop_gap_m: report.loop_gap_m,
         log: report.log.as_deref(),
+        page: report.page.as_deref(),
     })];
     if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
         sections.push(final_state(last, end_s));
@@ -59,6 +60,7 @@ pub(super) struct Heading<'a> {
     pub joints: bool,
     pub loop_gap_m: Option<f64>,
     pub log: Option<&'a str>,
+    pub page: Option<&'a str>,
 }
 
 pub(super) fn heading(report: &Heading<'_>) -> String {
@@ -90,6 +92,9 @@ pub(super) fn heading(report: &Heading<'_>) -> String {
     }
     if let Some(log) = report.log {
         let _ = writeln!(text, "log: {log}");
+    }
+    if let Some(page) = report.page {
+        let _ = writeln!(text, "page: {page}");
     }
     text
 }

@@ -35,7 +35,7 @@ pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
 pub use file::{load, load_any, load_template, parse, parse_any, parse_template};
 pub use schema::schema;
-pub use show::{show, show_any, show_bodies};
+pub use show::{show, show_any, show_bodies, show_written};
 pub(crate) use suggest::nearest;
 pub use template::Template;
 pub use torque::{next_corner, scaled, torque};

@@ -32,16 +32,18 @@ export async function stop() {
 }
 
 /** A page in a browser that fails on anything it complains of or asks for. */
-export async function opened(file, { width = 1280, height = 800, scheme = "light", ...more } = {}) {
+export async function opened(file, { width = 1280, height = 800, scheme = "light", hash = "", ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
   const page = await context.newPage();
   const complaints = [];
   page.on("console", (message) => complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(error.stack));
   page.on("request", (request) => {
-    if (request.url() !== pathToFileURL(file).href && !request.url().startsWith("data:")) complaints.push(request.url());
+    // What the page saves is its own; everything else would come from somewhere.
+    const own = request.url().startsWith("data:") || request.url().startsWith("blob:");
+    if (request.url().split("#")[0] !== pathToFileURL(file).href && !own) complaints.push(request.url());
   });
-  await page.goto(pathToFileURL(file).href);
+  await page.goto(pathToFileURL(file).href + hash);
   return {
     page,
     complaints,

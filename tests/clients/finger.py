@@ -31,8 +31,8 @@ class Finger:
 
 
 def finger(scene):
-    """The finger of a scene file, as `phalanx scene show` fills it in."""
-    shown = tomllib.loads(logs.phalanx("scene", "show", scene))
+    """The finger of a scene file, as `phalanx scene show --resolved` fills it in."""
+    shown = tomllib.loads(logs.phalanx("scene", "show", scene, "--resolved"))
     lengths = {name: quantity(text) for name, text in shown["lengths"].items()}
     disc = shown["object"]
     present = disc.get("present", True)

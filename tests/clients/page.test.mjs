@@ -180,13 +180,150 @@ describe("the page of a closing in both models", () => {
     await close();
   });
 
-  it("draws a straight line between two samples", async () => {
+  it("draws between two samples what their values and rates say", async () => {
     const { call, state, close } = await opened(file);
     const samples = logs[1]["/state"];
-    const [a, b] = [samples[10], samples[11]];
+    const bendAt = (k) => (samples[k + 1].timestamp - samples[k].timestamp) / 8 * (samples[k].qd11_rad_s - samples[k + 1].qd11_rad_s);
+    const swing = samples.filter(({ timestamp }) => timestamp < 4e-3).length - 1;
+    const [k, bend] = Array.from({ length: swing }, (_, k) => [k, bendAt(k)]).reduce((most, each) => (Math.abs(each[1]) > Math.abs(most[1]) ? each : most));
+    const [a, b] = [samples[k], samples[k + 1]];
     await call("seek", 0.5 * (a.timestamp + b.timestamp));
-    const drawn = (await state()).runs[1].bodies.find((body) => body.name === "l11");
-    near(drawn.angle_rad, 0.5 * (a.q11_rad + b.q11_rad), 1e-14, "halfway");
+    const { bodies, readings } = (await state()).runs[1];
+    const halfway = 0.5 * (a.q11_rad + b.q11_rad) + bend;
+    assert.ok(Math.abs(bend) > 1e-6, `a straight line would be seen: ${bend}`);
+    near(bodies.find((body) => body.name === "l11").angle_rad, halfway, 1e-13, "halfway");
+    near(readings["Joint angle"].q11, halfway, 1e-13, "the curve halfway");
+    near(readings["Energy"].kinetic, 0.5 * (logs[1]["/energy"][k].kinetic_j + logs[1]["/energy"][k + 1].kinetic_j), 1e-13, "no rate: a straight line");
+    // A link keeps its length while it swings.
+    const arm = (name) => bodies.find((body) => body.name === name);
+    const [start, end] = [Math.hypot(arm("l12").x_m, arm("l12").y_m), Math.hypot(arm("l22").x_m, arm("l22").y_m)];
+    near(start, 15e-3, 1e-6, "l11");
+    near(end, 24.4324e-3, 1e-5, "l21");
+    await close();
+  });
+
+  it("shows no difference of the models before a touch-down that is not there", async () => {
+    const { page, call, state, close } = await opened(file, { width: 1400 });
+    const touch = logs[0]["/impact/distal"].find((impact) => impact.touch_down);
+    // Whatever lies between the samples of one model and of the other: from a millimetre down to ten micrometres.
+    for (let gap = 1e-3; gap > 1e-5; gap /= 1.3) {
+      await call("seek", touch.timestamp - gap / touch.approach_speed_m_s);
+      const [analytic, engine] = (await state()).runs.map((run) => run.readings.Gap.distal);
+      near(engine, analytic, 0.01, `gap of about ${gap}`);
+      near(analytic, gap, 0.2, "gap");
+    }
+    // The same of what is drawn: the curves of both models, each by itself, column of pixels for column.
+    const from = touch.timestamp - 4e-4;
+    await call("window", from, touch.timestamp + 1e-4);
+    await call("seek", from);
+    await page.locator('.plot[aria-label="Gap"] button.series', { hasText: "proximal" }).click();
+    const drawn = async (index) => {
+      await call("show", 1 - index, false);
+      await call("show", index, true);
+      await state();
+      return page.evaluate(() => {
+        const canvas = document.querySelector('.plot[aria-label="Gap"] canvas');
+        const { width, height } = canvas;
+        const copy = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d", { willReadFrequently: true });
+        copy.drawImage(canvas, 0, 0);
+        const { data } = copy.getImageData(0, 0, width, height);
+        const rows = [];
+        for (let x = 66; x < width - 12; x++) {
+          let [sum, count] = [0, 0];
+          for (let y = 0; y < height - 24; y++) {
+            const k = 4 * (y * width + x);
+            if (data[k + 3] > 40 && Math.max(...data.slice(k, k + 3)) - Math.min(...data.slice(k, k + 3)) > 60) [sum, count] = [sum + y, count + 1];
+          }
+          rows.push(count ? sum / count : null);
+        }
+        return { rows, height };
+      });
+    };
+    const [analytic, engine] = [await drawn(0), await drawn(1)];
+    const edge = Math.floor(0.78 * analytic.rows.length);
+    let compared = 0;
+    for (let x = 0; x < edge; x++) {
+      // The curve of the second model is dashed.
+      if (analytic.rows[x] === null || engine.rows[x] === null) continue;
+      compared++;
+      assert.ok(Math.abs(analytic.rows[x] - engine.rows[x]) < 4, `${engine.rows[x]}, not ${analytic.rows[x]}, at ${x} of ${edge}`);
+    }
+    assert.ok(compared > edge / 3, `${compared} columns`);
+    await close();
+  });
+
+  it("shows the letters of the linkage where it is pointed at, none over another", async () => {
+    const names = ["l11", "l12", "l21", "l22", "t22", "w", "base", "q11", "q12", "q21", "q22", "φ22"];
+    for (const width of [1400, 390]) {
+      const { page, call, state, close } = await opened(file, { width, height: 844 });
+      assert.deepEqual((await state()).letters, []);
+      const stage = await page.locator("#stage").boundingBox();
+      // Over the sky nothing is pointed at, over the end of the proximal phalanx the linkage is.
+      await page.mouse.move(stage.x + 20, stage.y + 60);
+      assert.deepEqual((await state()).letters, []);
+      const { bodies, view } = await state().then(({ runs, view }) => ({ bodies: runs[0].bodies, view }));
+      const tip = bodies.find((body) => body.name === "l22");
+      const at = [0, 1].map((k) => (k ? -1 : 1) * ([tip.x_m, tip.y_m][k] - view.centre_m[k]) * view.px_per_m);
+      await page.mouse.move(stage.x + stage.width / 2 + at[0], stage.y + stage.height / 2 + at[1]);
+      assert.deepEqual((await state()).letters.map((letter) => letter.text).sort(), [...names].sort());
+      await page.mouse.move(stage.x + 20, stage.y + 60);
+      assert.deepEqual((await state()).letters, []);
+      await page.keyboard.press("l");
+      for (const time of [0, 2e-3, 4.4e-3, 4.501316e-3, 5.5e-3, 6.8e-3, 0.02]) {
+        await call("seek", time);
+        const { letters } = await state();
+        for (const name of names) assert.ok(letters.some((letter) => letter.text === name), `${name} at ${time}`);
+        if (time === 0.02) assert.deepEqual(letters.filter(({ text }) => text.startsWith("F")).map(({ text }) => text), ["F21 23.6 N", "F22 8.26 N"]);
+        for (const [k, one] of letters.entries()) {
+          assert.ok(one.box[0] >= 0 && one.box[1] >= 0 && one.box[2] <= stage.width && one.box[3] <= stage.height, one.text);
+          for (const other of letters.slice(k + 1)) {
+            const apart = one.box[2] <= other.box[0] || other.box[2] <= one.box[0] || one.box[3] <= other.box[1] || other.box[3] <= one.box[1];
+            assert.ok(apart, `${one.text} over ${other.text} at ${time}, ${width} pixels`);
+          }
+        }
+      }
+      await page.locator("#letters").click();
+      await page.mouse.move(stage.x + 20, stage.y + 60);
+      assert.deepEqual((await state()).letters, []);
+      await close();
+    }
+  });
+
+  it("saves samples and pictures, and links to an instant", async () => {
+    const touch = logs[1]["/impact/distal"].find((impact) => impact.touch_down).timestamp;
+    const { page, call, state, close } = await opened(file, { hash: "#t=4.25ms" });
+    near((await state()).time_s, 4.25e-3, 1e-12, "the instant of the link");
+    await call("seek", touch);
+    await page.waitForFunction((time) => location.hash === `#t=${time}`, touch);
+    const saved = async (kind) => {
+      const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#save").selectOption(kind)]);
+      assert.equal(download.suggestedFilename(), `experiment-95.${kind}`);
+      return readFileSync(await download.path());
+    };
+    const [head, ...lines] = (await saved("csv")).toString().trim().split("\n");
+    const names = head.split(",").map((name) => name.slice(1, -1));
+    const engine = lines.map((line) => line.split(",")).filter((line) => line[0] === '"engine"');
+    const states = logs[1]["/state"];
+    assert.equal(engine.length, states.length);
+    const [time, q22, gap] = ["time_s", "Joint angle: q22 (rad)", "Gap: distal (m)"].map((name) => names.indexOf(name));
+    states.forEach((logged, index) => {
+      assert.equal(Number(engine[index][time]), logged.timestamp);
+      assert.equal(Number(engine[index][q22]), logged.q22_rad);
+    });
+    assert.equal(Number(engine.at(-1)[gap]), logs[1]["/contact/distal"].at(-1).gap_m);
+    const svg = (await saved("svg")).toString();
+    const found = await page.evaluate((text) => {
+      const document = new DOMParser().parseFromString(text, "image/svg+xml");
+      return { error: document.querySelector("parsererror")?.textContent, paths: document.querySelectorAll("path").length, texts: [...document.querySelectorAll("text")].map((each) => each.textContent) };
+    }, svg);
+    assert.equal(found.error, undefined);
+    assert.ok(found.paths > 60 && !svg.includes("NaN"), `${found.paths} paths`);
+    for (const text of ["Normal force ", "Gap ", "proximal", "q22", "20 mm"]) assert.ok(found.texts.includes(text), `${text} in ${found.texts}`);
+    writeFileSync(path.join(SCREENSHOTS, "saved.svg"), svg);
+    const png = await saved("png");
+    assert.deepEqual([...png.subarray(1, 4)], [..."PNG"].map((char) => char.charCodeAt(0)));
+    assert.ok(png.readUInt32BE(16) > 800 && png.length > 40_000, `${png.readUInt32BE(16)} wide, ${png.length} bytes`);
+    writeFileSync(path.join(SCREENSHOTS, "saved.png"), png);
     await close();
   });
 
@@ -275,7 +412,7 @@ describe("the page of a closing in both models", () => {
       assert.ok(focus.outline && focus.named, JSON.stringify(focus));
       seen.add(focus.id);
     }
-    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "theme", "help-open", "window-event"]) {
+    for (const id of ["play", "previous", "next", "back", "forth", "scrub", "speed", "auto", "follow", "zoom-in", "letters", "save", "theme", "help-open", "window-event"]) {
       assert.ok(seen.has(id), `${id} is not reached with Tab`);
     }
     await close();

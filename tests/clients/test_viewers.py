@@ -58,6 +58,18 @@ class Layout(unittest.TestCase):
         self.assertEqual(sorted(shown), sorted(self.layout["configById"]))
         self.assertEqual({name.split("!")[0] for name in shown}, {"3D", "Plot", "RosOut"})
 
+    def test_one_quantity_has_one_colour_in_all_pictures(self):
+        # As in the plots of the page: the first of a panel is blue, then orange, green and purple.
+        order = ["#0072b2", "#d55e00", "#009e73", "#aa508c"]
+        expected = dict(zip(["q11", "q21", "q22"], order)) | dict(zip(["proximal", "distal"], order))
+        expected |= dict(zip(["kinetic", "motor work", "dissipated", "spring"], order))
+        found = [series for config in self.layout["configById"].values() for series in config.get("paths", [])]
+        self.assertEqual({series["label"] for series in found}, set(expected))
+        for series in found:
+            self.assertEqual(series["color"], expected[series["label"]], series["value"])
+        closing = (VIEWERS.parent / "draw_closing.py").read_text()
+        self.assertIn('(("q11", BLUE), ("q21", ORANGE), ("q22", GREEN))', closing)
+
     def test_every_message_path_leads_to_a_field_of_the_log(self):
         paths = 0
         for config in self.layout["configById"].values():

@@ -255,6 +255,14 @@ describe("the page of grasp-state volumes", () => {
           await page.screenshot({ path: path.join(SCREENSHOTS, `volume-${width}-${scheme}-${name}.png`) });
         };
         await shot("start");
+        // The names of the axes are within the picture from wherever it is seen.
+        const box = await page.locator("canvas").first().boundingBox();
+        for (let k = 0; k < 12; k++) {
+          await call("turn", 0.5, 0);
+          const { names_px } = await state();
+          assert.ok(names_px.length >= 2 && names_px.every(([from, to]) => from >= 0 && to <= box.width), JSON.stringify(names_px));
+        }
+        await call("view", "corner");
         await call("setBase", 1);
         await call("setSlice", 0, 0, 3);
         await call("choose", [4, 5, 1]);

@@ -91,14 +91,15 @@ fn arc([x, y]: [f64; 2], radius: f64, from: f64, to: f64, corners: usize) -> Vec
         .collect()
 }
 
+/// The colours of the page and of all other pictures, strong enough for a dark view.
 fn colour(part: Part) -> Color {
     let of = |r: u8, g: u8, b: u8| Color { r: r.into(), g: g.into(), b: b.into(), a: 255.0 };
     let Color { r, g, b, a } = match part {
-        Part::Driver => of(213, 94, 0),
-        Part::Coupler => of(204, 121, 167),
+        Part::Driver => of(122, 134, 150),
+        Part::Coupler => of(160, 170, 184),
         Part::Proximal => of(0, 114, 178),
-        Part::Distal => of(0, 158, 115),
-        Part::Object => of(230, 159, 0),
+        Part::Distal => of(213, 94, 0),
+        Part::Object => of(190, 170, 120),
         Part::Palm => of(120, 120, 120),
         Part::Disc => of(86, 180, 233),
     };

@@ -19,6 +19,7 @@ const seriesColour = (index) => "s" + (index % 7);
 function cleared(canvas) {
   const width = canvas.clientWidth;
   const height = canvas.clientHeight;
+  if (canvas.recorder) return { ctx: canvas.recorder, width, height };
   const ratio = window.devicePixelRatio || 1;
   const [w, h] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];

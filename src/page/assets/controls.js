@@ -14,6 +14,8 @@ function controls(app) {
   click("zoom-in", () => app.zoom(1.5));
   click("zoom-out", () => app.zoom(1 / 1.5));
   click("zoom-fit", app.fit);
+  click("letters", app.toggleLetters);
+  byId("letters").hidden = !film.runs.some((run) => run.bodies.some((body) => body.name === "l22"));
   click("window-in", () => app.zoomTime(0.5));
   click("window-out", () => app.zoomTime(2));
   click("window-event", app.windowEvent);
@@ -26,6 +28,11 @@ function controls(app) {
   byId("speed").addEventListener("input", (event) => app.setNotch(Number(event.target.value)));
   byId("auto").addEventListener("change", (event) => app.setAuto(event.target.checked));
   byId("arrows").addEventListener("change", (event) => app.setArrows(event.target.value));
+  byId("save").addEventListener("change", async (event) => {
+    const kind = event.target.value;
+    event.target.value = "";
+    await saveAs(app, kind);
+  });
   byId("follow").addEventListener("change", (event) => app.follow(event.target.value || null));
   for (const name of stage.camera.deepest.keys()) byId("follow").append(element("option", { value: name }, `At ${name}`));
   byId("follow").hidden = stage.camera.deepest.size === 0;
@@ -72,6 +79,7 @@ function refresh(app) {
   put("speed-text", speedText(clock.speed));
   byId("speed").setAttribute("aria-valuetext", speedText(clock.speed));
   byId("follow").value = stage.camera.follow ?? "";
+  byId("letters").setAttribute("aria-pressed", stage.named);
   byId("arrows").value = stage.arrowsToScale ? "linear" : "log";
   byId("runs").querySelectorAll("input").forEach((box, index) => { box.checked = film.runs[index].visible; });
   overview(app);
@@ -126,10 +134,19 @@ function stagePointers(app) {
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, inside(event));
   });
+  canvas.addEventListener("pointerleave", () => {
+    app.stage.pointer = null;
+    if (app.stage.pointed) app.changed();
+  });
   canvas.addEventListener("pointermove", (event) => {
     const before = pointers.get(event.pointerId);
-    if (!before) return;
     const now = inside(event);
+    if (!before) {
+      // A finger on the glass moves the picture; only what hovers points at something.
+      app.stage.pointer = event.pointerType === "touch" ? null : now;
+      app.changed();
+      return;
+    }
     if (pointers.size === 1) {
       camera.panBy(now[0] - before[0], now[1] - before[1]);
     } else {

@@ -18,7 +18,7 @@ function runOf(raw, index) {
     for (const name of names) out[name] = column(object[name]);
     return out;
   };
-  const contact = ["gap_m", "normal_n", "tangential_n", "point_x_m", "point_y_m", "normal_x", "normal_y"];
+  const contact = ["gap_m", "gap_rate_m_s", "normal_n", "tangential_n", "point_x_m", "point_y_m", "normal_x", "normal_y"];
   return {
     index,
     label: raw.label,
@@ -26,9 +26,9 @@ function runOf(raw, index) {
     samples: raw.samples,
     recorded: raw.recorded,
     time: column(raw.time_s),
-    bodies: raw.bodies.map((body) => withColumns(body, ["x_m", "y_m", "angle_rad"])),
+    bodies: raw.bodies.map((body) => withColumns(body, ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"])),
     contacts: raw.contacts.map((each) => withColumns(each, contact)),
-    panels: raw.panels.map((panel) => ({ ...panel, series: panel.series.map((each) => withColumns(each, ["values"])) })),
+    panels: raw.panels.map((panel) => ({ ...panel, series: panel.series.map((each) => withColumns(each, each.rates === undefined ? ["values"] : ["values", "rates"])) })),
     events: raw.events,
     arrowPerNewton: raw.arrow_m_per_n,
     longestArrow: raw.longest_arrow_m,

@@ -1,6 +1,6 @@
 // Puts the page together and draws it when something has changed.
 
-const STATEMENT = "Between two samples the page draws a straight line.";
+const STATEMENT = "Between two samples the page draws gaps, angles and poses by their values and rates (a cubic), all else as a straight line, on every scale.";
 
 function main() {
   const film = loaded();
@@ -99,6 +99,10 @@ function main() {
     app.stage.camera.fit();
     app.changed();
   };
+  app.toggleLetters = () => {
+    app.stage.named = !app.stage.named;
+    app.changed();
+  };
   app.setArrows = (kind) => {
     app.stage.arrowsToScale = kind === "linear";
     app.changed();
@@ -121,6 +125,7 @@ function main() {
   const refreshControls = controls(app);
   keyboard(app);
   about(film);
+  const link = linked(app);
 
   app.render = () => {
     if (!app.dirty) return;
@@ -131,6 +136,7 @@ function main() {
     app.readings = app.plots.read(time);
     app.events.show(time);
     refreshControls();
+    link();
   };
   new ResizeObserver(app.changed).observe(document.body);
   new ResizeObserver(app.changed).observe(app.stage.canvas);
@@ -171,6 +177,7 @@ function forTests(app) {
       auto: clock.auto,
       speed: clock.speed,
       window_s: [from, to],
+      letters: stage.letters,
       view: { centre_m: [...stage.camera.centre], px_per_m: stage.camera.scale, follow: stage.camera.follow },
       runs: stage.drawn.map(({ run, place, bodies, contacts, arrows }) => ({
         label: run.label,
@@ -193,6 +200,7 @@ function forTests(app) {
     setSpeed: (speed) => app.setNotch(Math.round(3 * Math.log10(speed / SLOWEST))),
     setAuto: app.setAuto,
     setArrows: app.setArrows,
+    toggleLetters: app.toggleLetters,
     show: app.show,
     follow: app.follow,
     zoom: app.zoom,

@@ -4,6 +4,8 @@ const LEFT = 62;
 const RIGHT = 10;
 const TOP = 8;
 const FOOT = 20;
+// Pixels of a curve that are drawn as one straight line.
+const PIECE = 1;
 
 class Plots {
   constructor(film, holder, { seek, range, changed }) {
@@ -61,7 +63,7 @@ class Plots {
       panel.series.forEach((series, row) => {
         series.runs.forEach((values, index) => {
           const run = this.film.runs[index];
-          const value = values && run.visible ? valueAt(values, placeAt(run, time)) : undefined;
+          const value = values && run.visible ? valueAt(values, placeAt(run, time), series.rates[index]) : undefined;
           const text = value === undefined ? "–" : withUnit(value, panel.unit);
           if (panel.cells[row][index].textContent !== text) panel.cells[row][index].textContent = text;
           (out[index][panel.title] ??= {})[series.name] = value;
@@ -108,7 +110,7 @@ class Plots {
         ctx.lineWidth = !both ? 1.75 : run.index === 0 ? 4.5 : 1.5;
         ctx.globalAlpha = both && run.index === 0 ? 0.45 : 1;
         ctx.setLineDash(both && run.index === 1 ? [5, 3] : []);
-        curve(ctx, run.time, values, x, y, from, to);
+        curve(ctx, run.time, values, series.rates[run.index], { x, y, from, to, logarithmic });
         ctx.globalAlpha = 1;
       }
     }
@@ -132,9 +134,9 @@ class Plots {
       for (const series of panel.series) {
         const values = series.runs[run.index];
         if (!series.visible || !values) continue;
-        take(valueAt(values, a));
+        take(valueAt(values, a, series.rates[run.index]));
         for (let i = a.i + 1; i <= b.i; i++) take(values[i]);
-        take(valueAt(values, b));
+        take(valueAt(values, b, series.rates[run.index]));
       }
     }
     if (!(low <= high)) [low, high] = [0, 1];
@@ -205,7 +207,7 @@ class Plots {
       for (const series of panel.series) {
         const values = series.runs[run.index];
         if (!series.visible || !values) continue;
-        const value = valueAt(values, placeAt(run, time));
+        const value = valueAt(values, placeAt(run, time), series.rates[run.index]);
         if (!Number.isFinite(value)) continue;
         ctx.beginPath();
         ctx.arc(at, y(value), run.index === 0 ? 4 : 2.5, 0, 2 * Math.PI);
@@ -225,10 +227,11 @@ function panelsOf(film) {
     for (const panel of run.panels) {
       if (!panels.has(panel.title)) panels.set(panel.title, { ...panel, series: [], size: 0 });
       const into = panels.get(panel.title);
-      for (const { name, values } of panel.series) {
+      for (const { name, values, rates } of panel.series) {
         let series = into.series.find((each) => each.name === name);
-        if (!series) into.series.push(series = { name, visible: true, index: into.series.length, runs: [] });
+        if (!series) into.series.push(series = { name, visible: true, index: into.series.length, runs: [], rates: [] });
         series.runs[run.index] = values;
+        series.rates[run.index] = rates;
         for (const value of values) if (Number.isFinite(value)) into.size = Math.max(into.size, Math.abs(value));
       }
     }
@@ -237,8 +240,10 @@ function panelsOf(film) {
 }
 
 // A curve within a span of time. Where samples are denser than pixels, each column of pixels gets its first, lowest,
-// highest and last value, so that no peak is lost.
-function curve(ctx, times, values, x, y, from, to) {
+// highest and last value, so that no peak is lost. Where they are farther apart, what lies between them is drawn as it is:
+// a straight line on the screen would be another curve on a logarithmic scale, ten times off where a gap closes.
+function curve(ctx, times, values, rates, { x, y, from, to, logarithmic }) {
+  const straight = !logarithmic && !rates;
   const start = indexAt(times, from);
   const end = Math.min(indexAt(times, to) + 1, times.length - 1);
   ctx.beginPath();
@@ -247,6 +252,16 @@ function curve(ctx, times, values, x, y, from, to) {
     if (pen) ctx.lineTo(px, y(value));
     else ctx.moveTo(px, y(value));
     pen = true;
+  };
+  const between = (i) => {
+    const [first, last] = [Math.max(times[i], from), Math.min(times[i + 1], to)];
+    const pieces = straight ? 1 : Math.ceil((x(last) - x(first)) / PIECE);
+    const step = times[i + 1] - times[i];
+    for (let k = 0; k <= pieces && last > first; k++) {
+      const time = first + (last - first) * k / pieces;
+      const part = (time - times[i]) / step;
+      if (part > 0 && part < 1) point(x(time), valueAt(values, { i, j: i + 1, part, step }, rates));
+    }
   };
   let i = start;
   while (i <= end) {
@@ -265,6 +280,7 @@ function curve(ctx, times, values, x, y, from, to) {
     } else {
       point(px, values[i]);
       if (j - i > 1) [low, high, last].forEach((value) => point(px, value));
+      if (j <= end && Number.isFinite(values[j])) between(j - 1);
     }
     i = j;
   }

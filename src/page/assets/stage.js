@@ -10,6 +10,10 @@ class Stage {
     this.camera = new Camera(film, canvas);
     this.arrowsToScale = false;
     this.largest = 0;
+    // Whether letters were asked for, and where a pointer is.
+    this.named = false;
+    this.pointer = null;
+    this.letters = [];
     for (const run of film.runs) {
       for (const contact of run.contacts) {
         for (const force of contact.normal_n) this.largest = Math.max(this.largest, force);
@@ -34,19 +38,23 @@ class Stage {
     states.forEach((state) => this.bodies(ctx, view, state.run, state.place, moving, state.run.index));
     if (states.length > 0) this.overlaps(ctx, view, states[0]);
     states.forEach((state) => this.contactPoints(ctx, view, state));
-    states.forEach((state, index) => this.arrows(ctx, view, state, index === 0));
+    const linkage = this.namedLinkage(view, states[0]);
+    states.forEach((state, index) => this.arrows(ctx, view, state, index === 0 && !linkage));
     this.ruler(ctx, view, width, height);
+    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM) : [];
     this.drawn = states;
+  }
+
+  // The linkage of the first run that is shown, if its letters are wanted.
+  namedLinkage(view, state) {
+    const linkage = state ? linkageOf(state.run, state.bodies) : null;
+    this.pointed = Boolean(linkage && this.pointer && pointsAt(linkage, view, this.pointer));
+    return this.named || this.pointed ? linkage : null;
   }
 
   // Everything of a run that is drawn at a place among its samples.
   state(run, place, view) {
-    const bodies = run.bodies.map((body) => ({
-      name: body.name,
-      x_m: valueAt(body.x_m, place),
-      y_m: valueAt(body.y_m, place),
-      angle_rad: valueAt(body.angle_rad, place),
-    }));
+    const bodies = run.bodies.map((body) => ({ name: body.name, ...poseAt(body, place) }));
     const contacts = run.contacts.map((contact) => contactAt(run, contact.name, place));
     const arrows = contacts.flatMap((contact) => this.arrowsOf(run, contact, view));
     return { run, place, bodies, contacts, arrows };
@@ -77,7 +85,7 @@ class Stage {
   bodies(ctx, view, run, place, which, style) {
     for (const body of run.bodies.filter(which)) {
       const { fixed } = body;
-      const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
+      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, place);
       const surface = body.shapes.some((shape) => shape.kind === "capsule");
       for (const shape of body.shapes) {
         // Where a body has a surface that touches, the outline of its mass is drawn weaker.
@@ -141,7 +149,7 @@ class Stage {
   overlaps(ctx, view, { run, place, contacts }) {
     if (!contacts.some((contact) => contact.gap_m < 0)) return;
     const surfaces = run.bodies.map((body) => {
-      const [x, y, angle] = [body.x_m, body.y_m, body.angle_rad].map((values) => valueAt(values, place));
+      const { x_m: x, y_m: y, angle_rad: angle } = poseAt(body, place);
       const shapes = body.shapes.filter((shape) => shape.kind !== "polygon");
       return { body, outlines: shapes.map((shape) => outline(shape, x, y, angle, view)) };
     });
@@ -255,7 +263,7 @@ function contactAt(run, name, place) {
   const value = (key) => valueAt(contact[key], place);
   return {
     name,
-    gap_m: value("gap_m"),
+    gap_m: valueAt(contact.gap_m, place, contact.gap_rate_m_s),
     normal_n: value("normal_n"),
     tangential_n: value("tangential_n"),
     point_m: [value("point_x_m"), value("point_y_m")],

@@ -26,21 +26,27 @@ type Figure = fn(&Candidate) -> Option<f64>;
 /// of the moment.
 pub fn selection_forces(title: &str, selection: &Selection) -> Result<String, DrawError> {
     let panels: [(&str, Figure); 3] = [
-        ("F21, normal force of the proximal phalanx, N", |run| run.f21_n),
-        ("F22, normal force of the tip, N", |run| run.f22_n),
-        ("PFP, force on the palm, N", |run| run.pfp_n),
+        ("F21, normal force of the proximal phalanx on the object, N", |run| run.f21_n),
+        ("F22, normal force of the tip on the object, N", |run| run.f22_n),
+        ("PFP, force of the object on the palm, by each finger, N", |run| run.pfp_n),
     ];
     let designs = designs(selection);
     let (first, last) = (designs.first().copied().unwrap_or(0), designs.last().copied().unwrap_or(1));
     let x = Axis::over("design", first as f64 - 1.0, last as f64 + 1.0);
+    // The first condition shows around the others where they agree.
+    let marks = [Mark::Circle, Mark::SmallDot];
     let many = selection.runs.len() > 4000;
     picture(TITLE + KEY + 3 * (HEAD + PANEL) + FOOT, |area| {
         let rest = titled(area, &format!("{title}: final forces of the runs that come to rest"))?;
         let (key, mut rest) = rest.split_vertically(KEY);
-        let entries = selection.conditions.iter().zip(COLOURS);
-        let mut entries: Vec<Entry> =
-            entries.map(|(condition, colour)| Entry::new(Mark::Dot, colour, &condition_name(condition))).collect();
-        entries.push(Entry::new(Mark::SmallRing, BLACK, "selected"));
+        let mut entries: Vec<Entry> = Vec::new();
+        for (index, condition) in selection.conditions.iter().enumerate().take(COLOURS.len()) {
+            entries.push(Entry::new(marks[index.min(1)], COLOURS[index], &condition_name(condition)));
+        }
+        if selection.conditions.len() > COLOURS.len() {
+            entries.push(Entry::new(Mark::SmallDot, GREY, "others"));
+        }
+        entries.push(Entry::new(Mark::Ring, BLACK, "selected"));
         legend_across(&key, &entries)?;
         for (place, (name, figure)) in panels.into_iter().enumerate() {
             let foot = place + 1 == panels.len();
@@ -55,19 +61,15 @@ pub fn selection_forces(title: &str, selection: &Selection) -> Result<String, Dr
             line(&mut chart, vec![(x.from, 0.0), (x.to, 0.0)], Mark::Line { width: 1 }, GREY)?;
             for run in selection.runs.iter().filter(shown) {
                 if let Some(value) = figure(run) {
-                    // The first condition shows around the others where they agree.
-                    let mark = match (many, run.condition) {
-                        (true, _) => Mark::Speck,
-                        (false, 0) => Mark::Dot,
-                        (false, _) => Mark::SmallDot,
-                    };
-                    point(&mut chart, (run.design as f64, value), mark, COLOURS[run.condition % COLOURS.len()])?;
+                    let mark = if many { Mark::Speck } else { marks[run.condition.min(1)] };
+                    let colour = COLOURS.get(run.condition).copied().unwrap_or(GREY);
+                    point(&mut chart, (run.design as f64, value), mark, colour)?;
                 }
             }
             for ranked in selection.ranking.iter().take(WIDTH as usize) {
                 let run = &selection.runs[ranked.run_index];
                 if let (Some(value), true) = (figure(run), run.tts_s.is_some()) {
-                    point(&mut chart, (run.design as f64, value), Mark::SmallRing, BLACK)?;
+                    point(&mut chart, (run.design as f64, value), Mark::Ring, BLACK)?;
                 }
             }
         }

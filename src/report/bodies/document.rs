@@ -33,6 +33,7 @@ pub struct BodiesReport {
     pub integrator: Option<IntegratorUsed>,
     pub engine: Option<EngineUsed>,
     pub log: Option<String>,
+    pub page: Option<String>,
     /// Null if the run was not checked.
     pub check: Option<RunCheckReport>,
 }
@@ -96,6 +97,7 @@ impl BodiesReport {
             integrator: (!engine).then(|| IntegratorUsed::from(&scene.integrator)),
             engine: engine.then(|| EngineUsed::from(&scene.engine)),
             log: None,
+            page: None,
             check: None,
         }
     }

@@ -24,6 +24,7 @@ pub fn bodies_text(report: &BodiesReport) -> String {
         joints: false,
         loop_gap_m: None,
         log: report.log.as_deref(),
+        page: report.page.as_deref(),
     })];
     if let (Some(all), Some(end_s)) = (&report.discs, report.end_s) {
         sections.push(discs(all, end_s));

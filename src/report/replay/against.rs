@@ -31,6 +31,8 @@ pub struct AgainstReport {
     /// Directory of the pictures as given, and the files in it; null if none were asked for.
     pub directory: Option<String>,
     pub files: Option<Vec<String>>,
+    /// Path of the page as given; null if none was asked for by itself.
+    pub page: Option<String>,
 }
 
 /// One figure of both.
@@ -190,6 +192,9 @@ fn heading(report: &AgainstReport) -> String {
     }
     if let (Some(directory), Some(files)) = (&report.directory, &report.files) {
         let _ = writeln!(text, "in {directory}: {}", files.join(", "));
+    }
+    if let Some(page) = &report.page {
+        let _ = writeln!(text, "page: {page}");
     }
     text
 }

@@ -17,6 +17,8 @@ use crate::scene::BodiesScene;
 pub struct ReplayReport {
     /// Path of the log as given.
     pub log: String,
+    /// Path of the page as given; null if none was asked for.
+    pub page: Option<String>,
     pub bytes: u64,
     /// Whether nothing of it is lost.
     pub whole: bool,
@@ -130,6 +132,7 @@ impl ReplayReport {
         };
         ReplayReport {
             log,
+            page: None,
             bytes: reading.bytes,
             whole: reading.is_whole(),
             losses: reading.losses.iter().map(Lost::from).collect(),

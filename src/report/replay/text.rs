@@ -74,6 +74,9 @@ fn heading(report: &ReplayReport) -> String {
         let _ = write!(text, ", {} messages of channels that this phalanx does not know", report.unknown_messages);
     }
     text.push('\n');
+    if let Some(page) = &report.page {
+        let _ = writeln!(text, "page: {page}");
+    }
     if let Some(entries) = &report.recovered {
         let _ = writeln!(text, "{}", recovered(entries));
     }

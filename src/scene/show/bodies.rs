@@ -10,7 +10,10 @@ use crate::units::Dimension;
 /// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
 /// excepted).
 pub fn show_bodies(scene: &BodiesScene) -> String {
-    let mut out = Out::default();
+    shown(scene, Out::default())
+}
+
+pub(super) fn shown(scene: &BodiesScene, mut out: Out) -> String {
     let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
     heading(&mut out, SceneKind::Bodies, heading_of);
     for named in &scene.discs {

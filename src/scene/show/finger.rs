@@ -11,7 +11,10 @@ use crate::units::Dimension;
 /// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
 /// excepted).
 pub fn show(scene: &Scene) -> String {
-    let mut out = Out::default();
+    shown(scene, Out::default())
+}
+
+pub(super) fn shown(scene: &Scene, mut out: Out) -> String {
     let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
     heading(&mut out, SceneKind::Finger, heading_of);
     out.quantity("half_width", scene.finger.lengths.half_width_m, Dimension::Length);

@@ -146,6 +146,7 @@ function forTests(app) {
       turn_rad: cube.turn,
       tilt_rad: cube.tilt,
       zoom: cube.zoom,
+      names_px: app.stage.names,
       faces: faces.length,
       coloured: coloured.size,
       scale: [app.scale.from, app.scale.to],

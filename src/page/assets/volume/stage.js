@@ -93,6 +93,7 @@ class Stage {
   // Names and values of the axes, outside the box.
   figures(ctx, projection) {
     const { eye, to } = projection;
+    this.names = [];
     const middle = to(0, 0, 0);
     const below = eye[2] >= -1e-9 ? -1 : 1;
     const flat = Math.abs(eye[2]) > 1 - 1e-9;
@@ -134,7 +135,14 @@ class Stage {
         label(ctx, axisText(data, value), x + 9 * normal[0], y + 12 * normal[1], "soft", align);
       }
       const away = align === "center" ? 32 : 62;
-      label(ctx, data.name, sx + away * normal[0], sy + (align === "center" ? 30 : 34) * normal[1] + (align === "center" ? 0 : 14), "ink", align);
+      const wide = ctx.measureText(data.name).width;
+      const ends = { left: [0, wide], right: [wide, 0], center: [wide / 2, wide / 2] }[align];
+      // A narrow screen has no room beside the figures: the name stays within it.
+      const room = this.canvas.clientWidth;
+      const x = Math.min(Math.max(sx + away * normal[0], ends[0] + 4), room - ends[1] - 4);
+      const y = sy + (align === "center" ? 30 : 34) * normal[1] + (align === "center" ? 0 : 14);
+      label(ctx, data.name, x, y, "ink", align);
+      this.names.push([x - ends[0], x + ends[1]]);
     }
   }
 }

@@ -1,0 +1,43 @@
+//! `phalanx scene show --figure`: the linkage of a scene with its letters.
+
+use std::path::Path;
+
+use super::scene::Answer;
+use crate::files::replace;
+use crate::plot::linkage;
+use crate::scene::{self, AnyScene};
+
+/// Draws the figure; says what was written, or why not.
+pub(super) fn answer(scene: &Path, figure: &Path) -> Answer {
+    let refused = |why: String| Answer { stderr: format!("error: {why}\n"), ..Answer::default() };
+    let found = match scene::load_any(scene) {
+        Ok(AnyScene::Finger(found)) => found,
+        Ok(AnyScene::Bodies(_)) => {
+            return refused(format!(
+                "--figure: {} is a scene of discs, which has no linkage; draw the scene of a finger, or see the discs with \
+                 phalanx run {} --html FILE.html",
+                scene.display(),
+                scene.display()
+            ));
+        }
+        Err(error) => return Answer { stderr: format!("{error}\n"), ..Answer::default() },
+    };
+    let same = matches!((scene.canonicalize(), figure.canonicalize()), (Ok(scene), Ok(figure)) if scene == figure);
+    if same {
+        return refused(format!(
+            "--figure {} is the scene itself, which must stay as it is; give another file",
+            figure.display()
+        ));
+    }
+    match replace(figure, |out| out.write_all(linkage(&found).svg.as_bytes())) {
+        Ok(()) => Answer {
+            stdout: format!("wrote {}: the linkage of {} with its letters\n", figure.display(), found.name),
+            good: true,
+            ..Answer::default()
+        },
+        Err(error) => refused(format!(
+            "cannot write {}: {error}; give a file in a directory where you may write",
+            figure.display()
+        )),
+    }
+}

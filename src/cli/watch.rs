@@ -1,0 +1,46 @@
+//! `phalanx run --watch`: the run again whenever its scene is saved.
+
+use std::fs;
+use std::path::Path;
+use std::thread::sleep;
+use std::time::{Duration, SystemTime};
+
+use super::interrupt::Interrupt;
+use super::output::complain;
+use super::{Failure, Status};
+
+/// How often the file is looked at, and how long an editor may take to write it.
+const PERIOD: Duration = Duration::from_millis(100);
+
+/// Runs `once` now and after each change of the scene, until a signal comes. A run that fails is told and waited out: the
+/// next change may mend it. `once` gets whether it is the first.
+pub(super) fn watch(scene: &Path, mut once: impl FnMut(bool) -> Result<Status, Failure>) -> Result<Status, Failure> {
+    let interrupt = Interrupt::listen()?;
+    let mut first = true;
+    loop {
+        let seen = stamp(scene);
+        let status = once(first).unwrap_or_else(|failure| {
+            complain(&failure.message);
+            failure.status
+        });
+        first = false;
+        if interrupt.signal().is_some() {
+            return Ok(status);
+        }
+        complain(&format!("\nwatching {}: save it and it runs again; Ctrl-C ends", scene.display()));
+        // A file that is gone is about to be replaced, as many editors save.
+        while matches!(stamp(scene), found if found == seen || found.is_none()) {
+            if interrupt.signal().is_some() {
+                return Ok(Status::Done);
+            }
+            sleep(PERIOD);
+        }
+        sleep(PERIOD);
+    }
+}
+
+/// What changes when a file is saved.
+fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
+    let found = fs::metadata(path).ok()?;
+    Some((found.modified().ok()?, found.len()))
+}

@@ -1,0 +1,56 @@
+//! The finger at its grasp.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::gripper::{Joints, Lengths, Posture, close, final_posture, joints, straight};
+use crate::scene::{Disc, Scene};
+
+/// What is drawn, in metres and radians.
+pub(super) struct Mechanism {
+    pub lengths: Lengths,
+    pub posture: Posture,
+    pub joints: Joints,
+    pub object: Option<Disc>,
+    pub palm: bool,
+    /// Where each phalanx touches the object and which way that pushes the phalanx.
+    pub contacts: Option<[([f64; 2], [f64; 2]); 2]>,
+    /// What the posture is.
+    pub shown: &'static str,
+}
+
+pub(super) fn mechanism(scene: &Scene) -> Mechanism {
+    let (lengths, assembly) = (scene.finger.lengths, scene.finger.assembly);
+    let grasp =
+        scene.object.and_then(|object| Some((object, final_posture(&lengths, assembly, object.circle()).ok()?)));
+    let start = || close(&lengths, assembly, scene.initial.q11_rad, scene.initial.q21_rad).ok();
+    // A scene whose start does not close is refused elsewhere; upright it can always be drawn.
+    let upright = || straight(&lengths, FRAC_PI_2).ok();
+    let (posture, shown) = match &grasp {
+        Some((_, end)) => (end.posture, "at its grasp"),
+        None => (
+            start().or_else(upright).unwrap_or(Posture {
+                q11_rad: 0.0,
+                q21_rad: FRAC_PI_2,
+                q12_rad: FRAC_PI_2,
+                q22_rad: -lengths.phi22_rad,
+            }),
+            "at its start",
+        ),
+    };
+    let joints = joints(&lengths, &posture);
+    let contacts = grasp.map(|(object, end)| {
+        let touch = |from: [f64; 2], to: [f64; 2], part_m: f64, length_m: f64| {
+            let part = part_m / length_m;
+            let on = [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])];
+            let way = [on[0] - object.centre_m[0], on[1] - object.centre_m[1]];
+            let size = way[0].hypot(way[1]);
+            let way = way.map(|k| k / size);
+            ([0, 1].map(|k| object.centre_m[k] + object.radius_m * way[k]), way)
+        };
+        [
+            touch([0.0; 2], joints.a22_m, end.l_c21_m, lengths.l21_m),
+            touch(joints.a22_m, joints.tip_m, end.l_c22_m, lengths.t22_m),
+        ]
+    });
+    Mechanism { lengths, posture, joints, object: scene.object, palm: scene.palm, contacts, shown }
+}
