@@ -8,6 +8,7 @@ use clap::Args;
 use super::output::{complain, print};
 use super::progress::Count;
 use super::validate_files::{broken, directory, save};
+use super::volume_args::threads_or_all;
 use super::{Failure, Status};
 use crate::report::{
     Block, Verdict, comparisons, duration, paper_html, paper_markdown, ranking_table, reproduction_json,
@@ -38,7 +39,7 @@ pub struct ReproduceArgs {
     quick: bool,
 
     /// Threads; as many as there are cores if it is not given
-    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true, value_parser = threads_or_all)]
     threads: usize,
 
     /// Print one JSON document with SI values instead of tables

@@ -49,7 +49,7 @@ pub struct SelectArgs {
     no_static: bool,
 
     /// Least palm force PFP, with its unit [default: 0 N]
-    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, conflicts_with = "no_pfp")]
+    #[arg(long, value_name = "FORCE", value_parser = force, conflicts_with = "no_pfp")]
     min_pfp: Option<f64>,
 
     /// Take any palm force
@@ -64,8 +64,8 @@ pub struct SelectArgs {
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     max_rebound: Option<f64>,
 
-    /// Bound any column of numbers, in the unit of its name; may be given again
-    #[arg(long, value_name = "COLUMN>=VALUE", value_parser = bound)]
+    /// Bound any column of numbers, "COLUMN >= VALUE" or "COLUMN <= VALUE", in the unit of its name; may be given again
+    #[arg(long, value_name = "BOUND", value_parser = bound)]
     bound: Vec<Bound>,
 
     /// What the parts of r_WC count; parts not named count 0
@@ -73,7 +73,7 @@ pub struct SelectArgs {
     weights: Weights,
 
     /// How many of the best to print
-    #[arg(long, value_name = "NUMBER", default_value_t = 10)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = count)]
     best: usize,
 
     /// Write all selected runs there, best first, with place, r_WC and its parts before the columns of the results
@@ -156,6 +156,10 @@ fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Re
 
 fn unwritten(error: TableError) -> Failure {
     Failure::incomplete(error)
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "expected a number of runs from 0, such as 10".to_string())
 }
 
 fn class(text: &str) -> Result<Class, String> {

@@ -36,7 +36,7 @@ pub struct StaticsArgs {
     mu_static: Vec<f64>,
 
     /// Motor torque with its unit, such as "500 N*mm", instead of the one at the end of the scene
-    #[arg(long, value_name = "TORQUE", value_parser = torque, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TORQUE", value_parser = torque)]
     motor: Option<f64>,
 
     /// Draw the grasp into a picture, with the forces of the last of the friction coefficients; an older file is replaced

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{complain, print};
 use super::progress::Count;
 use super::validate_files::directory;
 use super::volume_args::{
@@ -14,10 +14,11 @@ use super::volume_args::{
     threads,
 };
 use super::{Failure, Status, volume_files};
-use crate::report::{Effort, VolumeReport, volume_json, volume_text};
+use crate::report::{Effort, ShareReport, VolumeReport, volume_json, volume_text};
 use crate::scene::{self, Template};
 use crate::sizing::Rule;
 use crate::study::volume::{Axes, Quantity, VolumeError, VolumeRequest, all_cores, volumes_with};
+use crate::units::{self, Dimension};
 
 /// Map which designs hold the object: grasp-state volumes over l21, phi22 and the arm ratio.
 ///
@@ -122,12 +123,33 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     })?;
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
+    refuse_nothing(&report)?;
     if let Some(out) = &args.out {
         volume_files::write(out, &request, &volumes, &args.colour_by, args.data, &mut report)?;
     }
     report.effort = Some(Effort { wall_s, threads });
     print(&if args.json { volume_json(&report) } else { volume_text(&report) })?;
     Ok(Status::Done)
+}
+
+/// Where not one design exists there is nothing to tabulate; where none does at one base of several, that is said.
+fn refuse_nothing(report: &VolumeReport) -> Result<(), Failure> {
+    let empty: Vec<_> = report.volumes.iter().filter(|volume| volume.fingers == 0).collect();
+    let why = |volume: &ShareReport| {
+        let reason = volume.no_finger.first().map_or("", |told| told.reason.as_str());
+        format!("no design exists at a base of {}: {reason}", units::format(volume.base_m, Dimension::Length))
+    };
+    let mut told: Vec<String> = empty.iter().map(|volume| why(volume)).collect();
+    // Fingers exist or not whatever the friction.
+    told.dedup();
+    if empty.len() == report.volumes.len() {
+        let told = told.join("\n");
+        return Err(Failure::bad_input(format!(
+            "{told}; give another --base, or other limits of --l21, --phi22, --arm-ratio"
+        )));
+    }
+    told.iter().for_each(|told| complain(&format!("warning: {told}; its shares are 0")));
+    Ok(())
 }
 
 /// What is asked for.

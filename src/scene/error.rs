@@ -21,6 +21,8 @@ pub struct Problem {
 pub enum SceneError {
     /// The file cannot be read.
     Read { file: String, reason: String },
+    /// The file is a log of a run.
+    Log { file: String },
     /// The file is not text.
     NotUtf8 { file: String, line: usize, column: usize },
     /// The file was read, but is no scene. Problems are in the order of the file.
@@ -43,6 +45,11 @@ impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             SceneError::Read { file, reason } => write!(f, "error: cannot read scene `{file}`: {reason}"),
+            SceneError::Log { file } => write!(
+                f,
+                "error: {file} is the log of a run (MCAP), not a scene\n  = help: phalanx replay {file} shows what is in it; \
+                 the scene it was made from is a TOML file"
+            ),
             SceneError::NotUtf8 { file, line, column } => write!(
                 f,
                 "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene \

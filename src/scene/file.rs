@@ -86,6 +86,9 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
         ErrorKind::PermissionDenied => read("permission denied"),
         _ => read(&e.to_string()),
     })?;
+    if bytes.starts_with(mcap::MAGIC) {
+        return Err(SceneError::Log { file });
+    }
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&e.as_bytes()[..valid]);
