@@ -7,11 +7,17 @@
 //! | 2 | bad input: arguments, scene, or a path that cannot be written |
 //! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
+mod folder;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
+/// What a build without the feature says is tested in every build.
+#[cfg(all(test, feature = "live"))]
+#[allow(dead_code)]
+mod no_live;
 mod output;
 mod overrides;
+mod own;
 mod progress;
 mod replay;
 mod replay_against;

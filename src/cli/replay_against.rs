@@ -3,13 +3,15 @@
 use std::io;
 use std::path::Path;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::print;
-use super::replay::{ReplayArgs, head, losses};
-use super::replay_page::{Reels, Tee, writable};
+use super::own::{Form, writable};
+use super::replay::{ReplayArgs, head, losses, refuse_the_log};
+use super::replay_page::{Reels, Tee};
 use super::replay_pair::{common, notes};
 use super::replay_read::{Listeners, bad_log};
-use super::validate_files::{PAGE, broken, directory, save};
+use super::validate_files::{PAGE, broken, save};
 use super::{Failure, Status};
 use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Note, Page, page};
@@ -52,11 +54,10 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             kind(kinds[1])
         )));
     }
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     if let Some(target) = &args.html {
-        paths.into_iter().try_for_each(|path| writable(path, target))?;
+        paths.into_iter().try_for_each(|path| refuse_the_log(path, target, "--html"))?;
+        writable(target, Form::Page)?;
     }
     // A page that is asked for must be possible; one among other files is left out where it is not.
     let mut films = match (&args.html, &args.out) {
@@ -88,19 +89,21 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     let mut report =
         AgainstReport { kind, labels, logs, compared_to_s, notes, figures, words, apart, directory: None, files: None };
     let shown = films.map(|films| both(films, paths, &report)).transpose()?;
-    if let Some(out) = &args.out {
+    if let (Some(out), Some(folder)) = (&args.out, folder) {
         report.directory = Some(out.display().to_string());
         report.files =
             Some(FILES.into_iter().filter(|file| *file != PAGE || shown.is_some()).map(String::from).collect());
-        for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
-            let path = out.join(file);
-            save(&path, &picture.map_err(|error| broken(&path, error))?)?;
-        }
-        if let Some(page) = &shown {
-            save(&out.join(PAGE), page)?;
-        }
-        save(&out.join("report.txt"), &against_text(&report))?;
-        save(&out.join("report.json"), &against_json(&report))?;
+        folder.fill(|out| {
+            for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
+                let path = out.join(file);
+                save(&path, &picture.map_err(|error| broken(&path, error))?)?;
+            }
+            if let Some(page) = &shown {
+                save(&out.join(PAGE), page)?;
+            }
+            save(&out.join("report.txt"), &against_text(&report))?;
+            save(&out.join("report.json"), &against_json(&report))
+        })?;
     }
     if let (Some(target), Some(page)) = (&args.html, &shown) {
         save(target, page)?;

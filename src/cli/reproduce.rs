@@ -1,13 +1,15 @@
 //! `phalanx reproduce`: the thesis's figures again, with reasons where ours differ.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::output::{complain, print};
 use super::progress::Count;
-use super::validate_files::{broken, directory, save};
+use super::validate_files::{broken, save};
 use super::volume_args::threads_or_all;
 use super::{Failure, Status};
 use crate::report::{
@@ -49,17 +51,15 @@ pub struct ReproduceArgs {
 
 /// Runs the command.
 pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let start = Instant::now();
     let mut count = Count::new();
     let result = reproduce(args.quick, args.threads, &mut |done, total, next| count.show(done, total, next));
     count.clear();
     let found = result.map_err(Failure::incomplete)?;
     let wall_s = start.elapsed().as_secs_f64();
-    if let Some(out) = &args.out {
-        write(out, &found)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, &found))?;
     }
     print(&match args.json {
         true => reproduction_json(&found),
@@ -72,11 +72,14 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
     Ok(if outside { Status::CheckFailed } else { Status::Done })
 }
 
+/// Everything that is in the directory in the end, and pictures in figures/.
+const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv"];
+
 /// The files of `--out`; the report comes last.
 fn write(out: &Path, found: &Reproduction) -> Result<(), Failure> {
     let paper = reproduction_paper(found).map_err(|error| broken(&out.join("figures"), error))?;
     let figures = out.join("figures");
-    directory(&figures)?;
+    fs::create_dir_all(&figures).map_err(|error| broken(&figures, error))?;
     for section in &paper.sections {
         for block in &section.blocks {
             if let Block::Figure(figure) = block {

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::output::print;
-use super::validate_files::{broken, directory, save};
+use super::own::{Form, writable};
+use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::plot;
@@ -94,7 +96,9 @@ pub struct SelectArgs {
 pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
+        writable(path, Form::Ranking)?;
     }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;
     let selection = select(&results, &criteria(args)).map_err(|error| match error {
         SelectError::Table(_) | SelectError::Weight { .. } | SelectError::NoWeight => Failure::bad_input(error),
@@ -104,9 +108,8 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::write(path, &ranking_table(&results, &selection)).map_err(unwritten)?;
     }
-    if let Some(out) = &args.out {
-        directory(out)?;
-        write(out, &source, &results, &selection)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, &source, &results, &selection))?;
     }
     print(&match args.json {
         true => selection_json(&source, &selection),
@@ -134,6 +137,18 @@ fn criteria(args: &SelectArgs) -> SelectionCriteria {
         weights: args.weights,
     }
 }
+
+/// Everything that is in the directory in the end.
+const FILES: [&str; 8] = [
+    "selection.txt",
+    "selection.json",
+    "ranking.csv",
+    "criteria.svg",
+    "classes.svg",
+    "static.svg",
+    "forces.svg",
+    "variables.svg",
+];
 
 /// The files of `--out`; the text, which says what there is, comes last.
 fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Result<(), Failure> {

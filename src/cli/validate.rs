@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Count;
-use super::validate_files::{directory, write};
+use super::validate_files::{FILES, write};
 use super::{Failure, Status, validate_bodies};
 use crate::integrator;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
@@ -50,14 +51,12 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
 }
 
 fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let found = watched(scene, args, &interrupt, incomplete)?;
     let mut report = ValidationReport::new(scene, &found, args.quick);
-    if let Some(out) = &args.out {
-        write(out, &args.scene, scene, &found, &mut report, &interrupt)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
     print(&match args.json {
         true => validation_json(&report),

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{complain, print};
 use super::progress::Count;
-use super::validate_files::directory;
 use super::volume_args::{
     DataArg, Limits, List, Resolution, angle_limits, bases, fraction_limits, frictions, ratio_limits, resolution,
     threads,
 };
-use super::{Failure, Status, volume_files};
+use super::volume_files::{FILES, write};
+use super::{Failure, Status};
 use crate::report::{Effort, ShareReport, VolumeReport, volume_json, volume_text};
 use crate::scene::{self, Template};
 use crate::sizing::Rule;
@@ -103,9 +104,7 @@ pub struct VolumeArgs {
 /// Runs the command.
 pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = request(args)?;
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let threads = args.threads.unwrap_or_else(all_cores);
     let mut count = Count::new();
@@ -124,8 +123,9 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
     refuse_nothing(&report)?;
-    if let Some(out) = &args.out {
-        volume_files::write(out, &request, &volumes, &args.colour_by, args.data, &mut report)?;
+    if let (Some(out), Some(folder)) = (&args.out, folder) {
+        report.directory = Some(out.display().to_string());
+        folder.fill(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report))?;
     }
     report.effort = Some(Effort { wall_s, threads });
     print(&if args.json { volume_json(&report) } else { volume_text(&report) })?;

@@ -14,6 +14,9 @@ use crate::table;
 /// The volumes in three dimensions.
 const PAGE: &str = "page.html";
 
+/// Files of every volume; slices have the names of theirs.
+pub const FILES: [&str; 5] = ["table.txt", "table.json", "points.csv", "points.parquet", PAGE];
+
 /// Writes everything, and says in the report what was written; the table that says so comes last.
 pub fn write(
     out: &Path,
@@ -51,16 +54,16 @@ pub fn write(
     files.insert(0, points.to_string());
     let path = out.join(PAGE);
     // A page is given to others: it does not say where it was made.
+    let nowhere = VolumeReport { directory: None, ..report.clone() };
     let page = VolumePage {
         title: format!("Grasp-state volumes: {}", request.template.name),
         description: description(report),
         volumes,
-        notes: vec![Note { title: "Shares".to_string(), text: volume_text(report) }],
+        notes: vec![Note { title: "Shares".to_string(), text: volume_text(&nowhere) }],
         pictures: Vec::new(),
     };
     save(&path, &volume_page(&page))?;
     files.insert(0, PAGE.to_string());
-    report.directory = Some(out.display().to_string());
     report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
     save(&out.join("table.json"), &volume_json(report))?;
     save(&out.join("table.txt"), &volume_text(report))

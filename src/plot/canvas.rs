@@ -62,6 +62,9 @@ pub enum Mark {
     },
 }
 
+/// Every picture has it at its beginning.
+pub const PICTURE_MARK: &str = "<!-- phalanx -->";
+
 /// One line of a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
@@ -85,7 +88,15 @@ pub fn picture(height: u32, draw: impl FnOnce(&Area) -> Result<(), DrawError>) -
         draw(&area)?;
         area.present()?;
     }
-    Ok(text)
+    Ok(marked(&text))
+}
+
+/// Says in the picture whose it is, behind the tag that opens it.
+fn marked(svg: &str) -> String {
+    match svg.split_once('>') {
+        Some((tag, rest)) => format!("{tag}>\n{PICTURE_MARK}{rest}"),
+        None => svg.to_string(),
+    }
 }
 
 /// The title of a picture; what is left of the area below it.
