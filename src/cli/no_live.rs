@@ -18,6 +18,9 @@ pub struct LiveArgs {
     live_speed: Option<OsString>,
 
     #[arg(long, hide = true)]
+    live_origin: Option<OsString>,
+
+    #[arg(long, hide = true)]
     live_wait: bool,
 
     #[arg(long, hide = true)]
@@ -34,7 +37,12 @@ impl LiveArgs {
     }
 
     fn refuse(&self) -> Result<(), Failure> {
-        match self.live.is_some() || self.live_speed.is_some() || self.live_wait || self.live_keep {
+        match self.live.is_some()
+            || self.live_origin.is_some()
+            || self.live_speed.is_some()
+            || self.live_wait
+            || self.live_keep
+        {
             false => Ok(()),
             true => Err(Failure::bad_input(
                 "this phalanx was built without the live server; build it with the feature (cargo run --release --features \

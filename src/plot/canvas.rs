@@ -88,14 +88,15 @@ pub fn picture(height: u32, draw: impl FnOnce(&Area) -> Result<(), DrawError>) -
         draw(&area)?;
         area.present()?;
     }
-    Ok(marked(&text))
+    Ok(finished(&text))
 }
 
-/// Says in the picture whose it is, behind the tag that opens it.
-fn marked(svg: &str) -> String {
+/// Says in the picture whose it is, behind the tag that opens it. XML has no place for control characters, not even escaped.
+fn finished(svg: &str) -> String {
+    let svg = svg.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\t'), "\u{fffd}");
     match svg.split_once('>') {
         Some((tag, rest)) => format!("{tag}>\n{PICTURE_MARK}{rest}"),
-        None => svg.to_string(),
+        None => svg,
     }
 }
 
