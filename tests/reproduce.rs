@@ -16,7 +16,7 @@ use serde_json::Value;
 #[test]
 fn the_thesis_again() {
     let mut parts = Vec::new();
-    let found = reproduce(false, 0, &mut |done, total, name| parts.push((done, total, name.to_string())))
+    let found = reproduce(false, 0, &mut |done, total, name| parts.push((done, total, name.to_string())), &|| true)
         .unwrap_or_else(|error| panic!("{error}"));
     assert!(parts.iter().enumerate().all(|(index, part)| part.0 == index && part.1 == parts.len()), "{parts:?}");
 

@@ -13,6 +13,7 @@ use super::replay_pair::{common, notes};
 use super::replay_read::{Listeners, bad_log};
 use super::validate_files::{PAGE, broken, save};
 use super::{Failure, Status};
+use crate::limits::MOST_COMPARED_FIGURES;
 use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Note, Page, page};
 use crate::plot::{self, Apart, Differences, Touches};
@@ -21,9 +22,6 @@ use crate::scene::Bounds;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 use crate::validate::{Angle, BodiesComparison, BodiesRecording, Recording, compare};
-
-/// Figures that are held of each log at most: 160 MB. A sample of a finger has 42.
-const MOST_FIGURES: usize = 20_000_000;
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
@@ -145,7 +143,7 @@ impl<'a> Side<'a> {
         side.reading = match reading {
             Err(_) if side.too_long => {
                 return Err(Failure::bad_input(format!(
-                    "{} is too long to be compared: both logs are held in memory, {MOST_FIGURES} figures of each (476,000 \
+                    "{} is too long to be compared: both logs are held in memory, {MOST_COMPARED_FIGURES} figures of each (476,000 \
                      samples of a finger); log at a lower rate, or compare the tables that --csv writes",
                     path.display()
                 )));
@@ -163,7 +161,7 @@ impl<'a> Side<'a> {
 
     fn hold(&mut self, figures: usize) -> Result<(), SinkError> {
         self.figures += figures;
-        self.too_long = self.figures > MOST_FIGURES;
+        self.too_long = self.figures > MOST_COMPARED_FIGURES;
         match self.too_long {
             true => Err(SinkError { what: "so long a log to memory".to_string(), source: io::ErrorKind::Other.into() }),
             false => Ok(()),

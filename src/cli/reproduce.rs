@@ -7,6 +7,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::folder::Folder;
+use super::interrupt::{self, Interrupt};
 use super::output::{complain, print};
 use super::progress::Count;
 use super::validate_files::{broken, save};
@@ -54,9 +55,18 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
     let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let start = Instant::now();
     let mut count = Count::new();
-    let result = reproduce(args.quick, args.threads, &mut |done, total, next| count.show(done, total, next));
+    let interrupt = Interrupt::listen()?;
+    let mut reached = (0, 0);
+    let mut tell = |done, total, next: &str| {
+        reached = (done, total);
+        count.show(done, total, next);
+    };
+    let result = reproduce(args.quick, args.threads, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
-    let found = result.map_err(Failure::incomplete)?;
+    let found = result.map_err(|error| match interrupt.signal() {
+        Some(signal) => interrupt::broken_off("the reproduction", signal, reached, args.out.is_some()),
+        None => Failure::incomplete(error),
+    })?;
     let wall_s = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
         folder.fill(|out| write(out, &found))?;

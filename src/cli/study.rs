@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::folder::Folder;
+use super::interrupt::{self, Interrupt};
 use super::output::print;
 use super::progress::Count;
 use super::study_stability::{self, StabilityArgs};
@@ -66,12 +67,21 @@ pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
 fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     let scene = discs(args.scene.as_deref())?;
     let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
-    let result = step_size(&scene, args.quick, &mut |done, total, next| count.show(done, total, next));
+    let mut reached = (0, 0);
+    let mut tell = |done, total, next: &str| {
+        reached = (done, total);
+        count.show(done, total, next);
+    };
+    let result = step_size(&scene, args.quick, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
-    let study = result.map_err(|error| match error {
-        StudyError::NoImpact => Failure::bad_input(error),
-        StudyError::Simulation { .. } => Failure::incomplete(error),
+    let study = result.map_err(|error| match (error, interrupt.signal()) {
+        (StudyError::Simulation { .. }, Some(signal)) => {
+            interrupt::broken_off("the study", signal, reached, args.out.is_some())
+        }
+        (error @ StudyError::NoImpact, _) => Failure::bad_input(error),
+        (error @ StudyError::Simulation { .. }, None) => Failure::incomplete(error),
     })?;
     if let Some(folder) = folder {
         let picture = plot::step_size(&study)

@@ -125,7 +125,7 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     refuse_nothing(&report)?;
     if let (Some(out), Some(folder)) = (&args.out, folder) {
         report.directory = Some(out.display().to_string());
-        folder.fill(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report))?;
+        folder.fill(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report, &interrupt))?;
     }
     report.effort = Some(Effort { wall_s, threads });
     print(&if args.json { volume_json(&report) } else { volume_text(&report) })?;

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
+use crate::limits::MOST_THREADS;
 use crate::study::volume::Quantity;
 use crate::units::{self, Dimension};
 
@@ -98,9 +99,6 @@ pub fn ratio_limits(text: &str) -> Result<Limits, String> {
         number(item).filter(|ratio| *ratio > 0.0).ok_or(format!("`{item}` is no number above 0"))
     })
 }
-
-/// More threads than these only get in each other's way, and each takes memory.
-pub const MOST_THREADS: usize = 1024;
 
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
+use super::interrupt::Interrupt;
 use super::validate_files::{broken, save};
 use super::volume_args::DataArg;
 use crate::page::{Note, VolumePage, volume_page};
@@ -25,9 +26,11 @@ pub fn write(
     quantities: &[Quantity],
     data: DataArg,
     report: &mut VolumeReport,
+    interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let mut files = Vec::new();
     let mut keep = |file: String, drawn: Result<String, DrawError>| {
+        interrupt.check()?;
         let path = out.join(&file);
         let text = drawn.map_err(|error| broken(&path, error))?;
         files.push(file);
@@ -50,7 +53,11 @@ pub fn write(
         DataArg::Csv => "points.csv",
         DataArg::Parquet => "points.parquet",
     };
-    table::write(&out.join(points), &volume_points(volumes)).map_err(Failure::incomplete)?;
+    interrupt.check()?;
+    let table = volume_points(volumes);
+    interrupt.check()?;
+    table::write(&out.join(points), &table).map_err(Failure::incomplete)?;
+    interrupt.check()?;
     files.insert(0, points.to_string());
     let path = out.join(PAGE);
     // A page is given to others: it does not say where it was made.

@@ -11,11 +11,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use crate::limits::MOST_CLIENTS;
+
 /// Pages that may watch: the Foxglove app in a browser, and its desktop version, which is a page from a file.
 const APP_ORIGINS: [&str; 3] = ["https://app.foxglove.dev", "https://studio.foxglove.dev", "file://"];
 
-/// Clients at the same time.
-pub const MOST_CLIENTS: usize = 32;
 /// The head of a request, and how long it may take to come.
 const HEAD_BYTES: usize = 16 * 1024;
 const PATIENCE: Duration = Duration::from_secs(5);

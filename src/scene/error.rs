@@ -3,6 +3,8 @@
 use std::fmt::{self, Write};
 use std::ops::Range;
 
+use crate::limits::{MOST_PROBLEMS, SHOWN_PROBLEMS};
+
 /// One thing wrong with a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
@@ -56,16 +58,23 @@ impl fmt::Display for SceneError {
                  is a TOML file"
             ),
             SceneError::Invalid { file, text, problems } => {
-                for (index, problem) in problems.iter().enumerate() {
+                for (index, problem) in problems.iter().take(SHOWN_PROBLEMS).enumerate() {
                     if index > 0 {
                         f.write_str("\n\n")?;
                     }
                     f.write_str(&render(file, text, problem))?;
                 }
-                if problems.len() > 1 {
-                    write!(f, "\n\n{file}: {} problems", problems.len())?;
+                let or_more = if problems.len() < MOST_PROBLEMS { "" } else { " or more" };
+                match problems.len() {
+                    0 | 1 => Ok(()),
+                    count if count > SHOWN_PROBLEMS => {
+                        write!(
+                            f,
+                            "\n\n{file}: {count} problems{or_more}, of which these are the first {SHOWN_PROBLEMS}"
+                        )
+                    }
+                    count => write!(f, "\n\n{file}: {count} problems"),
                 }
-                Ok(())
             }
         }
     }

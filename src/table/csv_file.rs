@@ -8,6 +8,8 @@ use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Terminator, Writer, Wr
 
 use super::value::{self, kind_of};
 use super::{Column, Kind, Origin, Table, TableError, Value};
+use crate::files::read_at_most;
+use crate::limits::LARGEST_TABLE_BYTES;
 
 /// Reads a CSV file. `known` columns have the kind they say; that of the others is found, see [`super::read`].
 ///
@@ -19,10 +21,13 @@ pub fn read_csv(path: &Path, known: &[Column]) -> Result<Table, TableError> {
     if path.is_dir() {
         return Err(unreadable("it is a directory; name a file in it".to_string()));
     }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+    let bytes = read_at_most(path, LARGEST_TABLE_BYTES).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
         _ => unreadable(error.to_string()),
     })?;
+    let most = LARGEST_TABLE_BYTES >> 20;
+    let too_large = || unreadable(format!("it is larger than {most} MiB; take some of its rows, or of its columns"));
+    let bytes = bytes.ok_or_else(too_large)?;
     parse(&bytes, &file, known)
 }
 

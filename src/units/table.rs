@@ -126,8 +126,11 @@ impl Dimension {
             | Dimension::Acceleration
             | Dimension::Inertia
             | Dimension::Frequency => 1e12,
-            Dimension::Pressure | Dimension::AngularStiffness | Dimension::LinearDamping => 1e18,
-            Dimension::AngularDamping => 1e21,
+            // What is meant to be rigid is given a modulus of 1e21 Pa.
+            Dimension::Pressure
+            | Dimension::AngularStiffness
+            | Dimension::LinearDamping
+            | Dimension::AngularDamping => 1e24,
         }
     }
 
