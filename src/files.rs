@@ -1,7 +1,7 @@
 //! Output files appear whole or not at all: written beside their place, then moved into it.
 
 use std::fs::{self, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a file with `fill`, in place of what was there.
@@ -26,6 +26,13 @@ pub fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>)
     Ok(())
 }
 
+/// The bytes of a file; `None` if there are more than `most`: a device may never end.
+pub fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
+}
+
 /// Whether a file could be written there, without touching one that is there.
 pub fn probe(path: &Path) -> io::Result<()> {
     beside(path).map(drop)
@@ -43,5 +50,14 @@ fn beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     #[cfg(unix)]
     builder.permissions(permissions);
-    builder.tempfile_in(directory)
+    builder.tempfile_in(directory).map_err(own_words)
+}
+
+/// The error without the name of the temporary file, which nobody asked for.
+fn own_words(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|outer| outer.source()?.downcast_ref::<io::Error>());
+    match inner.and_then(io::Error::raw_os_error) {
+        Some(code) => io::Error::from_raw_os_error(code),
+        None => error.kind().into(),
+    }
 }

@@ -46,6 +46,7 @@ pub mod gripper;
 pub mod integrator;
 pub mod invariants;
 pub mod law;
+pub mod limits;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod log;

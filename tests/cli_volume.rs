@@ -126,17 +126,35 @@ fn a_scene_is_the_template() {
 
 #[test]
 fn designs_that_do_not_exist_are_told() {
-    let output = phalanx(&["volume", "--base", "30 mm", "--mu-static", "0", "--resolution", "2"]);
+    let output = phalanx(&["volume", "--base", "22 mm", "--mu-static", "0", "--resolution", "4", "--l21", "0,1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    // Some bases have no design: their shares are 0, which is said; all have none: there is nothing to tabulate.
+    let some = ["volume", "--base", "15.5 mm, 30 mm", "--mu-static", "0", "--resolution", "2"];
+    let output = phalanx(&some);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     assert!(text.contains("8 of 8 points have no finger") && text.contains("must be below"), "{text}");
+    let warning = stderr(&output);
+    assert!(
+        warning.starts_with("warning: no design exists at a base of 30 mm: ") && warning.contains("below"),
+        "{warning}"
+    );
     let out = directory("volume_none");
     let path = out.to_str().unwrap();
-    let output = phalanx(&["volume", "--base", "30 mm", "--mu-static", "0", "--resolution", "2", "--out", path]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(phalanx(&[&some[..], &["--out", path]].concat()).status.code(), Some(0));
     let points = table::read(&out.join("points.csv")).unwrap();
     let reason = points.columns.iter().position(|column| column.name == "reason").unwrap();
-    assert!(points.rows.iter().all(|row| matches!(&row[reason], Value::Text(text) if text.contains("30.0000 mm"))));
+    let told =
+        points.rows.iter().filter(|row| matches!(&row[reason], Value::Text(text) if text.contains("30.0000 mm")));
+    assert_eq!(told.count(), 8);
+    let out = directory("volume_nothing").join("out");
+    let output = phalanx(&["volume", "--base", "155mm", "--resolution", "3", "--out", out.to_str().unwrap()]);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""));
+    let message = stderr(&output);
+    for part in ["error: no design exists at a base of 155 mm", "must be below", "give another --base"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    assert!(!out.join("points.csv").exists());
 }
 
 #[test]

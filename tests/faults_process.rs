@@ -5,6 +5,7 @@
 mod cli_support;
 mod faults_support;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -171,7 +172,7 @@ fn a_run_that_logs_nothing_and_samples_seldom_is_interrupted_too() {
 #[test]
 fn an_interrupted_validation_leaves_what_was_there() {
     let out = directory("faults_validate_interrupt");
-    fs::write(out.join("report.txt"), "an older report").expect("written");
+    let older = older_validation(&out);
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
     command.args(["validate", ANCHOR, "--out"]).arg(&out).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().expect("the binary starts");
@@ -180,8 +181,21 @@ fn an_interrupted_validation_leaves_what_was_there() {
     let output = ends(child);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("interrupted by SIGTERM"), "{}", stderr(&output));
-    assert_eq!(fs::read_to_string(out.join("report.txt")).expect("there"), "an older report");
-    assert_eq!(fs::read_dir(&out).expect("there").count(), 1);
+    assert!(contents(&out) == older);
+}
+
+/// The files of a validation, by their names.
+fn older_validation(out: &Path) -> BTreeMap<String, Vec<u8>> {
+    let output = phalanx(&["validate", "scenes/free-swing.toml", "--quick", "--out", out.to_str().expect("text")]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let found = contents(out);
+    assert_eq!(found.len(), 10, "nine files and their checksums");
+    found
+}
+
+fn contents(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let read = |path: PathBuf| (path.display().to_string(), fs::read(&path).expect("a file"));
+    fs::read_dir(directory).expect("there").map(|entry| read(entry.expect("readable").path())).collect()
 }
 
 /// Runs the command where no file may become longer than so many blocks of 512 bytes, as on a full disk.
@@ -308,19 +322,13 @@ fn a_directory_where_nothing_may_be_written() {
 #[test]
 fn a_disk_that_fills_up_under_a_validation_costs_no_older_report() {
     let out = directory("faults_validate_full");
-    for name in ["report.txt", "report.json", "speed-error.svg", "series.csv"] {
-        fs::write(out.join(name), "older").expect("written");
-    }
+    let older = older_validation(&out);
     // No picture fits.
     let path = out.to_str().expect("text");
     let output = limited(4, &["validate", "scenes/free-swing.toml", "--quick", "--out", path]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("cannot write") && stderr(&output).contains(".svg"), "{}", stderr(&output));
-    for entry in fs::read_dir(&out).expect("there") {
-        let path = entry.expect("readable").path();
-        assert_eq!(fs::read_to_string(&path).expect("there"), "older", "{}", path.display());
-    }
-    assert_eq!(fs::read_dir(&out).expect("there").count(), 4);
+    assert!(contents(&out) == older);
 }
 
 #[test]

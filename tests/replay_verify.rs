@@ -192,7 +192,7 @@ fn a_run_that_a_signal_ends_verifies_up_to_there() {
     let scene = variant(&directory, "hold.toml", "[log]\nnumeric_rate = \"1 MHz\"");
     let (log, partial) = (directory.join("run.mcap"), directory.join("run.mcap.partial"));
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    let mut run = command.args(["run", &scene, "--duration", "100 s", "--log"]).arg(&log).spawn().expect("started");
+    let mut run = command.args(["run", &scene, "--duration", "9 s", "--log"]).arg(&log).spawn().expect("started");
     let patience = std::time::Instant::now() + std::time::Duration::from_secs(20);
     while fs::metadata(&partial).map_or(0, |found| found.len()) < 200_000 {
         assert!(std::time::Instant::now() < patience, "the log does not grow");

@@ -12,15 +12,11 @@ use phalanx::report::{
 use phalanx::study::reproduce::{Reproduction, Variation, figures, measured, reproduce};
 use serde_json::Value;
 
-/// Outside of 2-design §2.6 at 20³ points, and why, is told by the table of grids: with points in the middles of cells both
-/// are within half a point (`shares_hang_on_the_grid`).
-const KNOWN_OUTSIDE: [&str; 2] = ["volume.stable_percent.base_22.5_mm.mu_0.8", "volume.closed_percent.base_15.5_mm"];
-
 /// Everything at once, because everything takes seconds.
 #[test]
 fn the_thesis_again() {
     let mut parts = Vec::new();
-    let found = reproduce(false, 0, &mut |done, total, name| parts.push((done, total, name.to_string())))
+    let found = reproduce(false, 0, &mut |done, total, name| parts.push((done, total, name.to_string())), &|| true)
         .unwrap_or_else(|error| panic!("{error}"));
     assert!(parts.iter().enumerate().all(|(index, part)| part.0 == index && part.1 == parts.len()), "{parts:?}");
 
@@ -46,13 +42,28 @@ fn every_figure_is_found(found: &Reproduction) {
 fn as_expected(all: &[Comparison]) {
     let outside: Vec<_> = all.iter().filter(|one| one.verdict == Verdict::Outside).collect();
     let told: Vec<_> = outside.iter().map(|one| (one.figure, one.ours_text(), one.expected_text())).collect();
-    assert!(outside.iter().all(|one| KNOWN_OUTSIDE.contains(&one.figure)), "{told:?}");
+    // So that `phalanx reproduce` ends with status 0.
+    assert!(outside.is_empty(), "{told:?}");
     assert!(all.iter().filter(|one| one.verdict == Verdict::Inside).count() >= 40);
     // The same again from the specification, past the file of figures.
     let ours = |key: &str| all.iter().find(|one| one.figure == key).expect(key).ours;
     assert_eq!((ours("statics.form_closed"), ours("statics.form_closed_quarters")), (22.0, 13.0));
     assert_eq!((ours("statics.stable_mu_0"), ours("statics.stable_mu_0.8")), (136.0, 160.0));
     assert!((ours("sweep.stable_mu_0") - 53.0).abs() <= 3.0 && (ours("sweep.stable_mu_0.8") - 94.0).abs() <= 3.0);
+    for (base, shares) in [
+        ("12", [95.82, 96.61, 9.88]),
+        ("15.5", [87.58, 95.28, 22.44]),
+        ("19", [78.00, 87.51, 1.10]),
+        ("22.5", [53.08, 62.54, 0.0]),
+    ] {
+        let keys = [
+            format!("volume.stable_percent.base_{base}_mm.mu_0"),
+            format!("volume.stable_percent.base_{base}_mm.mu_0.8"),
+            format!("volume.closed_percent.base_{base}_mm"),
+        ];
+        // One of 8,000 points is 0.0125 %.
+        assert!(keys.iter().zip(shares).all(|(key, share)| (ours(key) - share).abs() <= 0.05), "base {base} mm");
+    }
     assert!((ours("design.trajectory_min_rad").to_degrees() - 26.03).abs() < 5e-3);
     assert!((ours("design.trajectory_max_rad").to_degrees() - 74.63).abs() < 5e-3);
     for (key, grams) in [("design.mass_min_kg", 20.64), ("design.mass_max_kg", 27.45), ("design.mass_kg", 24.64)] {
@@ -75,8 +86,8 @@ fn chaos_is_bounded(found: &Reproduction) {
 
 fn shares_hang_on_the_grid(found: &Reproduction) {
     let [near, second, _, far] = &found.grids[..] else { panic!("four bases") };
-    assert!((far.stable_percent[1] - 62.0).abs() < 0.5, "{far:?}");
-    assert!((second.closed_percent - 21.6).abs() < 0.5, "{second:?}");
+    assert!((far.stable_percent[1] - 62.2).abs() < 0.1, "{far:?}");
+    assert!((second.closed_percent - 21.5).abs() < 0.1, "{second:?}");
     // A stronger spring lifts tips off, a weaker motor more of them.
     for of in [near, far] {
         for mu in 0..2 {

@@ -227,7 +227,7 @@ proptest! {
              [discs.{name}]\nradius = \"{radius} m\"\ncentre = [\"{x} m\", \"0.1 m\"]\nvelocity = [\"{velocity} cm/s\", \"1 m/s\"]\n\
              {motion}\n[discs.other]\nradius = \"1 mm\"\ncentre = [\"9 m\", \"0 m\"]\nmass = \"{mass} kg\"\n\
              [half_plane]\nlevel = \"{level} mm\"\n\
-             [contact]\nstiffness_si = {k:?}\nexponent = {exponent:?}\ndamping = \"{c} N*s/m\"\n[validate]\n\
+             [contact]\nstiffness_si = {k:?}\nexponent = {exponent:?}\ndamping = \"{c} N*s/m\"\n[log]\npicture_rate = \"1 Hz\"\n[validate]\n\
              position = \"{bound} um\"\npeak_force = {bound:?}\nuntil = \"{duration} s\"\n"
         );
         assert_round_trip(&parse(&text));

@@ -9,7 +9,7 @@ fn study() -> StepSize {
         AnyScene::Bodies(scene) => scene,
         AnyScene::Finger(_) => panic!("a scene of discs"),
     };
-    step_size(&scene, true, &mut |_, _, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    step_size(&scene, true, &mut |_, _, _| {}, &|| true).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -45,6 +45,6 @@ fn laws_converge_and_a_rigid_contact_does_not() {
 fn a_scene_without_a_rebound_is_refused() {
     let text = "kind = \"bodies\"\n[discs.ball]\nradius = \"1 mm\"\ncentre = [\"0 mm\", \"9 mm\"]\nmass = \"1 g\"\n";
     let Ok(AnyScene::Bodies(scene)) = scene::parse_any(text, "still.toml") else { panic!("a scene of discs") };
-    let error = step_size(&scene, true, &mut |_, _, _| {}).expect_err("nothing touches");
+    let error = step_size(&scene, true, &mut |_, _, _| {}, &|| true).expect_err("nothing touches");
     assert!(error.to_string().contains("rebounds"), "{error}");
 }

@@ -177,8 +177,12 @@ fn results_of_another_study_are_left_alone() {
     fs::write(&out, "somebody's,table\n1,2\n").expect("written");
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--restart"), "{}", stderr(&output));
-    assert_eq!(lines(&out), 2);
+    for more in [&[][..], &["--restart"]] {
+        let output = sweep(&study, &out, more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(stderr(&output).contains("left alone; give another --out, or delete it"), "{}", stderr(&output));
+        assert_eq!(lines(&out), 2);
+    }
     fs::remove_file(&out).expect("removed");
 
     // Unfinished results, of a study that was changed since.

@@ -12,6 +12,14 @@ use crate::integrator::Reason;
 /// Signals that are listened to, as people know them.
 const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT (Ctrl-C)"), (SIGTERM, "SIGTERM")];
 
+/// What a command says that a signal has ended after some of its parts.
+pub fn broken_off(what: &str, signal: &str, (done, total): (usize, usize), out: bool) -> Failure {
+    let files = if out { "; no file was written, and older ones are as they were" } else { "" };
+    Failure::incomplete(format!(
+        "{what} was interrupted by {signal} after {done} of {total} parts: there is no result{files}"
+    ))
+}
+
 /// Whether the command has been asked to end.
 #[derive(Debug)]
 pub struct Interrupt {
@@ -38,6 +46,16 @@ impl Interrupt {
     pub fn signal(&self) -> Option<&'static str> {
         let index = self.signal.load(Ordering::Relaxed).checked_sub(1)?;
         SIGNALS.get(index).map(|(_, name)| *name)
+    }
+
+    /// An error once a signal has come, for who writes several files.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.signal() {
+            None => Ok(()),
+            Some(signal) => Err(Failure::incomplete(format!(
+                "interrupted by {signal} while the files were written: older ones are as they were"
+            ))),
+        }
     }
 
     /// Whether a signal has come, for who cannot keep a reference.

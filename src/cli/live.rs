@@ -24,6 +24,10 @@ pub struct LiveArgs {
     #[arg(long, value_name = "RATIO", requires = "live", value_parser = speed)]
     live_speed: Option<f64>,
 
+    /// Let web pages of this origin watch too, such as http://lab:8080; the Foxglove app and pages of this machine always may
+    #[arg(long, value_name = "ORIGIN", requires = "live")]
+    live_origin: Vec<String>,
+
     /// Start when a first client has subscribed
     #[arg(long, requires = "live")]
     live_wait: bool,
@@ -57,10 +61,11 @@ impl LiveArgs {
         let Some(address) = &self.live else {
             return Ok(None);
         };
-        let server = Server::start(address, &format!("phalanx: {scene}")).map_err(|error| match error {
-            LiveError::Runtime(_) => Failure::incomplete(error),
-            _ => Failure::bad_input(error),
-        })?;
+        let server =
+            Server::start(address, &format!("phalanx: {scene}"), &self.live_origin).map_err(|error| match error {
+                LiveError::Runtime(_) | LiveError::Gate(_) => Failure::incomplete(error),
+                _ => Failure::bad_input(error),
+            })?;
         let speed = self.live_speed.unwrap_or(duration_s / WATCHED_S);
         let takes = report::duration(duration_s / speed);
         complain(&format!("live: {} shows {} in {takes}", server.url(), report::duration(duration_s)));

@@ -8,12 +8,18 @@
 //! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
 mod browser;
+mod folder;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
 mod new;
+/// What a build without the feature says is tested in every build.
+#[cfg(all(test, feature = "live"))]
+#[allow(dead_code)]
+mod no_live;
 mod output;
 mod overrides;
+mod own;
 mod progress;
 mod replay;
 mod replay_against;
@@ -44,12 +50,15 @@ mod volume_args;
 mod volume_files;
 mod watch;
 
+use std::any::TypeId;
 use std::fmt::Display;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::scene::SceneError;
+use crate::scene::{SceneError, nearest};
 
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
 #[derive(Debug, Parser)]
@@ -123,7 +132,8 @@ impl From<SceneError> for Failure {
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = taking_negatives(Cli::command()).try_get_matches().unwrap_or_else(|error| meant(error).exit());
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let result = match &cli.command {
         Command::New(args) => new::run(args),
         Command::Run(args) => run::run(args),
@@ -143,4 +153,44 @@ pub fn main() -> ExitCode {
         failure.status
     });
     ExitCode::from(status as u8)
+}
+
+/// Lets every flag of a value take one that begins with a minus: what is wrong with `--rtol -1` the flag itself says best.
+/// Flags of files and of words from a list go on refusing what looks like another flag.
+fn taking_negatives(command: clap::Command) -> clap::Command {
+    let takes = |arg: &Arg| {
+        let free = arg.get_value_parser().type_id() != TypeId::of::<PathBuf>() && arg.get_possible_values().is_empty();
+        let one = arg.get_action().takes_values() && arg.get_num_args().is_none_or(|count| count.min_values() == 1);
+        arg.get_long().is_some() && free && one
+    };
+    let command = command.mut_args(|arg| if takes(&arg) { arg.allow_hyphen_values(true) } else { arg });
+    command.mut_subcommands(taking_negatives)
+}
+
+/// Suggests a command for a mistyped one where clap does not: it compares words of two letters with nothing.
+fn meant(mut error: clap::Error) -> clap::Error {
+    if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
+        && error.get(ContextKind::SuggestedSubcommand).is_none()
+    {
+        let command = Cli::command();
+        // Of `phalanx scene shwo` the second word is wrong.
+        let above = std::env::args().nth(1).filter(|first| first != word);
+        let among = above.and_then(|first| command.find_subcommand(first)).unwrap_or(&command);
+        let names: Vec<&str> = among.get_subcommands().map(clap::Command::get_name).collect();
+        if let Some(name) = nearest(word, &names) {
+            let name = ContextValue::Strings(vec![name.to_string()]);
+            error.insert(ContextKind::SuggestedSubcommand, name);
+        }
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        taking_negatives(Cli::command()).debug_assert();
+    }
 }

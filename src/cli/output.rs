@@ -1,13 +1,34 @@
 //! Writing to stdout and stderr without a panic when the reader has gone.
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 
 use super::Failure;
 
+/// The text without what a terminal would obey: control characters and those that turn the order of letters around are shown as
+/// JSON writes them, so that a document stays one. Names in scenes and logs are others' words.
+fn visible(text: &str) -> Cow<'_, str> {
+    let acts = |c: char| {
+        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        turns || c.is_control() && !matches!(c, '\n' | '\t')
+    };
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match acts(c) {
+            true => shown.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => shown.push(c),
+        }
+    }
+    Cow::Owned(shown)
+}
+
 /// Prints to stdout. A reader that has seen enough (`| head`) is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(visible(text).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::incomplete(format!("cannot write to standard output: {error}")))
         }
@@ -17,5 +38,20 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a message to stderr, as far as that takes it.
 pub fn complain(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "{message}");
+    let _ = writeln!(io::stderr().lock(), "{}", visible(message));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_that_a_terminal_obeys_is_printed() {
+        assert!(matches!(visible("µ: 1 mm\n\tfine"), Cow::Borrowed(_)));
+        assert_eq!(visible("a\u{1b}[31m\r\u{7f}\u{9b}2J\u{202e}z"), "a\\u001b[31m\\u000d\\u007f\\u009b2J\\u202ez");
+        // A document of JSON says the same as before.
+        let document = serde_json::to_string(&"\u{1b}\u{9b}\u{202e}").expect("JSON");
+        let read: String = serde_json::from_str(&visible(&document)).expect("still JSON");
+        assert_eq!(read, "\u{1b}\u{9b}\u{202e}");
+    }
 }

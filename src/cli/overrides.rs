@@ -140,7 +140,16 @@ impl Overrides {
         if let Some(picture_hz) = self.picture_rate {
             log.picture_hz = picture_hz;
         }
-        Ok(())
+        match log.excess(*scene_duration_s) {
+            None => Ok(()),
+            Some(excess) => {
+                let flag = if excess.pictures { "--picture-rate" } else { "--numeric-rate" };
+                Err(Failure::bad_input(format!(
+                    "{excess}; give {flag} \"{}\" or a shorter --duration",
+                    excess.remedy_rate()
+                )))
+            }
+        }
     }
 
     /// Refuses flags that the model would not look at.

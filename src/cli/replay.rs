@@ -8,9 +8,10 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{complain, print};
+use super::own::{Form, writable};
 use super::replay_read::{Listeners, bad_log, read, tabulate};
 use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
-use crate::files::{probe, replace};
+use crate::files::replace;
 use crate::log::Reading;
 use crate::report::{ReplayReport, replay_json, replay_text};
 
@@ -126,10 +127,7 @@ fn csv(args: &ReplayArgs, path: &Path, interrupt: &Interrupt) -> Result<Status, 
         };
     }
     refuse_the_log(&args.log, path, "--csv")?;
-    probe(path).map_err(|error| {
-        let path = path.display();
-        Failure::bad_input(format!("cannot write {path}: {error}; give a file in a directory where you may write"))
-    })?;
+    writable(path, Form::Samples)?;
     let mut outcome = Err(Failure::incomplete(format!("cannot write {}", path.display())));
     let written = replace(path, |out| {
         outcome = tabulate(&args.log, &mut listeners, out);

@@ -3,14 +3,17 @@
 use std::io;
 use std::path::Path;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::print;
-use super::replay::{ReplayArgs, head, losses};
-use super::replay_page::{Reels, Tee, writable};
+use super::own::{Form, writable};
+use super::replay::{ReplayArgs, head, losses, refuse_the_log};
+use super::replay_page::{Reels, Tee};
 use super::replay_pair::{common, notes};
 use super::replay_read::{Listeners, bad_log};
-use super::validate_files::{PAGE, broken, directory, save};
+use super::validate_files::{PAGE, broken, save};
 use super::{Failure, Status};
+use crate::limits::MOST_COMPARED_FIGURES;
 use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Note, Page, page};
 use crate::plot::{self, Apart, Differences, Touches};
@@ -19,9 +22,6 @@ use crate::scene::Bounds;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 use crate::validate::{Angle, BodiesComparison, BodiesRecording, Recording, compare};
-
-/// Figures that are held of each log at most: 160 MB. A sample of a finger has 42.
-const MOST_FIGURES: usize = 20_000_000;
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
@@ -52,11 +52,10 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             kind(kinds[1])
         )));
     }
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     if let Some(target) = &args.html {
-        paths.into_iter().try_for_each(|path| writable(path, target))?;
+        paths.into_iter().try_for_each(|path| refuse_the_log(path, target, "--html"))?;
+        writable(target, Form::Page)?;
     }
     // A page that is asked for must be possible; one among other files is left out where it is not.
     let mut films = match (&args.html, &args.out) {
@@ -99,19 +98,21 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         page: None,
     };
     let shown = films.map(|films| both(films, paths, &report)).transpose()?;
-    if let Some(out) = &args.out {
+    if let (Some(out), Some(folder)) = (&args.out, folder) {
         report.directory = Some(out.display().to_string());
         report.files =
             Some(FILES.into_iter().filter(|file| *file != PAGE || shown.is_some()).map(String::from).collect());
-        for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
-            let path = out.join(file);
-            save(&path, &picture.map_err(|error| broken(&path, error))?)?;
-        }
-        if let Some(page) = &shown {
-            save(&out.join(PAGE), page)?;
-        }
-        save(&out.join("report.txt"), &against_text(&report))?;
-        save(&out.join("report.json"), &against_json(&report))?;
+        folder.fill(|out| {
+            for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
+                let path = out.join(file);
+                save(&path, &picture.map_err(|error| broken(&path, error))?)?;
+            }
+            if let Some(page) = &shown {
+                save(&out.join(PAGE), page)?;
+            }
+            save(&out.join("report.txt"), &against_text(&report))?;
+            save(&out.join("report.json"), &against_json(&report))
+        })?;
     }
     if let (Some(target), Some(page)) = (&args.html, &shown) {
         save(target, page)?;
@@ -154,7 +155,7 @@ impl<'a> Side<'a> {
         side.reading = match reading {
             Err(_) if side.too_long => {
                 return Err(Failure::bad_input(format!(
-                    "{} is too long to be compared: both logs are held in memory, {MOST_FIGURES} figures of each (476,000 \
+                    "{} is too long to be compared: both logs are held in memory, {MOST_COMPARED_FIGURES} figures of each (476,000 \
                      samples of a finger); log at a lower rate, or compare the tables that --csv writes",
                     path.display()
                 )));
@@ -172,7 +173,7 @@ impl<'a> Side<'a> {
 
     fn hold(&mut self, figures: usize) -> Result<(), SinkError> {
         self.figures += figures;
-        self.too_long = self.figures > MOST_FIGURES;
+        self.too_long = self.figures > MOST_COMPARED_FIGURES;
         match self.too_long {
             true => Err(SinkError { what: "so long a log to memory".to_string(), source: io::ErrorKind::Other.into() }),
             false => Ok(()),

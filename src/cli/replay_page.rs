@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
+use super::own::{Form, writable};
 use super::replay::{ReplayArgs, head, losses, refuse_the_log, said};
 use super::replay_read::{Listeners, attached, bad_log};
 use super::validate_files::save;
 use super::{Status, output::print};
-use crate::files::probe;
 use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Film, Page, Reel, page};
 use crate::report::replay_text;
@@ -26,7 +26,8 @@ pub(super) enum Reels {
 pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let path = &args.log;
     let mut reels = Reels::new(path, &head(path)?)?;
-    writable(path, target)?;
+    refuse_the_log(path, target, "--html")?;
+    writable(target, Form::Page)?;
     let mut listeners = Listeners::new(path, interrupt)?;
     let reading = log::read_any_file(path, &mut Tee(&mut listeners, &mut reels));
     listeners.done();
@@ -38,21 +39,6 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     report.page = Some(target.display().to_string());
     print(&said(args, &report))?;
     Ok(losses(path, &reading))
-}
-
-/// Refuses a place for a page where none can be written, before anything is read.
-pub(super) fn writable(log: &Path, target: &Path) -> Result<(), Failure> {
-    refuse_the_log(log, target, "--html")?;
-    let refused = |why: String| {
-        Failure::bad_input(format!(
-            "cannot write {}: {why}; give a file in a directory where you may write",
-            target.display()
-        ))
-    };
-    if target.is_dir() {
-        return Err(refused("that is a directory".to_string()));
-    }
-    probe(target).map_err(|error| refused(error.to_string()))
 }
 
 impl Reels {

@@ -1,13 +1,17 @@
 //! `phalanx reproduce`: the thesis's figures again, with reasons where ours differ.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 
+use super::folder::Folder;
+use super::interrupt::{self, Interrupt};
 use super::output::{complain, print};
 use super::progress::Count;
-use super::validate_files::{broken, directory, save};
+use super::validate_files::{broken, save};
+use super::volume_args::threads_or_all;
 use super::{Failure, Status};
 use crate::report::{
     Block, Verdict, comparisons, duration, paper_html, paper_markdown, ranking_table, reproduction_json,
@@ -38,7 +42,7 @@ pub struct ReproduceArgs {
     quick: bool,
 
     /// Threads; as many as there are cores if it is not given
-    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true, value_parser = threads_or_all)]
     threads: usize,
 
     /// Print one JSON document with SI values instead of tables
@@ -48,17 +52,24 @@ pub struct ReproduceArgs {
 
 /// Runs the command.
 pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let start = Instant::now();
     let mut count = Count::new();
-    let result = reproduce(args.quick, args.threads, &mut |done, total, next| count.show(done, total, next));
+    let interrupt = Interrupt::listen()?;
+    let mut reached = (0, 0);
+    let mut tell = |done, total, next: &str| {
+        reached = (done, total);
+        count.show(done, total, next);
+    };
+    let result = reproduce(args.quick, args.threads, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
-    let found = result.map_err(Failure::incomplete)?;
+    let found = result.map_err(|error| match interrupt.signal() {
+        Some(signal) => interrupt::broken_off("the reproduction", signal, reached, args.out.is_some()),
+        None => Failure::incomplete(error),
+    })?;
     let wall_s = start.elapsed().as_secs_f64();
-    if let Some(out) = &args.out {
-        write(out, &found)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, &found))?;
     }
     print(&match args.json {
         true => reproduction_json(&found),
@@ -71,11 +82,14 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
     Ok(if outside { Status::CheckFailed } else { Status::Done })
 }
 
+/// Everything that is in the directory in the end, and pictures in figures/.
+const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv"];
+
 /// The files of `--out`; the report comes last.
 fn write(out: &Path, found: &Reproduction) -> Result<(), Failure> {
     let paper = reproduction_paper(found).map_err(|error| broken(&out.join("figures"), error))?;
     let figures = out.join("figures");
-    directory(&figures)?;
+    fs::create_dir_all(&figures).map_err(|error| broken(&figures, error))?;
     for section in &paper.sections {
         for block in &section.blocks {
             if let Block::Figure(figure) = block {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::browser::Browser;
-use super::replay_page::writable;
+use super::own::{Form, writable};
 use super::validate_files::save;
 use super::{Failure, Status};
 use crate::page::{Film, Page, page};
@@ -48,7 +48,7 @@ impl PageArgs {
         let target = match (&self.html, &browser) {
             (Some(target), _) => {
                 apart(target, scene, log)?;
-                writable(scene, target)?;
+                writable(target, Form::Page)?;
                 target.clone()
             }
             (None, Some(_)) => temporary()?,

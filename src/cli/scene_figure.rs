@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::own::{Form, writable};
 use super::scene::Answer;
 use crate::files::replace;
 use crate::plot::linkage;
@@ -28,6 +29,9 @@ pub(super) fn answer(scene: &Path, figure: &Path) -> Answer {
             "--figure {} is the scene itself, which must stay as it is; give another file",
             figure.display()
         ));
+    }
+    if let Err(error) = writable(figure, Form::Picture) {
+        return refused(format!("--figure: {}", error.message));
     }
     match replace(figure, |out| out.write_all(linkage(&found).svg.as_bytes())) {
         Ok(()) => Answer {

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::output::print;
-use super::validate_files::{broken, directory, save};
+use super::own::{Form, writable};
+use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::plot;
@@ -49,7 +51,7 @@ pub struct SelectArgs {
     no_static: bool,
 
     /// Least palm force PFP, with its unit [default: 0 N]
-    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, conflicts_with = "no_pfp")]
+    #[arg(long, value_name = "FORCE", value_parser = force, conflicts_with = "no_pfp")]
     min_pfp: Option<f64>,
 
     /// Take any palm force
@@ -64,8 +66,8 @@ pub struct SelectArgs {
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     max_rebound: Option<f64>,
 
-    /// Bound any column of numbers, in the unit of its name; may be given again
-    #[arg(long, value_name = "COLUMN>=VALUE", value_parser = bound)]
+    /// Bound any column of numbers, "COLUMN >= VALUE" or "COLUMN <= VALUE", in the unit of its name; may be given again
+    #[arg(long, value_name = "BOUND", value_parser = bound)]
     bound: Vec<Bound>,
 
     /// What the parts of r_WC count; parts not named count 0
@@ -73,7 +75,7 @@ pub struct SelectArgs {
     weights: Weights,
 
     /// How many of the best to print
-    #[arg(long, value_name = "NUMBER", default_value_t = 10)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = count)]
     best: usize,
 
     /// Write all selected runs there, best first, with place, r_WC and its parts before the columns of the results
@@ -94,7 +96,9 @@ pub struct SelectArgs {
 pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
+        writable(path, Form::Ranking)?;
     }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;
     let selection = select(&results, &criteria(args)).map_err(|error| match error {
         SelectError::Table(_) | SelectError::Weight { .. } | SelectError::NoWeight => Failure::bad_input(error),
@@ -104,9 +108,8 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::write(path, &ranking_table(&results, &selection)).map_err(unwritten)?;
     }
-    if let Some(out) = &args.out {
-        directory(out)?;
-        write(out, &source, &results, &selection)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, &source, &results, &selection))?;
     }
     print(&match args.json {
         true => selection_json(&source, &selection),
@@ -135,6 +138,18 @@ fn criteria(args: &SelectArgs) -> SelectionCriteria {
     }
 }
 
+/// Everything that is in the directory in the end.
+const FILES: [&str; 8] = [
+    "selection.txt",
+    "selection.json",
+    "ranking.csv",
+    "criteria.svg",
+    "classes.svg",
+    "static.svg",
+    "forces.svg",
+    "variables.svg",
+];
+
 /// The files of `--out`; the text, which says what there is, comes last.
 fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Result<(), Failure> {
     // A picture is given to others: it is named by the file alone.
@@ -156,6 +171,10 @@ fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Re
 
 fn unwritten(error: TableError) -> Failure {
     Failure::incomplete(error)
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "expected a number of runs from 0, such as 10".to_string())
 }
 
 fn class(text: &str) -> Result<Class, String> {

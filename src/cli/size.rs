@@ -1,15 +1,14 @@
 //! `phalanx size`: spring and motor for a finger.
 
 use std::f64::consts::PI;
-use std::fs;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
+use super::folder::write_all;
 use super::output::print;
 use super::overrides::positive;
-use super::validate_files::save;
 use super::{Failure, Status};
 use crate::gripper::contact_angle_proximal;
 use crate::plot::{self, DrawError};
@@ -92,21 +91,16 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
         }),
     };
     if let Some(out) = &args.out {
-        fs::create_dir_all(out).map_err(|error| {
-            let out = out.display();
-            Failure::bad_input(format!("cannot make the directory {out}: {error}; give one where you may write"))
-        })?;
         let undrawn = |error: DrawError| Failure::incomplete(format!("cannot draw the pictures: {error}"));
-        for (file, text) in [
+        let files = [
             ("size.txt", sizing_text(&report)),
             ("size.json", sizing_json(&report)),
             ("size.csv", sizing_csv(&profile)),
             ("trajectory.svg", plot::sizing_trajectory(&scene.name, &profile).map_err(undrawn)?),
             ("springs.svg", plot::sizing_springs(&scene.name, &profile).map_err(undrawn)?),
             ("spring-types.svg", plot::sizing_spring_types(&scene.name, &profile).map_err(undrawn)?),
-        ] {
-            save(&out.join(file), &text)?;
-        }
+        ];
+        write_all(out, &files)?;
     }
     print(&if args.json { sizing_json(&report) } else { sizing_text(&report) })?;
     Ok(Status::Done)

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::print;
+use super::own::{Form, writable};
 use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::plot;
@@ -36,7 +37,7 @@ pub struct StaticsArgs {
     mu_static: Vec<f64>,
 
     /// Motor torque with its unit, such as "500 N*mm", instead of the one at the end of the scene
-    #[arg(long, value_name = "TORQUE", value_parser = torque, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TORQUE", value_parser = torque)]
     motor: Option<f64>,
 
     /// Draw the grasp into a picture, with the forces of the last of the friction coefficients; an older file is replaced
@@ -51,6 +52,9 @@ pub struct StaticsArgs {
 
 /// Runs the command.
 pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
+    if let Some(path) = &args.svg {
+        writable(path, Form::Picture)?;
+    }
     let AnyScene::Finger(scene) = scene::load_any(&args.scene)? else {
         return Err(Failure::bad_input(format!(
             "{} is a scene of discs (kind = \"bodies\"), and statics is about the grasp of a finger; give a scene like \

@@ -1,10 +1,11 @@
 //! `phalanx study`: what a choice of settings does to a result.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::folder::Folder;
+use super::interrupt::{self, Interrupt};
 use super::output::print;
 use super::progress::Count;
 use super::study_stability::{self, StabilityArgs};
@@ -17,6 +18,9 @@ use crate::study::step_size::{StudyError, step_size};
 
 /// The shipped scene, so that the command works from anywhere.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
+
+/// Everything that is in the directory in the end.
+const FILES: [&str; 4] = ["step-size.txt", "step-size.json", "step-size.csv", "step-size.svg"];
 
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
@@ -62,32 +66,28 @@ pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
 
 fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     let scene = discs(args.scene.as_deref())?;
-    if let Some(out) = &args.out {
-        fs::create_dir_all(out).map_err(|error| {
-            Failure::bad_input(format!(
-                "cannot make the directory {}: {error}; give one where you may write",
-                out.display()
-            ))
-        })?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
-    let result = step_size(&scene, args.quick, &mut |done, total, next| count.show(done, total, next));
+    let mut reached = (0, 0);
+    let mut tell = |done, total, next: &str| {
+        reached = (done, total);
+        count.show(done, total, next);
+    };
+    let result = step_size(&scene, args.quick, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
-    let study = result.map_err(|error| match error {
-        StudyError::NoImpact => Failure::bad_input(error),
-        StudyError::Simulation { .. } => Failure::incomplete(error),
+    let study = result.map_err(|error| match (error, interrupt.signal()) {
+        (StudyError::Simulation { .. }, Some(signal)) => {
+            interrupt::broken_off("the study", signal, reached, args.out.is_some())
+        }
+        (error @ StudyError::NoImpact, _) => Failure::bad_input(error),
+        (error @ StudyError::Simulation { .. }, None) => Failure::incomplete(error),
     })?;
-    if let Some(out) = &args.out {
+    if let Some(folder) = folder {
         let picture = plot::step_size(&study)
             .map_err(|error| Failure::incomplete(format!("cannot draw step-size.svg: {error}")))?;
-        for (file, text) in [
-            ("step-size.txt", step_size_text(&study)),
-            ("step-size.json", step_size_json(&study)),
-            ("step-size.csv", step_size_csv(&study)),
-            ("step-size.svg", picture),
-        ] {
-            save(&out.join(file), &text)?;
-        }
+        let texts = [step_size_text(&study), step_size_json(&study), step_size_csv(&study), picture];
+        folder.fill(|out| FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text)))?;
     }
     print(&if args.json { step_size_json(&study) } else { step_size_text(&study) })?;
     Ok(Status::Done)

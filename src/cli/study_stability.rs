@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Count;
-use super::validate_files::{broken, directory, save};
+use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{stability_csv, stability_json, stability_text};
@@ -64,6 +65,9 @@ pub struct StabilityArgs {
     quick: bool,
 }
 
+/// Everything that is in the directory in the end.
+const FILES: [&str; 4] = ["stability.json", "stability.csv", "stability.svg", "table.txt"];
+
 /// Values of one flag, in order from small to large.
 #[derive(Clone, Debug, PartialEq)]
 struct List(Vec<f64>);
@@ -78,9 +82,7 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
         )));
     };
     let grid = grid(args);
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
     let mut tell = |done, total, next: &str| count.show(done, total, next);
@@ -97,17 +99,12 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
         (error @ StudyError::Stopped { .. }, None) => Failure::incomplete(error),
         (error, _) => Failure::bad_input(error),
     })?;
-    if let Some(out) = &args.out {
-        let path = out.join("stability.svg");
-        let picture = plot::stability(&study).map_err(|error| broken(&path, error))?;
-        for (file, text) in [
-            ("stability.json", stability_json(&study)),
-            ("stability.csv", stability_csv(&study)),
-            ("stability.svg", picture),
-            ("table.txt", stability_text(&study)),
-        ] {
-            save(&out.join(file), &text)?;
-        }
+    if let Some(folder) = folder {
+        folder.fill(|out| {
+            let picture = plot::stability(&study).map_err(|error| broken(&out.join("stability.svg"), error))?;
+            let texts = [stability_json(&study), stability_csv(&study), picture, stability_text(&study)];
+            FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
+        })?;
     }
     print(&if args.json { stability_json(&study) } else { stability_text(&study) })?;
     Ok(Status::Done)

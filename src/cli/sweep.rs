@@ -10,6 +10,7 @@ use super::interrupt::Interrupt;
 use super::output::{complain, print};
 use super::progress::Count;
 use super::sweep_store::{Found, Store, open};
+use super::volume_args::threads_or_all;
 use super::{Failure, Status};
 use crate::report::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
 use crate::study::sweep::{self, Ran, Row, Study, StudyError, Summary, run_while, summary};
@@ -50,11 +51,11 @@ pub struct SweepArgs {
     check: bool,
 
     /// Threads, 0 for one on each core
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads_or_all)]
     threads: usize,
 
     /// Make only the first N runs; more can be added later
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = runs)]
     limit: Option<u64>,
 
     /// Begin anew, whatever is there of an earlier sweep
@@ -162,6 +163,11 @@ fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWo
         ))),
         false => Ok(Status::Done),
     }
+}
+
+fn runs(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|runs| *runs > 0);
+    number.ok_or("expected a number of runs from 1; leave it out for all".to_string())
 }
 
 /// Whether a sweep found nothing but refusals and failures.

@@ -74,6 +74,7 @@ pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found
         return Ok(Found::Complete(table));
     }
     let partial = with_suffix(out, ".partial.csv");
+    refuse_foreign(study, out, &partial)?;
     let file = claim(out, &partial)?;
     let mut store = Store { out: out.to_path_buf(), partial, file, columns: columns(study), rows: Vec::new() };
     let begun = store.resume(study, restart)?;
@@ -90,8 +91,7 @@ pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found
         None if out.exists() && !begun => {
             let _ = fs::remove_file(&store.partial);
             return Err(Failure::bad_input(format!(
-                "{} is there already, and not as a sweep of this study left it; give another --out, or replace it with \
-                 --restart",
+                "{} has the results of another study, model or version; give another --out, or replace it with --restart",
                 out.display()
             )));
         }
@@ -197,17 +197,46 @@ fn head(study: &Study, columns: &[Column]) -> String {
     format!("{MAGIC} {} of {}, unfinished\n{}", study.fingerprint(), study.runs(), table::line(&names))
 }
 
+/// Refuses to replace, also for `--restart`, what no sweep has written, and what has been changed since.
+fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), Failure> {
+    let beside_name = beside_name(out);
+    let beside = fs::read(&beside_name).ok().map(|bytes| serde_json::from_slice::<Beside>(&bytes));
+    let refused = |path: &Path, whose: &str| {
+        Err(Failure::bad_input(format!(
+            "{} is there already, and not as a sweep {whose}left it, so it is left alone; give another --out, or delete it \
+             first",
+            path.display()
+        )))
+    };
+    if matches!(beside, Some(Err(_))) {
+        return refused(&beside_name, "");
+    }
+    if !fs::metadata(out).is_ok_and(|found| found.is_file() && found.len() > 0) {
+        return Ok(());
+    }
+    let crc = fs::read(out).ok().map(|bytes| crc(&bytes));
+    let left = matches!(&beside, Some(Ok(beside)) if Some(&beside.results) == crc.as_ref());
+    // A sweep that was killed between its last two files has left the rows too.
+    let killed = || partial.exists() && rows(study, out).is_some();
+    if left || killed() { Ok(()) } else { refused(out, "of this study ") }
+}
+
+/// A table that has the columns of a study.
+fn rows(study: &Study, out: &Path) -> Option<Table> {
+    let table = match table::format(out).ok()? {
+        table::Format::Csv => table::read_csv(out, &columns(study)).ok()?,
+        table::Format::Parquet => table::read(out).ok()?,
+    };
+    (table.columns == columns(study)).then_some(table)
+}
+
 /// Results that a sweep of this study has written and nobody has touched since.
 fn finished(study: &Study, out: &Path) -> Option<Table> {
     let beside: Beside = serde_json::from_slice(&fs::read(beside_name(out)).ok()?).ok()?;
     if beside.fingerprint != study.fingerprint() || beside.results != crc(&fs::read(out).ok()?) {
         return None;
     }
-    let table = match table::format(out).ok()? {
-        table::Format::Csv => table::read_csv(out, &columns(study)).ok()?,
-        table::Format::Parquet => table::read(out).ok()?,
-    };
-    (table.columns == columns(study)).then_some(table)
+    rows(study, out)
 }
 
 /// Opens the file that grows and locks it, so that no two sweeps write one.

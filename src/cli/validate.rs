@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::progress::Count;
-use super::validate_files::{directory, write};
+use super::validate_files::{FILES, write};
 use super::{Failure, Status, validate_bodies};
 use crate::integrator;
+use crate::limits::MOST_VALIDATED_SAMPLES;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
 use crate::scene::{self, AnyScene, Scene};
 use crate::trace::{Model, RunError};
@@ -50,20 +52,33 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
 }
 
 fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let found = watched(scene, args, &interrupt, incomplete)?;
     let mut report = ValidationReport::new(scene, &found, args.quick);
-    if let Some(out) = &args.out {
-        write(out, &args.scene, scene, &found, &mut report, &interrupt)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
     print(&match args.json {
         true => validation_json(&report),
         false => validation_text(&report),
     })?;
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
+}
+
+/// Refuses what would not fit into memory: runs are held whole to be compared.
+fn refuse_too_fine<S: Subject>(scene: &S) -> Result<(), Failure> {
+    let samples = scene.numeric_hz() * scene.duration_s();
+    if samples <= MOST_VALIDATED_SAMPLES {
+        return Ok(());
+    }
+    Err(Failure::bad_input(format!(
+        "the scene asks for {samples:.0} samples of a run ({:e} Hz over {} s), and a validation, which holds several runs in \
+         memory, takes {MOST_VALIDATED_SAMPLES:e}; lower numeric_rate in [log] to {:e} Hz, or shorten the run",
+        scene.numeric_hz(),
+        scene.duration_s(),
+        (MOST_VALIDATED_SAMPLES / scene.duration_s()).floor()
+    )))
 }
 
 /// The validation itself, its progress shown; it ends at a signal.
@@ -73,6 +88,7 @@ pub(super) fn watched<S: Subject>(
     interrupt: &Interrupt,
     incomplete: impl FnOnce(StudyError<S::Error>) -> Failure,
 ) -> Result<Validation<S>, Failure> {
+    refuse_too_fine(scene)?;
     let mut count = Count::new();
     let mut reached = (0, 0);
     let mut tell = |Progress { done, total, next }: Progress| {

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::print;
 use super::run::{info, unstarted};
 use super::simulate::{self, Checking, Limits};
 use super::validate::{ValidateArgs, stopped, watched};
-use super::validate_files::{PAGE, directory, finished, pictures, save, show, table};
+use super::validate_files::{PAGE, finished, pictures, save, show, table};
 use super::{Failure, Status};
 use crate::log;
 use crate::page::{Film, Reel};
@@ -26,14 +27,12 @@ const FILES: [&str; 8] =
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs, scene: &BodiesScene) -> Result<Status, Failure> {
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let found = watched(scene, args, &interrupt, incomplete)?;
     let mut report = BodiesValidationReport::new(scene, &found, args.quick);
-    if let Some(out) = &args.out {
-        write(out, &args.scene, scene, &found, &mut report, &interrupt)?;
+    if let Some(folder) = folder {
+        folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
     print(&match args.json {
         true => bodies_validation_json(&report),
@@ -51,7 +50,7 @@ fn incomplete(error: StudyError<BodiesRunError>) -> Failure {
 
 fn write(
     out: &Path,
-    scene_file: &Path,
+    args: &ValidateArgs,
     scene: &BodiesScene,
     found: &Validation<BodiesScene>,
     report: &mut BodiesValidationReport,
@@ -67,12 +66,12 @@ fn write(
     table(&out.join("series.csv"), |mut file| bodies_series(&mut file, scene, [&found.reference, &found.engine]))?;
     let reference = scene.with_integrator(scene.integrator.with_preset(Preset::Reference));
     let runs = vec![
-        record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?,
-        record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
+        record(Model::Analytic, &reference, &args.scene, &out.join("analytic.mcap"), interrupt)?,
+        record(Model::Engine, scene, &args.scene, &out.join("engine.mcap"), interrupt)?,
     ];
 
     show(out, &scene.name, &scene.description, runs, &bodies_validation_text(report), pictures)?;
-    report.directory = Some(out.display().to_string());
+    report.directory = args.out.as_ref().map(|out| out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
     save(&out.join("report.txt"), &bodies_validation_text(report))?;
     save(&out.join("report.json"), &bodies_validation_json(report))

@@ -9,7 +9,8 @@ use super::Failure;
 use super::interrupt::Interrupt;
 use super::run::{info, unstarted};
 use super::simulate::{self, Broken, Checking, Limits};
-use crate::files::{probe, replace};
+use super::validate::ValidateArgs;
+use crate::files::replace;
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
@@ -25,7 +26,7 @@ const REPORT: &str = "report.txt";
 pub(super) const PAGE: &str = "page.html";
 
 /// Everything that is in the directory in the end.
-const FILES: [&str; 9] = [
+pub(super) const FILES: [&str; 9] = [
     REPORT,
     "report.json",
     PAGE,
@@ -37,30 +38,10 @@ const FILES: [&str; 9] = [
     "engine.mcap",
 ];
 
-/// Makes the directory and tries to write there, before anything is simulated.
-pub fn directory(out: &Path) -> Result<(), Failure> {
-    if out.exists() && !out.is_dir() {
-        return Err(Failure::bad_input(format!(
-            "cannot write the results to {}: that is a file; remove it first or give another directory",
-            out.display()
-        )));
-    }
-    fs::create_dir_all(out).map_err(|error| {
-        Failure::bad_input(format!(
-            "cannot make the directory {}: {error}; give one where you may write",
-            out.display()
-        ))
-    })?;
-    probe(&out.join(REPORT)).map_err(|error| {
-        let path = out.join(REPORT);
-        Failure::bad_input(format!("cannot write {}: {error}; give a directory where you may write", path.display()))
-    })
-}
-
-/// Writes everything and says in the report what was written.
+/// Writes everything, and says in the report where it is to be in the end.
 pub fn write(
     out: &Path,
-    scene_file: &Path,
+    args: &ValidateArgs,
     scene: &Scene,
     found: &Validation,
     report: &mut ValidationReport,
@@ -80,13 +61,13 @@ pub fn write(
     })?;
     let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
     let runs = vec![
-        record(Model::Analytic, &reference, scene_file, &out.join("analytic.mcap"), interrupt)?,
-        record(Model::Engine, scene, scene_file, &out.join("engine.mcap"), interrupt)?,
+        record(Model::Analytic, &reference, &args.scene, &out.join("analytic.mcap"), interrupt)?,
+        record(Model::Engine, scene, &args.scene, &out.join("engine.mcap"), interrupt)?,
     ];
 
     // A page is given to others: it does not say where it was made.
     show(out, name, &scene.description, runs, &validation_text(report), pictures)?;
-    report.directory = Some(out.display().to_string());
+    report.directory = args.out.as_ref().map(|out| out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
     save(&out.join(REPORT), &validation_text(report))?;
     save(&out.join("report.json"), &validation_json(report))

@@ -5,19 +5,21 @@ use std::time::Instant;
 
 use clap::Args;
 
+use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{complain, print};
 use super::progress::Count;
-use super::validate_files::directory;
 use super::volume_args::{
     DataArg, Limits, List, Resolution, angle_limits, bases, fraction_limits, frictions, ratio_limits, resolution,
     threads,
 };
-use super::{Failure, Status, volume_files};
-use crate::report::{Effort, VolumeReport, volume_json, volume_text};
+use super::volume_files::{FILES, write};
+use super::{Failure, Status};
+use crate::report::{Effort, ShareReport, VolumeReport, volume_json, volume_text};
 use crate::scene::{self, Template};
 use crate::sizing::Rule;
 use crate::study::volume::{Axes, Quantity, VolumeError, VolumeRequest, all_cores, volumes_with};
+use crate::units::{self, Dimension};
 
 /// Map which designs hold the object: grasp-state volumes over l21, phi22 and the arm ratio.
 ///
@@ -102,9 +104,7 @@ pub struct VolumeArgs {
 /// Runs the command.
 pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = request(args)?;
-    if let Some(out) = &args.out {
-        directory(out)?;
-    }
+    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let threads = args.threads.unwrap_or_else(all_cores);
     let mut count = Count::new();
@@ -122,12 +122,34 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     })?;
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
-    if let Some(out) = &args.out {
-        volume_files::write(out, &request, &volumes, &args.colour_by, args.data, &mut report)?;
+    refuse_nothing(&report)?;
+    if let (Some(out), Some(folder)) = (&args.out, folder) {
+        report.directory = Some(out.display().to_string());
+        folder.fill(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report, &interrupt))?;
     }
     report.effort = Some(Effort { wall_s, threads });
     print(&if args.json { volume_json(&report) } else { volume_text(&report) })?;
     Ok(Status::Done)
+}
+
+/// Where not one design exists there is nothing to tabulate; where none does at one base of several, that is said.
+fn refuse_nothing(report: &VolumeReport) -> Result<(), Failure> {
+    let empty: Vec<_> = report.volumes.iter().filter(|volume| volume.fingers == 0).collect();
+    let why = |volume: &ShareReport| {
+        let reason = volume.no_finger.first().map_or("", |told| told.reason.as_str());
+        format!("no design exists at a base of {}: {reason}", units::format(volume.base_m, Dimension::Length))
+    };
+    let mut told: Vec<String> = empty.iter().map(|volume| why(volume)).collect();
+    // Fingers exist or not whatever the friction.
+    told.dedup();
+    if empty.len() == report.volumes.len() {
+        let told = told.join("\n");
+        return Err(Failure::bad_input(format!(
+            "{told}; give another --base, or other limits of --l21, --phi22, --arm-ratio"
+        )));
+    }
+    told.iter().for_each(|told| complain(&format!("warning: {told}; its shares are 0")));
+    Ok(())
 }
 
 /// What is asked for.

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
+use crate::limits::MOST_THREADS;
 use crate::study::volume::Quantity;
 use crate::units::{self, Dimension};
 
@@ -101,10 +102,13 @@ pub fn ratio_limits(text: &str) -> Result<Limits, String> {
 
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(threads) if (1..=1024).contains(&threads) => Ok(threads),
-        _ => Err("expected a number of threads from 1 to 1024; leave it out for all cores".to_string()),
-    }
+    let number = text.parse().ok().filter(|threads| (1..=MOST_THREADS).contains(threads));
+    number.ok_or_else(|| format!("expected a number of threads from 1 to {MOST_THREADS}; leave it out for all cores"))
+}
+
+/// A number of threads, where 0 stands for all cores.
+pub fn threads_or_all(text: &str) -> Result<usize, String> {
+    if text == "0" { Ok(0) } else { threads(text) }
 }
 
 fn number(text: &str) -> Option<f64> {

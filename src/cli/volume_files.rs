@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
+use super::interrupt::Interrupt;
 use super::validate_files::{broken, save};
 use super::volume_args::DataArg;
 use crate::page::{Note, VolumePage, volume_page};
@@ -14,6 +15,9 @@ use crate::table;
 /// The volumes in three dimensions.
 const PAGE: &str = "page.html";
 
+/// Files of every volume; slices have the names of theirs.
+pub const FILES: [&str; 5] = ["table.txt", "table.json", "points.csv", "points.parquet", PAGE];
+
 /// Writes everything, and says in the report what was written; the table that says so comes last.
 pub fn write(
     out: &Path,
@@ -22,9 +26,11 @@ pub fn write(
     quantities: &[Quantity],
     data: DataArg,
     report: &mut VolumeReport,
+    interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let mut files = Vec::new();
     let mut keep = |file: String, drawn: Result<String, DrawError>| {
+        interrupt.check()?;
         let path = out.join(&file);
         let text = drawn.map_err(|error| broken(&path, error))?;
         files.push(file);
@@ -47,20 +53,24 @@ pub fn write(
         DataArg::Csv => "points.csv",
         DataArg::Parquet => "points.parquet",
     };
-    table::write(&out.join(points), &volume_points(volumes)).map_err(Failure::incomplete)?;
+    interrupt.check()?;
+    let table = volume_points(volumes);
+    interrupt.check()?;
+    table::write(&out.join(points), &table).map_err(Failure::incomplete)?;
+    interrupt.check()?;
     files.insert(0, points.to_string());
     let path = out.join(PAGE);
     // A page is given to others: it does not say where it was made.
+    let nowhere = VolumeReport { directory: None, ..report.clone() };
     let page = VolumePage {
         title: format!("Grasp-state volumes: {}", request.template.name),
         description: description(report),
         volumes,
-        notes: vec![Note { title: "Shares".to_string(), text: volume_text(report) }],
+        notes: vec![Note { title: "Shares".to_string(), text: volume_text(&nowhere) }],
         pictures: Vec::new(),
     };
     save(&path, &volume_page(&page))?;
     files.insert(0, PAGE.to_string());
-    report.directory = Some(out.display().to_string());
     report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
     save(&out.join("table.json"), &volume_json(report))?;
     save(&out.join("table.txt"), &volume_text(report))

@@ -18,6 +18,9 @@ pub mod integration {}
 #[doc = include_str!("laws.md")]
 pub mod laws {}
 
+#[doc = include_str!("limits.md")]
+pub mod limits {}
+
 #[doc = include_str!("robustness.md")]
 pub mod robustness {}
 

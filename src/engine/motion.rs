@@ -114,10 +114,15 @@ impl<'a> Motion<'a> {
 
     /// One step of rapier, with everything that acts in it.
     pub fn advance(&mut self, dt: f64) -> Result<(), StepError> {
+        self.advance_while(dt, &|| true)
+    }
+
+    /// The same, unless it may not `go_on`; then the motion is of no more use.
+    pub fn advance_while(&mut self, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), StepError> {
         self.aim(dt);
         let Self { world, plan, linkage, .. } = self;
         self.space.assemble(world, plan, linkage, &self.touches, &self.velocities, &self.step_accelerations, dt);
-        self.contact.solve(&self.space, dt)?;
+        self.contact.solve_while(&self.space, dt, go_on)?;
         self.contact_work_j += self.contact.work;
         self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
 

@@ -160,11 +160,18 @@ pub enum Unsolved {
     NotConverged { residual: f64, h_s: f64 },
     #[error("contact needs more than {MAX_SUBSTEPS} sub-steps within one step of {dt_s:.1e} s: take smaller steps")]
     Budget { dt_s: f64 },
+    #[error("the contact solve was told to stop")]
+    Stopped,
 }
 
 impl Contact {
     /// Integrates contact over `dt`.
     pub fn solve(&mut self, space: &Space, dt: f64) -> Result<(), Unsolved> {
+        self.solve_while(space, dt, &|| true)
+    }
+
+    /// The same for as long as it may `go_on`: a step of many contacts can take minutes.
+    pub fn solve_while(&mut self, space: &Space, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), Unsolved> {
         self.begin(space);
         let (mut now, mut h) = (0.0, dt);
         let tolerance = self.tolerance.within(dt);
@@ -215,6 +222,9 @@ impl Contact {
             }
             if self.substeps > MAX_SUBSTEPS {
                 return Err(Unsolved::Budget { dt_s: dt });
+            }
+            if !go_on() {
+                return Err(Unsolved::Stopped);
             }
         }
         let buffers = &self.buffers;

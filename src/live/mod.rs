@@ -7,8 +7,12 @@
 //! **Late clients.** Who subscribes to a channel gets its latest message first, whatever its age, so the shapes and the state
 //! are there from the beginning, and after the end of the run.
 //!
+//! **Who may watch.** Programs, the Foxglove app, and web pages that this machine serves itself. Other pages, which a browser
+//! names in the header `Origin`, are refused.
+//!
 //! **Time.** Messages carry the time of the simulation, from 0, and the server announces that time between them.
 
+mod gate;
 mod pace;
 mod server;
 

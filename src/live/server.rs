@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -12,6 +13,7 @@ use foxglove::{
     WebSocketServerHandle,
 };
 
+use super::gate::Gate;
 use super::pace::Pace;
 use crate::log::Feed;
 
@@ -56,6 +58,8 @@ pub enum LiveError {
     Bind { address: String, reason: String },
     #[error("the server did not start: {0}")]
     Runtime(FoxgloveError),
+    #[error("the server did not start: {0}")]
+    Gate(io::Error),
 }
 
 /// A server that has started, and serves until [`Server::finish`] or the end of the process.
@@ -65,6 +69,7 @@ pub struct Server {
     watched: Arc<Watched>,
     context: Arc<Context>,
     address: String,
+    _gate: Gate,
 }
 
 /// What the simulation and the server's own threads share.
@@ -127,28 +132,32 @@ fn at(log_time_ns: u64) -> PartialMetadata {
 }
 
 impl Server {
-    /// Listens on `ADDRESS:PORT`; clients see `name`.
+    /// Listens on `ADDRESS:PORT`; clients see `name`. Web pages of `origins` may watch besides those that always may.
     ///
     /// # Errors
     /// [`LiveError`] with the address, the reason and the way out.
-    pub fn start(address: &str, name: &str) -> Result<Self, LiveError> {
+    pub fn start(address: &str, name: &str, origins: &[String]) -> Result<Self, LiveError> {
         let (host, port) = address.rsplit_once(':').ok_or_else(|| LiveError::Address(address.to_string()))?;
         let port: u16 = port.parse().map_err(|_| LiveError::Address(address.to_string()))?;
         if host.is_empty() {
             return Err(LiveError::Address(address.to_string()));
         }
+        let listener = TcpListener::bind(address).map_err(|error| refused(address, host, port, &error))?;
         let (context, watched) = (Context::new(), Arc::new(Watched::default()));
+        let hidden = hidden_address();
         let handle = WebSocketServer::new()
             .name(name)
             .context(&context)
-            .bind(host, port)
+            .bind(hidden.to_string(), 0)
             .capabilities([Capability::Time])
             .message_backlog_size(BACKLOG_MESSAGES)
             .listener(Arc::clone(&watched) as Arc<dyn ServerListener>)
             .start_blocking()
-            .map_err(|error| refused(address, host, port, error))?;
-        let address = format!("{host}:{}", handle.port());
-        Ok(Server { handle: Arc::new(handle), watched, context, address })
+            .map_err(LiveError::Runtime)?;
+        let port = listener.local_addr().map_err(LiveError::Gate)?.port();
+        let inner = SocketAddr::from((hidden, handle.port()));
+        let gate = Gate::open(listener, inner, origins.to_vec()).map_err(LiveError::Gate)?;
+        Ok(Server { handle: Arc::new(handle), watched, context, address: format!("{host}:{port}"), _gate: gate })
     }
 
     /// Where clients find it: `ws://ADDRESS:PORT`.
@@ -214,17 +223,25 @@ impl Server {
 }
 
 /// Why an address is of no use, in words that help.
-fn refused(address: &str, host: &str, port: u16, error: FoxgloveError) -> LiveError {
+fn refused(address: &str, host: &str, port: u16, error: &io::Error) -> LiveError {
     let address = address.to_string();
-    match error {
-        FoxgloveError::Bind(error) if error.kind() == io::ErrorKind::AddrInUse => {
+    match error.kind() {
+        io::ErrorKind::AddrInUse => {
             LiveError::InUse { address, other: format!("{host}:{}", port.checked_add(1).unwrap_or(0)) }
         }
-        FoxgloveError::Bind(error) if error.kind() == io::ErrorKind::PermissionDenied => {
-            LiveError::Forbidden { address }
-        }
-        FoxgloveError::Bind(error) => LiveError::Bind { address, reason: error.to_string() },
-        other => LiveError::Runtime(other),
+        io::ErrorKind::PermissionDenied => LiveError::Forbidden { address },
+        _ => LiveError::Bind { address, reason: error.to_string() },
+    }
+}
+
+/// An address of this machine alone that no web page can guess: any that begins with 127, where the system has them all.
+fn hidden_address() -> Ipv4Addr {
+    use std::hash::{BuildHasher, RandomState};
+    let [a, b, c, ..] = RandomState::new().hash_one(std::process::id()).to_ne_bytes();
+    let address = Ipv4Addr::new(127, a, b, c.clamp(1, 254));
+    match TcpListener::bind((address, 0)) {
+        Ok(_) => address,
+        Err(_) => Ipv4Addr::LOCALHOST,
     }
 }
 

@@ -13,8 +13,13 @@ use fs4::TryLockError;
 
 use super::beside::FileWriter;
 use super::core::Feed;
-use super::metadata::{Logged, RunInfo};
+use super::metadata::{Logged, METADATA_NAME, RunInfo};
 use crate::trace::SinkError;
+
+/// As much of a log as says whose it is.
+const HEAD_BYTES: u64 = 4096;
+/// The magic bytes and the header, before anything of ours.
+const BARE_BYTES: usize = 64;
 
 /// Why a log could not be started.
 #[derive(Debug, thiserror::Error)]
@@ -27,7 +32,7 @@ pub enum LogError {
     #[error("cannot write the log {path}: that is a directory; give the name of a file in it, such as {suggestion}")]
     IsDirectory { path: PathBuf, suggestion: PathBuf },
     #[error(
-        "cannot write the log {path}: {taken} exists and is not an MCAP log, so it is left alone; remove it first or give \
+        "cannot write the log {path}: {taken} exists and is not an MCAP log that phalanx wrote, so it is left alone; remove it first or give \
          another path"
     )]
     NotALog { path: PathBuf, taken: PathBuf },
@@ -193,10 +198,18 @@ pub fn refuse_other_files(path: &Path, taken: &Path) -> Result<(), LogError> {
         Ok(_) => {}
         Err(_) => return Ok(()),
     }
-    let mut head = Vec::with_capacity(mcap::MAGIC.len());
+    let mut head = Vec::new();
     let file = File::open(taken).map_err(failed)?;
-    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut head).map_err(failed)?;
-    if mcap::MAGIC.starts_with(&head) { Ok(()) } else { Err(other) }
+    file.take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
+    if is_own(&head) { Ok(()) } else { Err(other) }
+}
+
+/// Whether a file begins as our logs do: with our name in the record that comes first. One that ends before that is empty but for
+/// what every such file begins with.
+fn is_own(head: &[u8]) -> bool {
+    let begins = head.starts_with(mcap::MAGIC) || mcap::MAGIC.starts_with(head);
+    let named = head.windows(METADATA_NAME.len()).any(|part| part == METADATA_NAME.as_bytes());
+    begins && (named || head.len() <= BARE_BYTES)
 }
 
 /// Opens the partial file and locks it, so that it belongs to this run alone.

@@ -87,8 +87,8 @@ pub(crate) fn escaped(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            // HTML knows no such character, and a parser would put something else there.
-            '\0' => out.push('\u{fffd}'),
+            // HTML knows no such characters, and parsers differ in what they put there.
+            c if c.is_control() && !matches!(c, '\n' | '\t') => out.push('\u{fffd}'),
             other => out.push(other),
         }
     }
@@ -97,7 +97,16 @@ pub(crate) fn escaped(text: &str) -> String {
 
 /// JSON within a script element: nothing in it may look like the end of the element or the start of a comment.
 pub(super) fn in_script(json: &str) -> String {
-    json.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '<' | '>' | '&' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            // JSON takes those above 127 as they are.
+            c if c.is_control() => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            other => out.push(other),
+        }
+    }
+    out
 }
 
 fn description(text: &str) -> String {

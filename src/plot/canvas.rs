@@ -68,6 +68,9 @@ pub enum Mark {
     },
 }
 
+/// Every picture has it at its beginning.
+pub const PICTURE_MARK: &str = "<!-- phalanx -->";
+
 /// One line of a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
@@ -91,7 +94,16 @@ pub fn picture(height: u32, draw: impl FnOnce(&Area) -> Result<(), DrawError>) -
         draw(&area)?;
         area.present()?;
     }
-    Ok(with_dark(&text))
+    Ok(finished(&with_dark(&text)))
+}
+
+/// Says in the picture whose it is, behind the tag that opens it. XML has no place for control characters, not even escaped.
+fn finished(svg: &str) -> String {
+    let svg = svg.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\t'), "\u{fffd}");
+    match svg.split_once('>') {
+        Some((tag, rest)) => format!("{tag}>\n{PICTURE_MARK}{rest}"),
+        None => svg,
+    }
 }
 
 /// The title of a picture; what is left of the area below it.

@@ -39,7 +39,7 @@ mod step_size;
 mod volume;
 
 pub use bodies::{bodies_overlay, bodies_overlay_of};
-pub use canvas::DrawError;
+pub use canvas::{DrawError, PICTURE_MARK};
 pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
 pub use grasp::grasp;

@@ -31,14 +31,15 @@ pub use quantity::Quantity;
 pub use replay::{
     AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
     GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
-    against_text, csv_discs, csv_finger, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
+    against_text, csv_discs, csv_finger, is_samples, recovery_json, recovery_text, replay_json, replay_text,
+    side_by_side,
 };
 pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
 };
 pub use select::{
     ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, condition_name,
-    criterion_key, criterion_name, percent_of, ranking_table, selection_json, selection_text,
+    criterion_key, criterion_name, is_ranking, percent_of, ranking_table, selection_json, selection_text,
 };
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};

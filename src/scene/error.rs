@@ -3,6 +3,8 @@
 use std::fmt::{self, Write};
 use std::ops::Range;
 
+use crate::limits::{MOST_PROBLEMS, SHOWN_PROBLEMS};
+
 /// One thing wrong with a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
@@ -21,6 +23,8 @@ pub struct Problem {
 pub enum SceneError {
     /// The file cannot be read.
     Read { file: String, reason: String },
+    /// The file is a log of a run.
+    Log { file: String },
     /// The file is not text.
     NotUtf8 { file: String, line: usize, column: usize },
     /// The file was read, but is no scene. Problems are in the order of the file.
@@ -43,22 +47,34 @@ impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             SceneError::Read { file, reason } => write!(f, "error: cannot read scene `{file}`: {reason}"),
+            SceneError::Log { file } => write!(
+                f,
+                "error: {file} is the log of a run (MCAP), not a scene\n  = help: phalanx replay {file} shows what is in it; \
+                 the scene it was made from is a TOML file"
+            ),
             SceneError::NotUtf8 { file, line, column } => write!(
                 f,
                 "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene \
                  is a TOML file"
             ),
             SceneError::Invalid { file, text, problems } => {
-                for (index, problem) in problems.iter().enumerate() {
+                for (index, problem) in problems.iter().take(SHOWN_PROBLEMS).enumerate() {
                     if index > 0 {
                         f.write_str("\n\n")?;
                     }
                     f.write_str(&render(file, text, problem))?;
                 }
-                if problems.len() > 1 {
-                    write!(f, "\n\n{file}: {} problems", problems.len())?;
+                let or_more = if problems.len() < MOST_PROBLEMS { "" } else { " or more" };
+                match problems.len() {
+                    0 | 1 => Ok(()),
+                    count if count > SHOWN_PROBLEMS => {
+                        write!(
+                            f,
+                            "\n\n{file}: {count} problems{or_more}, of which these are the first {SHOWN_PROBLEMS}"
+                        )
+                    }
+                    count => write!(f, "\n\n{file}: {count} problems"),
                 }
-                Ok(())
             }
         }
     }

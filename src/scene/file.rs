@@ -1,6 +1,6 @@
 //! From a file to a scene.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use serde::Deserialize;
@@ -15,6 +15,8 @@ use super::schema::schema_of;
 use super::suggest::nearest;
 use super::words::SceneKind;
 use super::{AnyScene, Scene, Template, keys, resolve};
+use crate::files::read_at_most;
+use crate::limits::LARGEST_SCENE_BYTES;
 
 /// Reads, checks and resolves the scene file of a finger.
 ///
@@ -81,11 +83,15 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
     if path.is_dir() {
         return Err(read("it is a directory; name a scene file (.toml) in it"));
     }
-    let bytes = std::fs::read(path).map_err(|e| match e.kind() {
+    let unreadable = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => read("there is no such file; check the path"),
         ErrorKind::PermissionDenied => read("permission denied"),
         _ => read(&e.to_string()),
-    })?;
+    };
+    if is_log(path).map_err(unreadable)? {
+        return Err(SceneError::Log { file });
+    }
+    let bytes = read_at_most(path, LARGEST_SCENE_BYTES).map_err(unreadable)?.ok_or_else(|| read(&too_large()))?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&e.as_bytes()[..valid]);
@@ -93,6 +99,22 @@ pub(crate) fn read(path: &Path) -> Result<(String, String), SceneError> {
         SceneError::NotUtf8 { file: file.clone(), line, column }
     })?;
     Ok((text, file))
+}
+
+/// Whether a file begins as logs do. What cannot be read twice, such as a pipe, is none.
+fn is_log(path: &Path) -> std::io::Result<bool> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Ok(false);
+    }
+    let mut head = Vec::new();
+    std::fs::File::open(path)?.take(mcap::MAGIC.len() as u64).read_to_end(&mut head)?;
+    Ok(head == mcap::MAGIC)
+}
+
+/// Why a file is not read to its end.
+pub(crate) fn too_large() -> String {
+    let most = LARGEST_SCENE_BYTES >> 20;
+    format!("it is larger than {most} MiB, and no file that somebody wrote by hand is; check the path")
 }
 
 fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {

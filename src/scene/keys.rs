@@ -7,6 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::Problem;
 use super::suggest::nearest;
+use crate::limits::MOST_PROBLEMS;
 
 /// What a scene may say, and what one of the other kind may.
 pub struct Allowed<'a> {
@@ -33,6 +34,10 @@ fn walk(
     problems: &mut Vec<Problem>,
 ) {
     for (key, mut value) in std::mem::take(table) {
+        // Nobody mends a thousand at once, and each is searched for in all that may be there.
+        if problems.len() >= MOST_PROBLEMS {
+            return;
+        }
         let name = key.get_ref().as_ref();
         let here = join(path, name);
         let foreign = foreign.and_then(|table| child(table, name));

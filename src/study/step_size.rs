@@ -134,17 +134,38 @@ impl BodiesSink for Curve {
     }
 }
 
-/// Runs the study; `show` hears how many of how many runs are done.
+/// A sink that ends its run when it may not go on.
+struct While<'a, S> {
+    sink: S,
+    go_on: &'a dyn Fn() -> bool,
+}
+
+impl<S: BodiesSink> BodiesSink for While<'_, S> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.sink.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        (self.go_on)()
+    }
+}
+
+/// Runs the study for as long as it may `go_on`; `show` hears how many of how many runs are done.
 pub fn step_size(
     scene: &BodiesScene,
     quick: bool,
     show: &mut dyn FnMut(usize, usize, &str),
+    go_on: &dyn Fn() -> bool,
 ) -> Result<StepSize, StudyError> {
     let mut fine = scene.clone();
     fine.integrator = scene.integrator.with_preset(Preset::Reference);
     fine.log.numeric_hz = GRID / scene.duration_s;
-    let pair = hit(&fine)?;
-    let (reference, peak_n, _) = simulate(Model::Analytic, &fine, pair)?;
+    let pair = hit(&fine, go_on)?;
+    let (reference, peak_n, _) = simulate(Model::Analytic, &fine, pair, go_on)?;
     let (Some(touch), Some(lift)) = (reference.touch_s, reference.lift_s) else { return Err(StudyError::NoImpact) };
     let restitution = reference.rate_after_m_s / reference.approach_m_s;
     let fractions = &FRACTIONS[..if quick { QUICK_FRACTIONS } else { FRACTIONS.len() }];
@@ -160,14 +181,14 @@ pub fn step_size(
             let tried = with_setting(scene, formulation, *setting, restitution);
             let model = if formulation == Formulation::Analytic { Model::Analytic } else { Model::Engine };
             let start = Instant::now();
-            let (at_steps, _, steps) = simulate(model, &tried, pair)?;
+            let (at_steps, _, steps) = simulate(model, &tried, pair, go_on)?;
             let wall_s = start.elapsed().as_secs_f64();
             // The analytic model's curve is its dense output: not part of the time.
             let mut logged = tried;
             if model == Model::Analytic {
                 logged.log.numeric_hz = fine.log.numeric_hz;
             }
-            let (curve, peak, _) = simulate(model, &logged, pair)?;
+            let (curve, peak, _) = simulate(model, &logged, pair, go_on)?;
             let held = formulation == Formulation::EngineRapier;
             let margin = 0.25 * (lift - touch);
             let (rms, max) = curve_errors(&curve, &reference, [touch - margin, lift + margin], held);
@@ -207,17 +228,23 @@ pub fn step_size(
 }
 
 /// The pair with the largest force.
-fn hit(scene: &BodiesScene) -> Result<usize, StudyError> {
-    let outcome = run_bodies(Model::Analytic, scene, &mut ()).map_err(|error| stopped(Model::Analytic, error))?;
+fn hit(scene: &BodiesScene, go_on: &dyn Fn() -> bool) -> Result<usize, StudyError> {
+    let outcome = run_bodies(Model::Analytic, scene, &mut While { sink: (), go_on })
+        .map_err(|error| stopped(Model::Analytic, error))?;
     let touched = outcome.pairs.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
     let hardest = touched.max_by(|a, b| a.1.peak_normal_n.total_cmp(&b.1.peak_normal_n));
     hardest.map(|(pair, _)| pair).ok_or(StudyError::NoImpact)
 }
 
-fn simulate(model: Model, scene: &BodiesScene, pair: usize) -> Result<(Curve, f64, u64), StudyError> {
-    let mut curve = Curve { pair, ..Curve::default() };
+fn simulate(
+    model: Model,
+    scene: &BodiesScene,
+    pair: usize,
+    go_on: &dyn Fn() -> bool,
+) -> Result<(Curve, f64, u64), StudyError> {
+    let mut curve = While { sink: Curve { pair, ..Curve::default() }, go_on };
     let outcome = run_bodies(model, scene, &mut curve).map_err(|error| stopped(model, error))?;
-    Ok((curve, outcome.pairs[pair].peak_normal_n, outcome.work.steps))
+    Ok((curve.sink, outcome.pairs[pair].peak_normal_n, outcome.work.steps))
 }
 
 fn stopped(model: Model, error: BodiesRunError) -> StudyError {

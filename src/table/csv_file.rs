@@ -1,5 +1,6 @@
 //! Tables as CSV: commas, one line a row, the names of the columns in the first one.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -7,6 +8,8 @@ use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Terminator, Writer, Wr
 
 use super::value::{self, kind_of};
 use super::{Column, Kind, Origin, Table, TableError, Value};
+use crate::files::read_at_most;
+use crate::limits::LARGEST_TABLE_BYTES;
 
 /// Reads a CSV file. `known` columns have the kind they say; that of the others is found, see [`super::read`].
 ///
@@ -18,10 +21,13 @@ pub fn read_csv(path: &Path, known: &[Column]) -> Result<Table, TableError> {
     if path.is_dir() {
         return Err(unreadable("it is a directory; name a file in it".to_string()));
     }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+    let bytes = read_at_most(path, LARGEST_TABLE_BYTES).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
         _ => unreadable(error.to_string()),
     })?;
+    let most = LARGEST_TABLE_BYTES >> 20;
+    let too_large = || unreadable(format!("it is larger than {most} MiB; take some of its rows, or of its columns"));
+    let bytes = bytes.ok_or_else(too_large)?;
     parse(&bytes, &file, known)
 }
 
@@ -52,7 +58,7 @@ pub(super) fn parse(bytes: &[u8], file: &str, known: &[Column]) -> Result<Table,
 
 fn names(reader: &mut Reader<&[u8]>, file: &str) -> Result<Vec<String>, TableError> {
     let header = reader.headers().map_err(|error| broken(&error, file))?;
-    let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
+    let names: Vec<String> = header.iter().map(|name| meant(name.trim()).to_string()).collect();
     let wrong = |reason: String| Err(TableError::Csv { file: file.to_string(), line: 1, reason });
     if let [only] = &names[..]
         && only.contains([';', '\t'])
@@ -133,9 +139,9 @@ fn broken(error: &csv::Error, file: &str) -> TableError {
 /// Writes the table as CSV.
 pub(super) fn write(out: &mut dyn Write, table: &Table) -> io::Result<()> {
     let mut writer = writer(out);
-    writer.write_record(table.columns.iter().map(|column| &column.name))?;
+    writer.write_record(table.columns.iter().map(|column| harmless(&column.name).into_owned()))?;
     for row in &table.rows {
-        writer.write_record(row.iter().map(Value::text))?;
+        writer.write_record(row.iter().map(cell))?;
     }
     writer.flush()
 }
@@ -144,11 +150,61 @@ pub(super) fn write(out: &mut dyn Write, table: &Table) -> io::Result<()> {
 pub fn line<'a>(values: impl IntoIterator<Item = &'a Value>) -> String {
     let mut writer = writer(Vec::new());
     // Memory takes everything.
-    let written = writer.write_record(values.into_iter().map(Value::text));
+    let written = writer.write_record(values.into_iter().map(cell));
     let bytes = written.ok().and_then(|()| writer.into_inner().ok()).unwrap_or_default();
     String::from_utf8(bytes).unwrap_or_default()
 }
 
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Text(text) => harmless(text).into_owned(),
+        other => other.text(),
+    }
+}
+
+/// Spreadsheets compute what begins with one of these.
+const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+
+/// A text that no spreadsheet takes for a formula, with an apostrophe before it; [`meant`] takes that away again.
+fn harmless(text: &str) -> Cow<'_, str> {
+    match text.starts_with(FORMULA) || is_kept(text) {
+        true => Cow::Owned(format!("'{text}")),
+        false => Cow::Borrowed(text),
+    }
+}
+
+/// The text of a cell.
+pub(super) fn meant(cell: &str) -> &str {
+    if is_kept(cell) { &cell[1..] } else { cell }
+}
+
+/// Whether an apostrophe stands before what has one for this reason.
+fn is_kept(cell: &str) -> bool {
+    cell.strip_prefix('\'').is_some_and(|rest| rest.starts_with(FORMULA) || rest.starts_with('\''))
+}
+
 fn writer<W: Write>(out: W) -> Writer<W> {
     WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_text_is_a_formula_and_every_text_comes_back() {
+        for text in ["=1+2", "+1", "-x", "@SUM(A1)", "\t=1", "'=1", "''", "''=a", "'tis", "'", "a=b", "", "µ"] {
+            let written = harmless(text);
+            assert!(!written.starts_with(FORMULA), "{text}");
+            assert_eq!(meant(&written), text);
+        }
+        let columns = vec![Column::new("=cmd()", Kind::Text), Column::new("x_m", Kind::Number)];
+        let rows = vec![vec![Value::from("=1+2"), Value::Number(-1.5)], vec![Value::from("-"), Value::Missing]];
+        let mut bytes = Vec::new();
+        write(&mut bytes, &Table::new(columns.clone(), rows.clone())).expect("memory takes everything");
+        assert_eq!(String::from_utf8_lossy(&bytes), "'=cmd(),x_m\n'=1+2,-1.5\n'-,\n");
+        let read = parse(&bytes, "t.csv", &[]).expect("a table");
+        assert_eq!((read.columns, read.rows), (columns.clone(), rows.clone()));
+        assert_eq!(read_rows(line(&rows[0]).as_bytes(), &columns).0, rows[..1]);
+    }
 }

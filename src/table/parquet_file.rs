@@ -16,6 +16,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnDescriptor, Type, TypePtr};
 
 use super::{Column, Kind, Origin, Table, TableError, Value};
+use crate::limits::LARGEST_TABLE_BYTES;
 
 /// Rows of one group: a reader needs one group in memory at a time.
 const GROUP: usize = 1 << 16;
@@ -100,6 +101,10 @@ pub(super) fn read(path: &Path) -> Result<Table, TableError> {
         io::ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
         _ => unreadable(error.to_string()),
     })?;
+    let most = LARGEST_TABLE_BYTES >> 20;
+    if opened.metadata().is_ok_and(|found| found.len() > LARGEST_TABLE_BYTES) {
+        return Err(unreadable(format!("it is larger than {most} MiB; take some of its rows, or of its columns")));
+    }
     let strange = |reason: String| TableError::Parquet { file: file.clone(), reason };
     let reader = SerializedFileReader::new(opened).map_err(|error| strange(error.to_string()))?;
     let schema = reader.metadata().file_metadata().schema_descr();

@@ -29,10 +29,7 @@ pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunErr
     let mut motion = Motion::new(&plan, world).map_err(|error| unstarted(error.to_string()))?;
     let mut recorder = EngineRecorder::new(scene, &motion, sink);
     recorder.begin(&motion)?;
-    let broken = step_through(&mut motion, settings, scene.duration_s, |motion| {
-        recorder.step(motion)?;
-        Ok(recorder.proceed())
-    })?;
+    let broken = step_through(&mut motion, settings, scene.duration_s, &mut recorder)?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {
@@ -41,13 +38,19 @@ pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunErr
     }
 }
 
-/// Steps to the end of the run, and shows every step to `record`, which says whether to go on; says why where it does not
-/// get there.
+/// Who follows an engine run.
+pub(super) trait Follow {
+    fn step(&mut self, motion: &Motion) -> Result<(), SinkError>;
+    /// Whether the run may go on: asked after every step, and at every sub-step of the contacts in it.
+    fn proceed(&self) -> bool;
+}
+
+/// Steps to the end of the run, and shows every step to `follow`; says why where it does not get there.
 pub(super) fn step_through(
     motion: &mut Motion,
     settings: &Engine,
     end_s: f64,
-    mut record: impl FnMut(&Motion) -> Result<bool, SinkError>,
+    follow: &mut impl Follow,
 ) -> Result<Option<Reason>, SinkError> {
     motion.contact.tolerance = Tolerance::of(settings.stepping);
     let (mut steps, mut substeps) = (0, 0);
@@ -60,12 +63,16 @@ pub(super) fn step_through(
             return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
         let dt = next(motion, settings.stepping, end_s);
-        if let Err(error) = motion.advance(dt) {
-            return Ok(Some(Reason::Obstacle(error.to_string())));
+        if let Err(error) = motion.advance_while(dt, &|| follow.proceed()) {
+            return Ok(Some(match follow.proceed() {
+                true => Reason::Obstacle(error.to_string()),
+                false => Reason::Stopped,
+            }));
         }
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
-        if !record(motion)? {
+        follow.step(motion)?;
+        if !follow.proceed() {
             return Ok(Some(Reason::Stopped));
         }
     }

@@ -1,5 +1,6 @@
 //! Turns the steps of the engine model into samples, events and summary figures.
 
+use super::engine::Follow;
 use super::engine_reading::{Start, forces, sample};
 use super::grid::Grid;
 use super::moments::Moments;
@@ -261,11 +262,6 @@ impl<'a, S: Sink> EngineRecorder<'a, S> {
         Ok(())
     }
 
-    /// Whether the sink lets the run go on.
-    pub fn proceed(&self) -> bool {
-        self.sink.proceed()
-    }
-
     /// The last sample, if the run broke off between grid points, and the summary.
     pub fn finish(mut self) -> Result<Outcome, SinkError> {
         if self.emitted_s < self.last.time_s {
@@ -296,4 +292,14 @@ fn fly(sample: &mut Sample, from: &Sample, acceleration: impl Fn(usize) -> f64) 
     sample.qd21_rad_s = from.qd21_rad_s + time * a21;
     sample.qd12_rad_s = from.qd12_rad_s + time * (a12 - a11);
     sample.qd22_rad_s = from.qd22_rad_s + time * (a22 - a21);
+}
+
+impl<S: Sink> Follow for EngineRecorder<'_, S> {
+    fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        EngineRecorder::step(self, motion)
+    }
+
+    fn proceed(&self) -> bool {
+        self.sink.proceed()
+    }
 }

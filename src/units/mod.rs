@@ -14,4 +14,4 @@ pub use format::format;
 pub(crate) use format::number;
 pub(crate) use parse::split;
 pub use parse::{QuantityError, parse};
-pub use table::{Dimension, Unit};
+pub use table::{Dimension, LONGEST_S, Unit};

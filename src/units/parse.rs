@@ -1,6 +1,6 @@
 //! Text to SI: `"480 N*mm"` → 0.48.
 
-use super::Dimension;
+use super::{Dimension, number};
 
 /// Why a text is not the wanted quantity. Messages name what was wrong, what is allowed and the way out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -11,10 +11,12 @@ pub enum QuantityError {
     DecimalComma { text: String },
     #[error("`{text}` is not a finite number")]
     NotFinite { text: String },
+    #[error("`{text}` is too large: {} may be {} {} at most", .wanted.name(), number(.wanted.largest_si()), .wanted.units()[0].name)]
+    TooLarge { text: String, wanted: Dimension },
     #[error("`{text}` has no unit; {} is wanted: {}", .wanted.name(), .wanted.unit_list())]
     MissingUnit { text: String, wanted: Dimension },
-    #[error("unknown unit `{unit}`; {} is wanted: {}", .wanted.name(), .wanted.unit_list())]
-    UnknownUnit { unit: String, wanted: Dimension },
+    #[error("unknown unit `{unit}`;{} {} is wanted: {}", did_you_mean(.meant), .wanted.name(), .wanted.unit_list())]
+    UnknownUnit { unit: String, meant: Option<&'static str>, wanted: Dimension },
     #[error("{text} is {}; {} is wanted: {}", .found.name(), .wanted.name(), .wanted.unit_list())]
     WrongDimension { text: String, found: Dimension, wanted: Dimension },
 }
@@ -47,17 +49,29 @@ pub fn parse(text: &str, wanted: Dimension) -> Result<f64, QuantityError> {
         let found = Dimension::ALL.into_iter().find(|d| d.units().iter().any(|u| u.name == name));
         return Err(match found {
             Some(found) => QuantityError::WrongDimension { text: text.into(), found, wanted },
-            None => QuantityError::UnknownUnit { unit: rest.trim().into(), wanted },
+            None => QuantityError::UnknownUnit { unit: rest.trim().into(), meant: meant(&name, wanted), wanted },
         });
     };
     match to_si(number, (unit.factor)()) {
-        Some(si) if si.is_finite() => Ok(si),
+        Some(si) if si.abs() <= wanted.largest_si() => Ok(si),
+        Some(si) if si.is_finite() => Err(QuantityError::TooLarge { text: text.into(), wanted }),
         Some(_) => Err(QuantityError::NotFinite { text: text.into() }),
         None => {
             let text = text.into();
             Err(QuantityError::NotANumber { text, wanted })
         }
     }
+}
+
+/// The unit of the wanted dimension that is spelt alike but for its signs: `Nmm` for `N*mm`, `kg/m3` for `kg/m^3`.
+fn meant(name: &str, wanted: Dimension) -> Option<&'static str> {
+    let letters = |unit: &str| unit.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
+    let name = letters(name);
+    wanted.units().iter().map(|unit| unit.name).find(|unit| letters(unit) == name)
+}
+
+fn did_you_mean(unit: &Option<&str>) -> String {
+    unit.map_or(String::new(), |unit| format!(" did you mean {unit}?"))
 }
 
 /// The decimal `number`, in units of `factor` SI units each, in SI; `None` if it is no number after all.
@@ -206,6 +220,17 @@ mod tests {
             "`wide` does not begin with a number; a length is wanted, such as \"15 mm\""
         );
         assert_eq!(message("1,5 mm", Length), "`1,5 mm` has a decimal comma; write a decimal point, as in \"1.5 mm\"");
+        let torques = format!("a torque is wanted: {}", Torque.unit_list());
+        assert_eq!(message("480 Nmm", Torque), format!("unknown unit `Nmm`; did you mean N*mm? {torques}"));
+        assert_eq!(message("0.48 Nm", Torque), format!("unknown unit `Nm`; did you mean N*m? {torques}"));
+        for (text, dimension, unit) in
+            [("1 kg/m3", Density, "kg/m^3"), ("2 N.s/m", LinearDamping, "N*s/m"), ("3 gmm2", Inertia, "g*mm^2")]
+        {
+            assert!(message(text, dimension).contains(&format!("did you mean {unit}? ")), "{text}");
+        }
+        assert_eq!(message("1e300 mm", Length), "`1e300 mm` is too large: a length may be 1000 m at most");
+        assert_eq!(message("-2 h", Time), "unknown unit `h`; a time is wanted: s, ms, us");
+        assert_eq!(message("3601 s", Time), "`3601 s` is too large: a time may be 3600 s at most");
         for text in ["inf mm", "NaN mm", "-infinity m", "1e999 m", "1e308 GPa"] {
             let dimension = if text.ends_with("Pa") { Pressure } else { Length };
             assert_eq!(message(text, dimension), format!("`{text}` is not a finite number"));

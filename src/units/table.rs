@@ -26,6 +26,9 @@ pub struct Unit {
     pub shown: bool,
 }
 
+/// The longest time, of a run as of anything else: an hour, for a closing takes 10 ms.
+pub const LONGEST_S: f64 = 3600.0;
+
 /// What a quantity measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
@@ -108,6 +111,26 @@ impl Dimension {
             Dimension::AngularStiffness => "0.3 N*m/rad",
             Dimension::LinearDamping => "1e6 N*s/m",
             Dimension::AngularDamping => "1e9 N*m*s/rad",
+        }
+    }
+
+    /// The largest size of a value, in SI: far beyond any gripper, and small enough to be computed with and shown.
+    pub const fn largest_si(self) -> f64 {
+        match self {
+            Dimension::Time => LONGEST_S,
+            Dimension::Length => 1e3,
+            Dimension::Speed | Dimension::Mass | Dimension::Density | Dimension::Angle => 1e6,
+            Dimension::Force
+            | Dimension::Torque
+            | Dimension::AngularRate
+            | Dimension::Acceleration
+            | Dimension::Inertia
+            | Dimension::Frequency => 1e12,
+            // What is meant to be rigid is given a modulus of 1e21 Pa.
+            Dimension::Pressure
+            | Dimension::AngularStiffness
+            | Dimension::LinearDamping
+            | Dimension::AngularDamping => 1e24,
         }
     }
 

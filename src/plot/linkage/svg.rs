@@ -8,6 +8,7 @@ use super::marks::{Form, LABEL_PX, Line, Marks, Stroke, WIDTH};
 use super::mechanism::Mechanism;
 use super::place::{Point, placed};
 use crate::page::escaped;
+use crate::plot::PICTURE_MARK;
 use crate::scene::Scene;
 
 /// Parts and their colours in light and dark, as in the style sheet of the page.
@@ -48,7 +49,7 @@ pub(super) fn svg(scene: &Scene, m: &Mechanism, marks: &Marks) -> Linkage {
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
          height=\"{height:.0}\" role=\"img\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\" font-size=\"{LABEL_PX}\">\n\
-         <title>{}: the linkage {}, with the letters of scenes and results</title>\n<style>\n{}</style>\n",
+         <title>{}: the linkage {}, with the letters of scenes and results</title>\n{PICTURE_MARK}\n<style>\n{}</style>\n",
         escaped(&printable(&scene.name)),
         m.shown,
         style()

@@ -69,6 +69,12 @@ impl CsvHead<'_> {
     }
 }
 
+/// Whether a line names the columns of a table of samples: time first, the energies last, whatever is between.
+pub fn is_samples(head: &str) -> bool {
+    let columns: Vec<&str> = head.split(',').collect();
+    columns.first() == Some(&STATE[0]) && columns.ends_with(&ENERGY)
+}
+
 /// Writes a sample of a finger. Without an object or a joint limit their gaps are infinite, and the cells empty.
 pub fn csv_finger(out: &mut dyn Write, sample: &Sample) -> io::Result<()> {
     let state = [

@@ -9,7 +9,7 @@ mod text;
 mod verify;
 
 pub use against::{AgainstReport, ApartReport, FigureReport, WordReport, against_json, against_text, side_by_side};
-pub use csv::{CsvHead, csv_discs, csv_finger};
+pub use csv::{CsvHead, csv_discs, csv_finger, is_samples};
 pub use document::{Lost, ReplayReport, Touches};
 pub use recover::{GapReport, RecoveryReport, recovery_json, recovery_text};
 pub use summary::{DiscsSummary, Summary};

@@ -13,6 +13,12 @@ const PLACES: [(&str, Kind); 6] = [
     ("part_f22", Kind::Number),
 ];
 
+/// Whether a table is a ranking.
+pub fn is_ranking(table: &Table) -> bool {
+    let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+    names.starts_with(&PLACES.map(|(name, _)| name))
+}
+
 /// One row for each selected run, best first: its place, r_WC and its parts, then all columns of the results.
 pub fn ranking_table(results: &Table, selection: &Selection) -> Table {
     // Results that are a ranking themselves have such columns already; the new ones are in their place.

@@ -12,7 +12,7 @@ mod document;
 mod text;
 mod words;
 
-pub use data::ranking_table;
+pub use data::{is_ranking, ranking_table};
 pub use document::{
     ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, selection_json,
 };

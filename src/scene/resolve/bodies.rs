@@ -7,6 +7,7 @@ use super::super::raw_bodies::RawBodiesScene;
 use super::super::{BodiesScene, Construction, DiscMotion, Engine, HalfPlane};
 use super::disc::{Placed, disc, judge_starts};
 use super::{Heading, contact, engine, heading, log, run};
+use crate::limits::MOST_DISCS;
 
 const NO_GRAVITY_M_S2: [f64; 2] = [0.0, 0.0];
 
@@ -26,7 +27,7 @@ pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Resu
     let engine = engine::engine(&mut c, &raw.engine, mu_static);
     refuse_joints(&mut c, &raw.engine, engine);
     let bounds = engine::bodies_bounds(&mut c, &raw.validate, duration);
-    let log = log(&mut c, &raw.log);
+    let log = log(&mut c, &raw.log, duration);
     // Starts are judged only if everything they stand on is sound.
     if let (Some(discs), true) = (&discs, c.is_clean()) {
         judge_starts(&mut c, discs, half_plane);
@@ -56,6 +57,16 @@ fn discs(c: &mut Checker<'_>, raw: &RawBodiesScene, gravity_m_s2: [f64; 2]) -> O
     if named.is_empty() {
         let help = "a scene of discs needs one that moves: [discs.hammer] with radius, centre and mass";
         c.missing("[discs.NAME]", &raw.discs, help);
+        return None;
+    }
+    if named.len() > MOST_DISCS {
+        let count = named.len();
+        c.push(
+            raw.discs.span.clone(),
+            format!("there are {count} discs, but at most {MOST_DISCS} are simulated: any two of them may touch"),
+            "",
+            format!("leave {} of them out", count - MOST_DISCS),
+        );
         return None;
     }
     let all: Vec<Option<Placed>> = named.iter().map(|(name, raw)| disc(c, name, raw)).collect();

@@ -48,7 +48,7 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let mu_static = contact.map(|contacts| contacts.proximal.friction.map_or(0.0, |law| law.mu_static));
     let engine = engine::engine(&mut c, &raw.engine, mu_static);
     let bounds = engine::bounds(&mut c, &raw.validate, duration);
-    let log = log(&mut c, &raw.log);
+    let log = log(&mut c, &raw.log, duration);
     // The start is judged only if what it stands on is sound.
     let sound = finger.zip(object).zip(limit);
     let initial = start::initial(&mut c, raw, &plan, sound);
@@ -112,10 +112,16 @@ fn heading(
     }
 }
 
-fn log(c: &mut Checker<'_>, raw: &RawLog) -> LogRates {
+fn log(c: &mut Checker<'_>, raw: &RawLog, duration_s: Option<f64>) -> LogRates {
     let numeric_hz = c.number_or("log.numeric_rate", &raw.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ);
     let picture_hz = c.number_or("log.picture_rate", &raw.picture_rate, NOT_NEGATIVE, defaults::PICTURE_RATE_HZ);
-    LogRates { numeric_hz, picture_hz }
+    let rates = LogRates { numeric_hz, picture_hz };
+    if let Some(excess) = duration_s.and_then(|duration_s| rates.excess(duration_s)) {
+        let span = if excess.pictures { raw.picture_rate.span() } else { raw.numeric_rate.span() };
+        let help = format!("say `{}` in [log], or shorten the run", excess.remedy());
+        c.push(span, excess.to_string(), "too many", help);
+    }
+    rates
 }
 
 /// The file's name without its extension.

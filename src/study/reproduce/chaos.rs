@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use super::ReproduceError;
+use super::{ReproduceError, STOPPED};
 use crate::check::pushed;
 use crate::criteria::{Class, Tracker, at_rest};
 use crate::scene::{Preset, Scene};
@@ -84,14 +84,20 @@ pub struct Flip {
 }
 
 /// Runs every statically stable run of the study again, in each variation; others are unstable whatever they do.
-pub fn chaos(scenes: &[Scene], selection: &Selection, quick: bool, threads: usize) -> Result<Chaos, ReproduceError> {
+pub fn chaos(
+    scenes: &[Scene],
+    selection: &Selection,
+    quick: bool,
+    threads: usize,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Chaos, ReproduceError> {
     let variations: Vec<Variation> =
         Variation::ALL.into_iter().filter(|&of| !(quick && of == Variation::Reference)).collect();
     let jobs: Vec<(usize, usize)> = (0..variations.len())
         .flat_map(|variation| (0..selection.runs.len()).map(move |run| (variation, run)))
         .filter(|&(_, run)| selection.runs[run].force_positive == Some(true))
         .collect();
-    let found = ends(scenes, &jobs, &variations, threads)?;
+    let found = ends(scenes, &jobs, &variations, threads, go_on)?;
     let class = |run: &Candidate| run.class.unwrap_or(Class::Unstable);
     let mut drifting: Vec<i64> = jobs
         .iter()
@@ -154,6 +160,7 @@ fn ends(
     jobs: &[(usize, usize)],
     variations: &[Variation],
     threads: usize,
+    go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<End>, ReproduceError> {
     let threads = match threads {
         0 => thread::available_parallelism().map_or(1, NonZeroUsize::get),
@@ -164,7 +171,7 @@ fn ends(
     let work = || {
         loop {
             let job = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&(variation, run)) = jobs.get(job) else { break };
+            let Some(&(variation, run)) = jobs.get(job).filter(|_| go_on()) else { break };
             let end = end(&variations[variation].apply(&scenes[run]));
             if let Ok(mut found) = found.lock() {
                 found[job] = Some(end);
@@ -178,10 +185,7 @@ fn ends(
         work();
     });
     let found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    found
-        .into_iter()
-        .map(|end| end.unwrap_or_else(|| Err(ReproduceError::of("a variation")(&"it was not run"))))
-        .collect()
+    found.into_iter().map(|end| end.unwrap_or_else(|| Err(ReproduceError::of("a variation")(&STOPPED)))).collect()
 }
 
 /// The end of one run. One that breaks off is unstable.

@@ -3,9 +3,9 @@
 //! A volume of points that has its ends on the faces of the space counts the faces for more than they are; points in the
 //! middles of cells do not. With the same points the shares by other torques show what sizing does.
 
-use super::ReproduceError;
 use super::designs::{PRINTED_MOTOR_N_M, PRINTED_SPRING_N_M};
 use super::sizing::SizingFound;
+use super::{ReproduceError, STOPPED};
 use crate::gripper::{Placement, Spring, SpringKind};
 use crate::scene::Template;
 use crate::sizing::Rule;
@@ -28,8 +28,8 @@ pub struct Grid {
     pub both_percent: [f64; 2],
 }
 
-/// One for each base of the thesis.
-pub fn grids(sizing: &SizingFound) -> Result<Vec<Grid>, ReproduceError> {
+/// One for each base of the thesis, while it may `go_on`.
+pub fn grids(sizing: &SizingFound, go_on: &dyn Fn() -> bool) -> Result<Vec<Grid>, ReproduceError> {
     let spring = PRINTED_SPRING_N_M / sizing.rigid.spring_n_m;
     let motor = PRINTED_MOTOR_N_M / sizing.rigid.motor_n_m;
     let template = Template::thesis();
@@ -38,6 +38,9 @@ pub fn grids(sizing: &SizingFound) -> Result<Vec<Grid>, ReproduceError> {
         let error = ReproduceError::of("the volumes by other torques");
         let (mut counts, mut closed_and_stable) = ([[0usize; 2]; 3], 0usize);
         for index in 0..axes.len() {
+            if !go_on() {
+                return Err(error(&STOPPED));
+            }
             let closed = close(&template, &design(&template, base_m, axes.at(index)), Rule::Rigid)
                 .map_err(|reason| error(&reason))?;
             for (mu, mu_static) in [0.0, 0.8].into_iter().enumerate() {

@@ -80,42 +80,47 @@ impl ReproduceError {
     }
 }
 
+/// The reason of a reproduction that was told to stop.
+const STOPPED: &str = "it was told to stop";
+
 /// The parts of a reproduction, for whoever waits.
 pub const PARTS: usize = 6;
 
-/// Computes everything on so many threads (0: one for each core), and `show`s which part comes next.
+/// Computes everything on so many threads (0: one for each core) while it may `go_on`, and `show`s which part comes next.
 ///
 /// # Errors
-/// What could not be computed.
+/// What could not be computed, or that it was told to stop.
 pub fn reproduce(
     quick: bool,
     threads: usize,
     show: &mut dyn FnMut(usize, usize, &str),
+    go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Reproduction, ReproduceError> {
     let mut part = 0;
-    let mut next = |name: &str| {
+    let mut next = |name: &'static str| {
         show(part, PARTS, name);
         part += 1;
+        if go_on() { Ok(()) } else { Err(ReproduceError::of(name)(&STOPPED)) }
     };
     let mut study = sweep::parse(STUDY, "thesis.toml").map_err(|error| ReproduceError::of("the study")(&error))?;
     study.checked = true;
-    next("the 384 simulations");
-    let results = swept(&study, threads);
+    next("the 384 simulations")?;
+    let results = swept(&study, threads, go_on)?;
     let checks = checks::checks(&results)?;
     let scenes = scenes(&study)?;
     let selection =
         select(&results, &SelectionCriteria::default()).map_err(|error| ReproduceError::of("the selection")(&error))?;
-    next("sizing");
+    next("sizing")?;
     let chosen_run = (measured::CHOSEN - 1) as usize;
     let sizing = sizing::sizing(&scenes[..scenes.len() / 2], &scenes[chosen_run])?;
-    next("statics");
+    next("statics")?;
     let designs = designs::designs(&scenes, &results, &selection, chosen_run, &sizing)?;
-    next("grasp-state volumes");
-    let volumes = volumes(quick, threads)?;
-    let grids = grids::grids(&sizing)?;
-    next("runs that are near-chaotic");
-    let chaos = chaos::chaos(&scenes, &selection, quick, threads)?;
-    next("design 95");
+    next("grasp-state volumes")?;
+    let volumes = volumes(quick, threads, go_on)?;
+    let grids = grids::grids(&sizing, go_on)?;
+    next("runs that are near-chaotic")?;
+    let chaos = chaos::chaos(&scenes, &selection, quick, threads, go_on)?;
+    next("design 95")?;
     let (chosen, cad) = (chosen::chosen()?, chosen::cad()?);
     Ok(Reproduction { quick, sizing, designs, volumes, grids, results, checks, selection, chaos, chosen, cad })
 }
@@ -126,15 +131,23 @@ fn scenes(study: &Study) -> Result<Vec<Scene>, ReproduceError> {
     parsed.collect::<Result<_, _>>().map_err(|error| ReproduceError::of("a scene of the study")(&error))
 }
 
-fn swept(study: &Study, threads: usize) -> Table {
+fn swept(study: &Study, threads: usize, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Table, ReproduceError> {
     let mut rows = Vec::new();
-    sweep::run(study, threads, &HashSet::new(), |row| rows.push(row));
-    sweep::table(study, &rows)
+    let take = |row| {
+        rows.push(row);
+        true
+    };
+    let ran = sweep::run_while(study, threads, study.runs(), &HashSet::new(), go_on, take);
+    if !ran.complete {
+        return Err(ReproduceError::of("the sweep")(&STOPPED));
+    }
+    Ok(sweep::table(study, &rows))
 }
 
-fn volumes(quick: bool, threads: usize) -> Result<Vec<Volume>, ReproduceError> {
+fn volumes(quick: bool, threads: usize, go_on: &dyn Fn() -> bool) -> Result<Vec<Volume>, ReproduceError> {
     let points = if quick { QUICK_RESOLUTION } else { RESOLUTION };
     let request = VolumeRequest { axes: volume::Axes::thesis([points; 3]), ..VolumeRequest::thesis() };
     let threads = if threads == 0 { volume::all_cores() } else { threads };
-    volume::volumes(&request, threads).map_err(|error| ReproduceError::of("the volumes")(&error))
+    volume::volumes_with(&request, threads, &mut |_, _| (), go_on)
+        .map_err(|error| ReproduceError::of("the volumes")(&error))
 }

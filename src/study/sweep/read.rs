@@ -16,10 +16,12 @@ use super::read_axis;
 use super::sequence::{MOST_HALTON, Method, Sequence};
 use super::template::Template;
 use super::{Filter, MOST_RUNS, Study};
+use crate::files::read_at_most;
+use crate::limits::LARGEST_SCENE_BYTES;
 use crate::scene::check::Checker;
 use crate::scene::entry::Section;
 use crate::scene::error::line_column;
-use crate::scene::file::syntax;
+use crate::scene::file::{syntax, too_large};
 use crate::scene::{Problem, SceneError, keys};
 use crate::trace::Model;
 
@@ -34,10 +36,11 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
     if path.is_dir() {
         return Err(unreadable("it is a directory; name a study file (.toml) in it".to_string()));
     }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+    let bytes = read_at_most(path, LARGEST_SCENE_BYTES).map_err(|error| match error.kind() {
         ErrorKind::NotFound => unreadable("there is no such file; check the path".to_string()),
         _ => unreadable(error.to_string()),
     })?;
+    let bytes = bytes.ok_or_else(|| unreadable(too_large()))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
         let (line, column) = line_column(&before, before.len());

@@ -19,10 +19,7 @@ pub fn run_engine(scene: &BodiesScene, sink: &mut impl BodiesSink) -> Result<Bod
     })?;
     let mut recorder = EngineRecorder::new(scene, &motion, sink);
     recorder.begin(&motion)?;
-    let broken = step_through(&mut motion, settings, scene.duration_s, |motion| {
-        recorder.step(motion)?;
-        Ok(recorder.proceed())
-    })?;
+    let broken = step_through(&mut motion, settings, scene.duration_s, &mut recorder)?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {

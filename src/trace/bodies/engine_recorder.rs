@@ -4,6 +4,7 @@ use super::engine_reading::{Start, sample};
 use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
 use crate::engine::{Change, ChangeKind, Motion};
 use crate::scene::BodiesScene;
+use crate::trace::engine::Follow;
 use crate::trace::grid::Grid;
 use crate::trace::moments::Moments;
 use crate::trace::tracked::{Told, Tracked};
@@ -234,11 +235,6 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         Ok(())
     }
 
-    /// Whether the sink lets the run go on.
-    pub fn proceed(&self) -> bool {
-        self.sink.proceed()
-    }
-
     /// The last sample, if the run broke off between grid points, and the summary.
     pub fn finish(self) -> Result<BodiesOutcome, SinkError> {
         if self.emitted_s < self.last.time_s {
@@ -246,5 +242,15 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
         }
         let pairs = self.pairs.into_iter().map(|tracked| tracked.summary).collect();
         Ok(BodiesOutcome { last: self.last, pairs, work: self.work })
+    }
+}
+
+impl<S: BodiesSink> Follow for EngineRecorder<'_, S> {
+    fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
+        EngineRecorder::step(self, motion)
+    }
+
+    fn proceed(&self) -> bool {
+        self.sink.proceed()
     }
 }
