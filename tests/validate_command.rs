@@ -92,7 +92,8 @@ fn speed_against_error_of_every_setting() {
 
 #[test]
 fn bounds_decide_the_exit_status() {
-    let scene = variant(&directory("validate_bounds"), "tight.toml", "[validate]\nangle = \"1e-12 rad\"\n");
+    // Tighter than the engine is, and not than the reference can be told to be.
+    let scene = variant(&directory("validate_bounds"), "tight.toml", "[validate]\nangle = \"1e-9 rad\"\n");
     let output = validate(&scene, &[]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let text = stdout(&output);
@@ -101,6 +102,14 @@ fn bounds_decide_the_exit_status() {
     assert!(failed.len() == 1 && failed[0].starts_with("angle_rad"), "{text}");
     assert!(text.contains("speed against error") && text.contains("left out by --quick"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 130), "{text}");
+}
+
+#[test]
+fn a_bound_that_the_reference_cannot_judge_is_said_to_be_one() {
+    let scene = variant(&directory("validate_reference"), "finest.toml", "[validate]\nangle = \"1e-12 rad\"\n");
+    let text = stdout(&validate(&scene, &[]));
+    let failed: Vec<&str> = text.lines().filter(|line| line.ends_with("FAIL")).collect();
+    assert!(failed.len() == 2 && failed[0].starts_with("angle_rad") && failed[1].starts_with("reference"), "{text}");
 }
 
 #[test]
