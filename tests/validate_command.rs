@@ -107,7 +107,8 @@ fn bounds_decide_the_exit_status() {
 #[test]
 fn a_bound_that_the_reference_cannot_judge_is_said_to_be_one() {
     let scene = variant(&directory("validate_reference"), "finest.toml", "[validate]\nangle = \"1e-12 rad\"\n");
-    let text = stdout(&validate(&scene, &[]));
+    let output = validate(&scene, &[]);
+    let text = stdout(&output);
     let failed: Vec<&str> = text.lines().filter(|line| line.ends_with("FAIL")).collect();
     assert!(failed.len() == 2 && failed[0].starts_with("angle_rad") && failed[1].starts_with("reference"), "{text}");
 }
