@@ -73,12 +73,13 @@ impl<W: Write> Core<W> {
         let options = options().compression_level(COMPRESSION_LEVEL);
         let mut mcap = options.create(NoSeek::new(BufWriter::new(out)))?;
         mcap.write_metadata(&mcap::write::Metadata { name: METADATA_NAME.to_string(), metadata: metadata(run) })?;
+        let text = run.scene.text();
         mcap.attach(&Attachment {
             log_time: 0,
             create_time: 0,
             name: run.scene_file.to_string(),
             media_type: ATTACHMENT_MEDIA_TYPE.to_string(),
-            data: Cow::Borrowed(run.scene.about().source.as_bytes()),
+            data: Cow::Borrowed(text.as_bytes()),
         })?;
         mcap.flush()?;
         Ok(Core {

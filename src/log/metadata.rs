@@ -1,5 +1,6 @@
 //! What a log says about its run beside the samples: the metadata record and the name of the scene attachment.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::bodies::BodiesChannels;
@@ -7,7 +8,8 @@ use super::finger::FingerChannels;
 use super::writer::Channels;
 use crate::check::{Check, PUSH};
 use crate::scene::{
-    BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
+    AnyScene, BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
+    parse, parse_any, show, show_bodies,
 };
 
 /// Name of the metadata record.
@@ -28,6 +30,10 @@ pub trait Logged: Sized {
     type Channels: Channels<Scene = Self>;
 
     fn about(&self) -> About<'_>;
+
+    /// The text of a scene file that says what is simulated, but for the settings that the metadata record has: the file as it was
+    /// written, or, of a scene that was changed since, one made of it.
+    fn text(&self) -> Cow<'_, str>;
 }
 
 /// What the log of any scene says about it.
@@ -36,7 +42,6 @@ pub struct About<'a> {
     /// In the words of scene files.
     pub kind: &'static str,
     pub name: &'a str,
-    pub source: &'a str,
     pub duration_s: f64,
     pub rates: LogRates,
     pub integrator: &'a Integrator,
@@ -50,11 +55,27 @@ impl Logged for Scene {
         About {
             kind: "finger",
             name: &self.name,
-            source: &self.source,
             duration_s: self.duration_s,
             rates: self.log,
             integrator: &self.integrator,
             engine: &self.engine,
+        }
+    }
+
+    fn text(&self) -> Cow<'_, str> {
+        let recorded = |read: Scene| Scene {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            duration_s: self.duration_s,
+            integrator: self.integrator,
+            engine: self.engine,
+            bounds: self.bounds,
+            log: self.log,
+            ..read
+        };
+        match parse(&self.source, "scene.toml").map(recorded) {
+            Ok(written) if written == *self => Cow::Borrowed(&self.source),
+            _ => Cow::Owned(show(self)),
         }
     }
 }
@@ -66,11 +87,27 @@ impl Logged for BodiesScene {
         About {
             kind: "bodies",
             name: &self.name,
-            source: &self.source,
             duration_s: self.duration_s,
             rates: self.log,
             integrator: &self.integrator,
             engine: &self.engine,
+        }
+    }
+
+    fn text(&self) -> Cow<'_, str> {
+        let recorded = |read: BodiesScene| BodiesScene {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            duration_s: self.duration_s,
+            integrator: self.integrator,
+            engine: self.engine,
+            bounds: self.bounds,
+            log: self.log,
+            ..read
+        };
+        match parse_any(&self.source, "scene.toml") {
+            Ok(AnyScene::Bodies(written)) if recorded((*written).clone()) == *self => Cow::Borrowed(&self.source),
+            _ => Cow::Owned(show_bodies(self)),
         }
     }
 }

@@ -1,0 +1,63 @@
+//! The scene in a log is the scene that was run, also where a program has changed it since it was read.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use phalanx::log::{Logged, RunInfo, Writer, read};
+use phalanx::scene::{Actuation, AnyScene, BodiesScene, Preset, Scene, load, load_any, parse, parse_any};
+use phalanx::trace::{Model, run};
+
+fn anchor() -> Scene {
+    load(Path::new("scenes/experiment-95.toml")).expect("a scene")
+}
+
+/// The text of the scene in the log of a run.
+fn logged(scene: &Scene) -> String {
+    let info = RunInfo { scene, scene_file: "scene.toml", model: Model::Analytic.name() };
+    let mut writer = Writer::new(Vec::new(), "the log", &info).expect("a log in memory");
+    run(Model::Analytic, scene, &mut writer).expect("a whole run");
+    let bytes = writer.finish().expect("finished");
+    read(Cursor::new(&bytes), &mut ()).expect("a log").scene.expect("a scene").1
+}
+
+#[test]
+fn a_scene_as_it_was_read_is_logged_to_the_letter() {
+    let scene = anchor();
+    assert_eq!(logged(&scene), scene.source);
+    // The metadata record has these.
+    let settings =
+        Scene { duration_s: 5e-3, integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
+    assert_eq!(logged(&settings), scene.source);
+}
+
+#[test]
+fn a_scene_that_was_changed_is_logged_as_it_was_run() {
+    let scene = anchor();
+    let changes: [fn(&mut Scene); 4] = [
+        |scene| scene.actuation = Actuation::Constant { torque_n_m: 0.5 },
+        |scene| scene.gravity_m_s2 = [1.0, -2.0],
+        |scene| scene.contact.distal.normal.exponent = 1.5,
+        |scene| scene.source = String::new(),
+    ];
+    for change in changes {
+        let mut changed = scene.clone();
+        change(&mut changed);
+        let text = logged(&changed);
+        assert_ne!(text, scene.source);
+        let read = parse(&text, "scene.toml").expect("a scene");
+        assert_eq!(Scene { source: changed.source.clone(), ..read }, changed);
+    }
+}
+
+#[test]
+fn discs_that_were_changed_are_logged_as_they_were_run() {
+    let Ok(AnyScene::Bodies(scene)) = load_any(Path::new("scenes/laws/impact.toml")) else {
+        panic!("a scene of discs")
+    };
+    assert_eq!(scene.text(), scene.source);
+    let mut changed: BodiesScene = (*scene).clone();
+    changed.discs[0].radius_m *= 1.25;
+    let text = changed.text();
+    let Ok(AnyScene::Bodies(read)) = parse_any(&text, "scene.toml") else { panic!("{text}") };
+    assert_eq!(BodiesScene { source: changed.source.clone(), ..(*read).clone() }, changed);
+}
