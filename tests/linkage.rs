@@ -105,7 +105,7 @@ fn what_cannot_be_drawn_is_said_and_costs_nothing() {
     let nowhere = directory.join("nowhere/figure.svg").display().to_string();
     for (scene, figure, part) in [
         (scene.as_str(), scene.as_str(), "the scene itself"),
-        (scene.as_str(), nowhere.as_str(), "give a file in a directory where you may write"),
+        (scene.as_str(), nowhere.as_str(), "does not exist; create it first (mkdir -p"),
         ("scenes/laws/impact.toml", "figure.svg", "a scene of discs"),
     ] {
         let output = phalanx(&["scene", "show", scene, "--figure", figure]);

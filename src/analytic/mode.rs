@@ -173,7 +173,7 @@ impl<const S: usize> Mode<S> {
             SiteState::Active => {
                 // Gone through zero without ever pulling counts as let go too.
                 let value = if delta > 0.0 { press.force() } else { delta.min(-1e-290) };
-                let look = if value < FADING * press.spring { Look::Smooth } else { Look::End };
+                let look = if value < FADING * press.spring { Look::Fading } else { Look::End };
                 Guard { value, look, apart: false, strain: strain(), ..quiet }
             }
             // The force of a released contact may come and go within a step.

@@ -31,7 +31,7 @@ pub(super) fn answer(scene: &Path, figure: &Path) -> Answer {
         ));
     }
     if let Err(error) = writable(figure, Form::Picture) {
-        return refused(format!("--figure: {}", error.message));
+        return Answer { stderr: format!("{}\n", error.message), ..Answer::default() };
     }
     match replace(figure, |out| out.write_all(linkage(&found).svg.as_bytes())) {
         Ok(()) => Answer {

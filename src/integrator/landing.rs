@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::{Dense, Guard, Hybrid, Look};
+use super::{Dense, Guard, Hybrid, Look, Strain};
 
 /// The earliest crossing of a step.
 #[derive(Clone, Copy, Debug)]
@@ -53,8 +53,8 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         let over = end[site].value < 0.0;
         let bracket = match look(&start[site], &end[site]) {
             Look::End => over.then_some((0.0, 1.0)),
-            Look::Smooth if !over && !bends(start[site].value, end[site].value, at_thirds(site)) => None,
-            Look::Inside | Look::Smooth => {
+            Look::Smooth | Look::Fading if !over && !bends(start[site].value, end[site].value, at_thirds(site)) => None,
+            Look::Inside | Look::Smooth | Look::Fading => {
                 let parting =
                     (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
                 first_dip(start[site].value, end[site].value, parting, value)
@@ -84,13 +84,22 @@ fn may_dip<const N: usize>(start: &Guard<N>, end: &Guard<N>, h: f64) -> bool {
     match look(start, end) {
         Look::End => false,
         Look::Inside | Look::Smooth => least.is_finite(),
+        Look::Fading => least.is_finite() && loses_depth(start, end),
         Look::Gap => start.value.is_finite() && least < 2.0 * h * start.rate.abs().max(end.rate.abs()),
     }
 }
 
 /// How a guard is to be looked at within a step: inside if either end asks for it.
 fn look<const N: usize>(start: &Guard<N>, end: &Guard<N>) -> Look {
-    if start.look == Look::Inside { Look::Inside } else { end.look }
+    if matches!(start.look, Look::Inside | Look::Fading) { start.look } else { end.look }
+}
+
+/// Whether a contact loses half of its depth in a step. In shorter ones the step follows it.
+fn loses_depth<const N: usize>(start: &Guard<N>, end: &Guard<N>) -> bool {
+    match (&start.strain, &end.strain) {
+        (Strain::Depth { depth: before, .. }, Strain::Depth { depth: after, .. }) => *after < 0.5 * before,
+        _ => true,
+    }
 }
 
 /// Points at which a value without a rate is looked at within a step, its ends included.

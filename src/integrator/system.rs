@@ -56,6 +56,8 @@ pub enum Look {
     /// A smooth value without a known rate, which may dip below zero and come back within the step: at points inside, and
     /// where it is smallest between them.
     Inside,
+    /// The force of a contact that parts slowly: the same, in steps that lose most of its depth.
+    Fading,
     /// The same of a value that a step follows closely, a rate: at more points only where it bends enough for a dip.
     Smooth,
 }
