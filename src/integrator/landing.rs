@@ -112,8 +112,8 @@ fn bends(start: f64, end: f64, thirds: [f64; 2]) -> bool {
     let straight = |theta: f64| start + theta * (end - start);
     let bend = (thirds[0] - straight(THIRDS[0])).abs().max((thirds[1] - straight(THIRDS[1])).abs());
     let least = start.min(end).min(thirds[0]).min(thirds[1]);
-    // Written so that a value that is no number counts as one that bends.
-    !(least >= 4.0 * bend)
+    // What is no number bends.
+    least < 4.0 * bend || !(least - bend).is_finite()
 }
 
 /// Looks on the way to where surfaces part, each at a part of what the one before leaves: a damper that fades with the depth leaves
