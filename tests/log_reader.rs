@@ -7,7 +7,7 @@ use faults_support::{Item, Items, read_bytes};
 use phalanx::log::{Loss, ReadError, Reading, RunInfo, Severity, Writer};
 use phalanx::scene::Scene;
 use phalanx::trace::{Sink, Site};
-use synthetic::{SOURCE, lift_off, reload, sample, scene, touch_down};
+use synthetic::{lift_off, reload, sample, scene, touch_down};
 
 const SAMPLES: usize = 3_000;
 
@@ -52,7 +52,7 @@ fn a_whole_log_comes_back_to_the_last_bit() {
     assert_eq!((reading.unknown_channels, reading.unknown_messages), (0, 0));
     assert_eq!(reading.metadata["model"], "analytic");
     assert_eq!(reading.metadata["scene"], "synthetic");
-    assert_eq!(reading.scene, Some(("synthetic.toml".to_string(), SOURCE.to_string())));
+    assert_eq!(reading.scene, Some(("synthetic.toml".to_string(), scene().source)));
     let ended = reading.ended.expect("said");
     assert_eq!(ended.stopped, None);
     assert!((ended.time_s - 1e-6 * SAMPLES as f64).abs() < 1e-9);

@@ -10,7 +10,7 @@ use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
 use phalanx::trace::{Event, Sample, Sink, Site};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
-use synthetic::{SOURCE, lift_off, reload, sample, scene, touch_down};
+use synthetic::{lift_off, reload, sample, scene, touch_down};
 
 enum Record {
     Sample(Box<Sample>),
@@ -260,7 +260,7 @@ fn the_scene_and_the_settings_are_in_the_file() {
     let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).expect("readable");
     assert_eq!(attachment.name, "synthetic.toml");
     assert_eq!(attachment.media_type, "application/toml");
-    assert_eq!(attachment.data.as_ref(), SOURCE.as_bytes());
+    assert_eq!(attachment.data.as_ref(), scene.source.as_bytes());
     assert_eq!((attachment.log_time, attachment.create_time), (0, 0));
 
     assert_eq!(summary.metadata_indexes.len(), 1);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant};
 use phalanx::log::{self, Channels, Logged, Reading, RunInfo, Severity, Writer};
-use phalanx::scene::{AnyScene, BodiesScene, Engine, Scene, Stepping, parse_any};
+use phalanx::scene::{AnyScene, BodiesScene, Scene, parse_any};
 use phalanx::trace::bodies::{BodiesRunError, BodiesSample, DiscState};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError};
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
@@ -21,11 +21,10 @@ const LONGEST: Duration = Duration::from_secs(120);
 /// How far an accuracy may be missed in scenes that nobody would make, in tolerances. Those are for grippers; the masses,
 /// springs and laws of random scenes go over decades. What holds at any accuracy has no such slack: numbers are finite,
 /// nothing pulls, friction stays in its cone, no surface is deeper in than its energy allows.
-fn ceiling(model: Model, engine: &Engine) -> f64 {
-    match (model, engine.stepping) {
-        (Model::Analytic, _) => 300.0,
-        (Model::Engine, Stepping::Adaptive { .. }) => 50.0,
-        (Model::Engine, Stepping::Fixed { .. }) => 500.0,
+fn ceiling(model: Model) -> f64 {
+    match model {
+        Model::Analytic => 60.0,
+        Model::Engine => 40.0,
     }
 }
 
@@ -157,7 +156,7 @@ fn finger(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Fai
         Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
         Err(RunError::Sink(error)) => return Err(error.to_string()),
     };
-    let found = serious(found, ceiling(model, &scene.engine), counts);
+    let found = serious(found, ceiling(model), counts);
     if !found.is_empty() {
         return Err(format!("{}{}", held::lines(&found), after(failure.as_ref())));
     }
@@ -183,7 +182,7 @@ fn discs(model: Model, scene: &BodiesScene, counts: &mut Counts) -> Result<Optio
         Err(BodiesRunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
         Err(BodiesRunError::Sink(error)) => return Err(error.to_string()),
     };
-    let found = serious(found, ceiling(model, &scene.engine), counts);
+    let found = serious(found, ceiling(model), counts);
     if !found.is_empty() {
         return Err(format!("{}{}", held::lines(&found), after(failure.as_ref())));
     }

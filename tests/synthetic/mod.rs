@@ -5,20 +5,24 @@ use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::{
     Actuation, Bounds, Contacts, Disc, Engine, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring,
-    SpringKind,
+    SpringKind, show,
 };
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
 
-pub const SOURCE: &str = "# a scene with a µ and no particular meaning\nname = \"synthetic\"\n";
-
+/// A scene whose text says what it is.
 pub fn scene() -> Scene {
+    let scene = resolved();
+    Scene { source: format!("# a scene with a µ and no particular meaning\n{}", show(&scene)), ..scene }
+}
+
+fn resolved() -> Scene {
     let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
     let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
     let contact = ContactLaw { normal, friction: None };
     Scene {
         name: "synthetic".to_string(),
         description: String::new(),
-        source: SOURCE.to_string(),
+        source: String::new(),
         finger: Finger {
             lengths: Lengths {
                 l11_m: 15e-3,
