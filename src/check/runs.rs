@@ -3,7 +3,7 @@
 use super::finer_stepping;
 use super::path::{Keep, POINTS, Path, angles, centres};
 use crate::analytic::discs::moving_discs;
-use crate::scene::{BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene, scaled};
+use crate::scene::{BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene, Words, scaled};
 use crate::trace::bodies::{BodiesOutcome, BodiesRunError, run_bodies};
 use crate::trace::{self, Model, Outcome, RunError};
 
@@ -81,11 +81,7 @@ fn words(integrator_used: &Integrator, judge: Model) -> String {
     match judge {
         Model::Analytic => {
             let used = other(integrator_used);
-            let method = match used.method {
-                Method::Rodas5p => "rodas5p",
-                Method::RadauIIa5 => "radau5",
-            };
-            format!("the analytic model, {method} (rtol {:.0e})", used.rtol)
+            format!("the analytic model, {} (rtol {:.0e})", used.method.word(), used.rtol)
         }
         Model::Engine => "the engine with finer steps".to_string(),
     }

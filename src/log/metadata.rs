@@ -9,7 +9,7 @@ use super::writer::Channels;
 use crate::check::{Check, PUSH};
 use crate::scene::{
     AnyScene, BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
-    parse, parse_any, show, show_bodies,
+    Words, parse, parse_any, show, show_bodies,
 };
 
 /// Name of the metadata record.
@@ -231,8 +231,5 @@ pub fn preset_name(preset: Preset) -> &'static str {
 
 /// The method in the words of scene files.
 pub fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Rodas5p => "rodas5p",
-        Method::RadauIIa5 => "radau5",
-    }
+    method.word()
 }

@@ -34,6 +34,7 @@ pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, Nam
 pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
 pub use file::{load, load_any, load_template, parse, parse_any, parse_template};
+pub(crate) use kinds::Words;
 pub use schema::schema;
 pub use show::{show, show_any, show_bodies, show_written};
 pub(crate) use suggest::nearest;

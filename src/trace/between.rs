@@ -1,8 +1,7 @@
 //! A sample between two others.
 
-use std::f64::consts::TAU;
-
 use super::{ContactSample, Energy, LimitSample, Sample};
+use crate::numeric::plane::near_turn;
 
 /// The sample at time `t` between `a` and `b`: angles by cubic Hermite interpolation with their rates, all else linear.
 pub fn between(a: &Sample, b: &Sample, t: f64) -> Sample {
@@ -14,7 +13,7 @@ pub fn between(a: &Sample, b: &Sample, t: f64) -> Sample {
     let line = |p: f64, q: f64| if p.is_finite() && q.is_finite() { p + x * (q - p) } else { q };
     let cubic = |p: f64, v: f64, q: f64, w: f64| {
         // A passive angle may come back at −π where it went out at π.
-        let q = q + TAU * ((p - q) / TAU).round();
+        let q = near_turn(q, p);
         let (x2, x3) = (x * x, x * x * x);
         p + (q - p) * (3.0 * x2 - 2.0 * x3) + h * (v * (x3 - 2.0 * x2 + x) + w * (x3 - x2))
     };
