@@ -2,7 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-mod held;
+mod support;
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ fn ten_second_hold_stays_below_50_mb() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hold.mcap");
     let info = log::RunInfo { scene: &scene, scene_file: "experiment-95.toml", model: "analytic" };
     let mut writer = log::create(&file, &info).expect("the log opens");
-    let outcome = held::run(Model::Analytic, &scene, &mut writer).expect("the hold completes");
+    let outcome = support::held::run(Model::Analytic, &scene, &mut writer).expect("the hold completes");
     writer.keep().expect("the log closes");
     assert_eq!(outcome.last.time_s, 10.0);
     assert!(std::fs::metadata(&file).expect("the log is there").len() > 5_000_000, "100,000 samples were logged");

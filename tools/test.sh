@@ -7,6 +7,13 @@ cd "$(dirname "$0")/.."
 
 say() { printf '\n== %s\n' "$*"; }
 
+# Everything is built once here: what lets the next build be partial only fills the disk.
+export CARGO_INCREMENTAL=0
+room=$(df --output=avail --block-size=1G . 2>/dev/null | tail -1 | tr -d ' ') || room=
+if [ -n "$room" ] && [ "$room" -lt 8 ]; then
+    echo "only $room GB are free here; the checks need about 6: linking may fail for want of room" >&2
+fi
+
 if ! command -v cargo >/dev/null; then
     echo "cargo is not installed: get a Rust toolchain (rustup.rs), at least the version named in Cargo.toml" >&2
     exit 1

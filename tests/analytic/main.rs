@@ -1,0 +1,28 @@
+//! Tests of the analytic model: mechanism, laws, integrator, events.
+//!
+//! One program for the room: linking is most of what a test program costs.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod anchor;
+mod contact_geometry;
+mod dynamics_independent;
+mod energy;
+mod integrator_events;
+mod integrator_impact;
+mod integrator_order;
+mod integrator_stiff;
+mod invariants;
+mod jacobian;
+mod landing;
+mod laws_bodies;
+mod laws_driven;
+mod laws_impact;
+mod laws_jacobian;
+mod laws_scenes;
+mod singularity;
+mod stepping;
+mod time_reversal;
+mod torque_steps;
+mod wall;

@@ -1,0 +1,22 @@
+//! Tests of the command line, its reports, its pages and pictures.
+//!
+//! One program for the room: linking is most of what a test program costs.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod drawing;
+mod first_minutes;
+mod foreign_words;
+mod limits;
+mod linkage;
+mod messages;
+mod own;
+mod page;
+mod replay;
+mod report;
+mod run;
+mod select;
+mod size;
+mod status;
+mod volume;

@@ -1,0 +1,25 @@
+//! Tests of the design work: sizing, statics, volumes, sweeps, selection, studies.
+//!
+//! One program for the room: linking is most of what a test program costs.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod gripper_design;
+mod gripper_mass;
+mod gripper_posture;
+mod reproduce;
+mod select;
+mod sizing;
+mod statics_closure;
+mod statics_command;
+mod statics_counts;
+mod statics_forces;
+mod statics_simulated;
+mod study_stability;
+mod study_step_size;
+mod sweep_resume;
+mod sweep_runs;
+mod sweep_study;
+mod table;
+mod volume_kernel;

@@ -1,0 +1,210 @@
+//! Runs of a study: rows depend on nothing but their run, whatever happens in them is kept, and the thesis's designs are there.
+
+use std::collections::HashSet;
+
+use phalanx::scene::{self, Preset};
+use phalanx::study::sweep::{Row, Status, Study, load, parse, run, run_while, summary, table};
+use phalanx::table::{Table, Value};
+use phalanx::trace::{Model, Site, run_analytic};
+
+fn study(text: &str) -> Study {
+    parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn rows(study: &Study, threads: usize) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let ran = run(study, threads, &HashSet::new(), |row| rows.push(row));
+    assert!(ran.complete && ran.runs == study.runs());
+    rows
+}
+
+fn results(study: &Study) -> Table {
+    table(study, &rows(study, 0))
+}
+
+fn count(values: impl IntoIterator<Item = Option<bool>>) -> usize {
+    values.into_iter().filter(|value| *value == Some(true)).count()
+}
+
+/// 2-design.md §2.6, right-hand column.
+#[test]
+fn the_thesis_has_its_counts() {
+    let study = load("scenes/studies/thesis.toml").expect("ships");
+    let table = results(&study);
+    assert_eq!(table.rows.len(), 384);
+    let range = |name: &str| {
+        let values: Vec<f64> = table.numbers(name).expect(name).into_iter().flatten().collect();
+        assert_eq!(values.len(), 384, "{name}");
+        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)))
+    };
+    let (low, high) = range("trajectory_rad");
+    assert!((low.to_degrees() - 26.03).abs() < 5e-3 && (high.to_degrees() - 74.63).abs() < 5e-3, "{low} {high}");
+    let (low, high) = range("mass_kg");
+    assert!((low - 20.64e-3).abs() < 5e-6 && (high - 27.45e-3).abs() < 5e-6, "{low} {high}");
+
+    let closed = table.flags("form_closed").expect("flags");
+    let positive = table.flags("force_positive").expect("flags");
+    let classes = table.texts("class").expect("texts");
+    assert_eq!(closed[..192], closed[192..]);
+    assert_eq!(count(closed[..192].iter().copied()), 22);
+    for (runs, statically, dynamically) in [(0..192, 136, 53), (192..384, 160, 94)] {
+        assert_eq!(count(positive[runs.clone()].iter().copied()), statically);
+        let stable = classes[runs].iter().filter(|class| matches!(class, Some("stable" | "semi-stable"))).count();
+        assert!(stable.abs_diff(dynamically) <= 3, "{stable} for {dynamically}");
+    }
+    // Statically unstable is unstable, whatever the simulation ends in.
+    for (positive, class) in positive.iter().zip(&classes) {
+        assert!(*positive == Some(true) || matches!(class, None | Some("unstable")));
+    }
+
+    // Design 95: `phalanx run` of the same scene finds the same.
+    let row = &table.rows[287 - 1];
+    let number = |name: &str| match row[table.column(name).expect(name)] {
+        Value::Number(number) => number,
+        ref other => panic!("{name}: {other:?}"),
+    };
+    assert!((number("motor_n_m") - 0.5165).abs() < 2e-4 && (number("spring_n_m") - 0.11772).abs() < 5e-6);
+    let scene = scene::parse(&study.scene_text(287), "95.toml").expect("a scene");
+    assert_eq!(scene.integrator.preset, Preset::Engineering);
+    let outcome = run_analytic(&scene, &mut ()).expect("completes");
+    assert_eq!(number("f21_n"), outcome.last.proximal.normal_n);
+    assert_eq!(number("peak_f22_n"), outcome.site(Site::Distal).peak_normal_n);
+    assert!((number("t22_m") - 12.857e-3).abs() < 5e-7);
+    assert_eq!(row[table.column("class").expect("class")], Value::from("stable"));
+}
+
+const MIXED: &str = "scene = \"../experiment-95.toml\"\n[set]\nintegrator.max_steps = 120\n[[axes]]\nfield = \
+                     \"contact.friction.mu_static\"\nvalues = [-0.5, 0.0, 0.8]\n[[axes]]\nfield = \"design.phi22\"\nfrom = \"60 \
+                     deg\"\nto = \"170 deg\"\ncount = 6\n[[axes]]\nfield = \"design.l21_fraction\"\nvalues = [0.0, 1.0, 1.5]\n";
+
+#[test]
+fn every_run_has_a_row_with_its_reason() {
+    let study = study(MIXED);
+    let table = results(&study);
+    assert_eq!(table.rows.len(), 54);
+    let found = summary(&table).expect("a sweep's");
+    assert!(found.with(Status::Refused) >= 30 && found.with(Status::Failed) > 0, "{found:?}");
+    assert_eq!(found.by_status.iter().map(|(_, count)| count).sum::<u64>(), 54);
+    assert_eq!(found.by_class.iter().map(|(_, count)| count).sum::<u64>(), found.with(Status::Completed));
+    assert_eq!(found.reasons.iter().map(|reason| reason.runs).sum::<u64>(), 54 - found.with(Status::Completed));
+
+    let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
+    let masses = table.numbers("mass_kg").expect("numbers");
+    for (index, (status, reason)) in status.iter().zip(&reason).enumerate() {
+        match status.expect("every row has one") {
+            "completed" => assert_eq!(*reason, None),
+            "refused" => {
+                let error = scene::parse(&study.scene_text(index as u64 + 1), "x.toml").expect_err("refused");
+                let reason = reason.expect("refused for a reason");
+                assert!(error.problems().iter().all(|problem| reason.contains(problem.message.trim())), "{reason}");
+                assert_eq!(masses[index], None);
+            }
+            "failed" => {
+                let reason = reason.expect("failed for a reason");
+                assert!(reason.starts_with("at ") && reason.contains(" ms: "), "{reason}");
+                assert!(masses[index].is_some());
+            }
+            other => panic!("{other}"),
+        }
+    }
+    assert!(reason.iter().flatten().any(|reason| reason.contains("mu_static` is -0.5")));
+    assert!(reason.iter().flatten().any(|reason| reason.contains("l21_fraction` is 1.5")));
+    assert!(reason.iter().flatten().any(|reason| reason.contains("budget of 120 steps")));
+}
+
+#[test]
+fn threads_and_order_change_nothing() {
+    let study = study(MIXED);
+    let alone = table(&study, &rows(&study, 1));
+    for threads in [2, 3, 8] {
+        assert_eq!(table(&study, &rows(&study, threads)), alone);
+    }
+    // Half of them first, the others later.
+    let mut found = Vec::new();
+    let odd: HashSet<u64> = (1..=study.runs()).filter(|run| run % 2 == 1).collect();
+    assert_eq!(run(&study, 2, &odd, |row| found.push(row)).runs, 27);
+    let even: HashSet<u64> = found.iter().map(|row| row.run).collect();
+    run(&study, 2, &even, |row| found.push(row));
+    assert_eq!(table(&study, &found), alone);
+}
+
+#[test]
+fn a_sweep_ends_when_it_is_told_to() {
+    let study = study(MIXED);
+    let mut rows = Vec::new();
+    let ran = run_while(&study, 2, u64::MAX, &HashSet::new(), &|| true, |row| {
+        rows.push(row);
+        rows.len() < 10
+    });
+    assert!(!ran.complete && (10..=12).contains(&ran.runs), "{ran:?}");
+    let ran = run_while(&study, 2, 7, &HashSet::new(), &|| true, |_| true);
+    assert!(ran.complete && ran.runs == 7);
+    let ran = run_while(&study, 1, u64::MAX, &HashSet::new(), &|| false, |_| true);
+    assert!(!ran.complete && ran.runs == 0);
+}
+
+#[test]
+fn a_filter_simulates_only_what_is_wanted() {
+    let of = |filter: &str| {
+        let text = format!(
+            "name = \"f\"\n{}\n[filter]\n{filter}\n",
+            include_str!("../../scenes/studies/thesis.toml").replace("name = \"thesis\"", "")
+        );
+        let study = study(&text.replace("from = 0\nto = 1\ncount = 4", "values = [1.0]"));
+        results(&study)
+    };
+    let table = of("force_positive = true\nform_closed = true");
+    let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
+    let flags = ["force_positive", "form_closed"].map(|name| table.flags(name).expect(name));
+    let (steps, classes) = (table.integers("steps").expect("integers"), table.texts("class").expect("texts"));
+    let mut filtered = 0;
+    for index in 0..table.rows.len() {
+        let good = flags.iter().all(|flags| flags[index] == Some(true));
+        assert_eq!(status[index] == Some("filtered"), !good);
+        assert_eq!(steps[index].is_none() && classes[index].is_none(), !good);
+        if !good {
+            filtered += 1;
+            assert!(matches!(reason[index], Some("not force positive" | "not form-closed")));
+        }
+    }
+    assert!(filtered > 20 && filtered < 96, "{filtered}");
+    let others = of("form_closed = false");
+    let closed = others.flags("form_closed").expect("flags");
+    let status = others.texts("status").expect("texts");
+    assert!((0..96).all(|index| (status[index] == Some("filtered")) == (closed[index] == Some(true))));
+}
+
+#[test]
+fn the_engine_finds_what_the_analytic_model_does() {
+    let mut study = study(
+        "scene = \"../experiment-95.toml\"\n[[axes]]\nfield = \"contact.friction.mu_static\"\nvalues = [0.0, 0.8]\n[[axes]]\nfield = \
+         \"design.base\"\nvalues = [\"15.5 mm\", \"15 mm\"]\n",
+    );
+    let analytic = results(&study);
+    study.model = Model::Engine;
+    let engine = results(&study);
+    assert_eq!(engine, table(&study, &rows(&study, 1)), "threads change nothing");
+    for (name, tolerance) in [("tts_s", 1e-3), ("f21_n", 1e-4), ("f22_n", 1e-4), ("pfp_n", 1e-3), ("static_f21_n", 0.0)]
+    {
+        let [a, b] = [&analytic, &engine].map(|table| table.numbers(name).expect(name));
+        for (a, b) in a.into_iter().zip(b) {
+            let (a, b) = (a.expect("found"), b.expect("found"));
+            assert!((a - b).abs() <= tolerance * a.abs(), "{name}: {a} and {b}");
+        }
+    }
+    assert_eq!(analytic.texts("class").expect("texts"), engine.texts("class").expect("texts"));
+    assert_ne!(analytic.integers("steps").expect("integers"), engine.integers("steps").expect("integers"));
+}
+
+#[test]
+fn a_scene_without_an_object_has_no_grasp_but_a_row() {
+    let study =
+        study("scene = \"../free-swing.toml\"\n[[axes]]\nfield = \"duration\"\nvalues = [\"1 ms\", \"2 ms\"]\n");
+    let table = results(&study);
+    assert_eq!(table.texts("status").expect("texts"), [Some("completed"); 2]);
+    for name in ["static_f21_n", "tts_s", "f21_n", "pfp_n", "trajectory_rad"] {
+        assert_eq!(table.numbers(name).expect(name), [None; 2], "{name}");
+    }
+    assert_eq!(table.texts("class").expect("texts"), [None; 2]);
+    assert!(table.integers("steps").expect("integers").iter().all(|steps| steps.is_some_and(|steps| steps > 0)));
+}

@@ -1,0 +1,12 @@
+//! Tests of the engine model against the analytic one.
+//!
+//! One program for the room: linking is most of what a test program costs.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod anchor;
+mod contact;
+mod order;
+mod repeats;
+mod stability;

@@ -1,0 +1,29 @@
+//! The anchor case, design 95 of the thesis, through model and criteria at once.
+
+use phalanx::criteria::{Class, FinalAngles, Tracker};
+use phalanx::gripper::{Circle, final_posture};
+use phalanx::scene;
+use phalanx::trace::Model;
+
+#[test]
+fn design_95_is_stable_when_its_tip_has_landed_whatever_the_log_rate() {
+    let mut scene = scene::load("scenes/experiment-95.toml").unwrap_or_else(|error| panic!("{error}"));
+    let object = scene.object.expect("an object");
+    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc).expect("a grasp");
+    for numeric_hz in [1e3, 1e4, 1e6] {
+        scene.log.numeric_hz = numeric_hz;
+        let mut tracker = Tracker::new(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad });
+        let outcome = crate::support::held::run(Model::Analytic, &scene, &mut tracker).expect("completed");
+        let criteria = tracker.criteria(true);
+        // 1-model §1.8: the tip lands at 6.883746 ms, and nothing rebounds.
+        let tts = criteria.tts_s.expect("stable");
+        assert!((tts - 6.883746e-3).abs() < 1e-7, "{tts}");
+        assert_eq!(criteria.tts_s, outcome.sites[1].first_s);
+        // q11 comes in with some 260 rad/s, so the last 0.2° take 13.5 µs.
+        let approach = tts - criteria.t_geo_s.expect("in position");
+        assert!((approach - 13.5e-6).abs() < 0.1e-6, "{approach}");
+        assert_eq!(criteria.rebound_percent, Some(0.0));
+        assert_eq!(criteria.class, Class::Stable);
+    }
+}

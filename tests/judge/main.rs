@@ -1,0 +1,17 @@
+//! Tests of what is said of runs: checks, criteria, comparisons, random and hard scenes.
+//!
+//! One program for the room: linking is most of what a test program costs.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod budget;
+mod campaign;
+mod check;
+mod criteria_anchor;
+mod criteria_tracker;
+mod hard_scenes;
+mod random_scenes;
+mod validate_command;
+mod validate_measures;
+mod validate_scenes;

@@ -1,0 +1,18 @@
+//! Tests of logs: writing, reading, crashes, replay.
+//!
+//! One program for the room: linking is most of what a test program costs.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod crash;
+mod faults_log;
+mod faults_process;
+mod live_origin;
+mod pictures;
+mod provenance;
+mod reader;
+mod replay_recover;
+mod replay_verify;
+mod round_trip;
+mod thin;

@@ -1,0 +1,312 @@
+//! The log is read back with the mcap crate, and every message decoded against the descriptor embedded in the file by a
+//! protobuf library that the writer does not use.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
+use mcap::{MessageStream, Summary};
+use phalanx::log::{RunInfo, Severity, Writer, metadata};
+use phalanx::scene::Scene;
+use phalanx::trace::{Event, Sample, Sink, Site};
+use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
+
+enum Record {
+    Sample(Box<Sample>),
+    Event(Event),
+}
+
+/// 0–20 ms on a grid of 0.1 ms, with an impact in steps of 0.3 ns around 5 ms.
+fn run() -> Vec<Record> {
+    let mut records = Vec::new();
+    for i in 0..=200 {
+        records.push(Record::Sample(Box::new(sample(1e-4 * i as f64))));
+        if i == 50 {
+            records.push(Record::Event(touch_down(5.00001e-3, Site::Proximal, 1.25)));
+            for k in 1..=10 {
+                records.push(Record::Sample(Box::new(sample(5.00001e-3 + 3e-10 * k as f64))));
+            }
+            records.push(Record::Event(lift_off(5.00002e-3, Site::Proximal, 3.5e-3)));
+            records.push(Record::Event(touch_down(5.00003e-3, Site::Limit, 12.5)));
+            records.push(Record::Event(reload(5.00003e-3, Site::Limit)));
+            records.push(Record::Event(touch_down(5.00004e-3, Site::Distal, 0.75)));
+        }
+    }
+    records
+}
+
+fn write(scene: &Scene, records: &[Record]) -> Vec<u8> {
+    let run = RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" };
+    let mut writer = Writer::new(Vec::new(), "the log", &run).expect("a vector takes any log");
+    for record in records {
+        match record {
+            Record::Sample(sample) => writer.sample(sample).expect("written"),
+            Record::Event(event) => writer.event(event).expect("written"),
+        }
+    }
+    writer.note(scene.duration_s, Severity::Info, "run", "done").expect("written");
+    writer.finish().expect("finished")
+}
+
+/// A decoded message: topic, log time, publish time, and its fields by name.
+struct Decoded {
+    topic: String,
+    log_time: u64,
+    publish_time: u64,
+    message: DynamicMessage,
+}
+
+impl Decoded {
+    fn number(&self, field: &str) -> f64 {
+        match self.message.get_field_by_name(field).expect(field).as_ref() {
+            Value::F64(value) => *value,
+            Value::Bool(value) => f64::from(*value),
+            other => panic!("{field}: {other:?}"),
+        }
+    }
+
+    fn numbers(&self) -> Vec<(String, f64)> {
+        let descriptor = self.message.descriptor();
+        let mut fields: Vec<_> = descriptor.fields().collect();
+        fields.sort_by_key(|field| field.number());
+        fields.iter().map(|f| (f.name().to_string(), self.number(f.name()))).collect()
+    }
+
+    fn text(&self, field: &str) -> String {
+        self.message.get_field_by_name(field).expect(field).as_str().expect("a string").to_string()
+    }
+}
+
+fn read(bytes: &[u8]) -> Vec<Decoded> {
+    MessageStream::new(bytes)
+        .expect("a log")
+        .map(|message| {
+            let message = message.expect("readable to the end");
+            assert_eq!(message.channel.message_encoding, "protobuf");
+            let schema = message.channel.schema.as_ref().expect("a schema");
+            assert_eq!(schema.encoding, "protobuf");
+            let pool = DescriptorPool::decode(&schema.data[..]).expect("a FileDescriptorSet");
+            let descriptor = pool.get_message_by_name(&schema.name).expect("the schema's own message");
+            Decoded {
+                topic: message.channel.topic.clone(),
+                log_time: message.log_time,
+                publish_time: message.publish_time,
+                message: DynamicMessage::decode(descriptor, &message.data[..]).expect("matches its descriptor"),
+            }
+        })
+        .collect()
+}
+
+/// What the channels must say for a sample, written out by hand.
+fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
+    let contact = |contact: &phalanx::trace::ContactSample| {
+        vec![
+            ("timestamp", sample.time_s),
+            ("gap_m", contact.gap_m),
+            ("gap_rate_m_s", contact.gap_rate_m_s),
+            ("slip_m_s", contact.slip_m_s),
+            ("normal_n", contact.normal_n),
+            ("tangential_n", contact.tangential_n),
+            ("point_x_m", contact.point_m[0]),
+            ("point_y_m", contact.point_m[1]),
+            ("normal_x", contact.normal[0]),
+            ("normal_y", contact.normal[1]),
+            ("impulse_n_s", contact.impulse_n_s),
+        ]
+    };
+    vec![
+        (
+            "/state",
+            vec![
+                ("timestamp", sample.time_s),
+                ("q11_rad", sample.q11_rad),
+                ("q21_rad", sample.q21_rad),
+                ("q12_rad", sample.q12_rad),
+                ("q22_rad", sample.q22_rad),
+                ("q13_rad", sample.q13_rad),
+                ("qd11_rad_s", sample.qd11_rad_s),
+                ("qd21_rad_s", sample.qd21_rad_s),
+                ("qd12_rad_s", sample.qd12_rad_s),
+                ("qd22_rad_s", sample.qd22_rad_s),
+                ("motor_torque_n_m", sample.motor_torque_n_m),
+            ],
+        ),
+        ("/contact/proximal", contact(&sample.proximal)),
+        ("/contact/distal", contact(&sample.distal)),
+        (
+            "/limit",
+            vec![
+                ("timestamp", sample.time_s),
+                ("gap_rad", sample.limit.gap_rad),
+                ("gap_rate_rad_s", sample.limit.gap_rate_rad_s),
+                ("torque_n_m", sample.limit.torque_n_m),
+                ("impulse_n_m_s", sample.limit.impulse_n_m_s),
+            ],
+        ),
+        (
+            "/energy",
+            vec![
+                ("timestamp", sample.time_s),
+                ("kinetic_j", sample.energy.kinetic_j),
+                ("gravity_j", sample.energy.gravity_j),
+                ("spring_j", sample.energy.spring_j),
+                ("elastic_j", sample.energy.elastic_j),
+                ("dissipated_j", sample.energy.dissipated_j),
+                ("motor_work_j", sample.energy.motor_work_j),
+                ("balance_j", sample.energy.balance_j),
+            ],
+        ),
+    ]
+}
+
+#[test]
+fn every_figure_of_every_sample_comes_back_unchanged() {
+    let records = run();
+    let messages = read(&write(&scene(), &records));
+    let mut wanted: BTreeMap<&str, Vec<Vec<(&str, f64)>>> = BTreeMap::new();
+    for record in &records {
+        if let Record::Sample(sample) = record {
+            for (topic, fields) in expected(sample) {
+                wanted.entry(topic).or_default().push(fields);
+            }
+        }
+    }
+    for (topic, wanted) in wanted {
+        let found: Vec<_> = messages.iter().filter(|m| m.topic == topic).collect();
+        assert_eq!(found.len(), wanted.len(), "{topic}");
+        for (found, wanted) in found.iter().zip(wanted) {
+            let found = found.numbers();
+            assert_eq!(found.len(), wanted.len(), "{topic}");
+            for ((name, value), (wanted_name, wanted_value)) in found.iter().zip(wanted) {
+                assert_eq!(name, wanted_name, "{topic}");
+                assert_eq!(value.to_bits(), wanted_value.to_bits(), "{topic} {name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_clock_from_zero_that_never_goes_back() {
+    let messages = read(&write(&scene(), &run()));
+    assert_eq!(messages.first().expect("not empty").log_time, 0);
+    let mut last = 0;
+    for message in &messages {
+        assert_eq!(message.log_time, message.publish_time);
+        assert!(message.log_time >= last, "{}", message.topic);
+        last = message.log_time;
+        if message.message.get_field_by_name("timestamp").is_some_and(|field| field.as_f64().is_some()) {
+            let stamp = message.number("timestamp");
+            assert!((stamp * 1e9 - message.log_time as f64).abs() <= 0.5, "{} {stamp}", message.topic);
+        }
+    }
+    assert_eq!(last, 20_000_000);
+    // Steps of 0.3 ns share log times, but not stamps.
+    let stamps: Vec<f64> = messages.iter().filter(|m| m.topic == "/state").map(|m| m.number("timestamp")).collect();
+    assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]));
+}
+
+#[test]
+fn events_come_as_text_and_as_figures() {
+    let messages = read(&write(&scene(), &run()));
+    let of = |topic: &'static str| messages.iter().filter(move |m| m.topic == topic);
+    let impacts: Vec<_> = of("/impact/proximal").map(Decoded::numbers).collect();
+    let named = |values: [(&str, f64); 5]| values.map(|(name, value)| (name.to_string(), value)).to_vec();
+    assert_eq!(
+        impacts,
+        [
+            named([
+                ("timestamp", 5.00001e-3),
+                ("pressed", 1.0),
+                ("touch_down", 1.0),
+                ("approach_speed_m_s", 1.25),
+                ("impulse_n_s", 0.0)
+            ]),
+            named([
+                ("timestamp", 5.00002e-3),
+                ("pressed", 0.0),
+                ("touch_down", 0.0),
+                ("approach_speed_m_s", 0.0),
+                ("impulse_n_s", 3.5e-3)
+            ]),
+        ]
+    );
+    let limit: Vec<_> = of("/impact/limit").collect();
+    assert_eq!(limit[0].number("approach_speed_rad_s"), 12.5);
+    assert_eq!((limit[1].number("pressed"), limit[1].number("touch_down")), (1.0, 0.0));
+    assert_eq!(of("/impact/distal").count(), 1);
+
+    let events: Vec<_> = of("/events").collect();
+    assert_eq!(events.len(), 6);
+    assert_eq!(events[0].message.descriptor().full_name(), "foxglove.Log");
+    assert_eq!(events[0].text("name"), "proximal");
+    assert_eq!(events[0].text("message"), "proximal phalanx: touch-down at 5.000010 ms, approach speed 1.250000 m/s");
+    assert!(events[1].text("message").contains("impulse 3.500000e-3 N·s"));
+    assert!(events[2].text("message").contains("12.500000 rad/s"));
+    let stamp = events[0].message.get_field_by_name("timestamp").expect("a stamp");
+    let stamp = stamp.as_message().expect("google.protobuf.Timestamp");
+    assert_eq!(stamp.get_field_by_name("seconds").expect("seconds").as_i64(), Some(0));
+    assert_eq!(stamp.get_field_by_name("nanos").expect("nanos").as_i32(), Some(5_000_010));
+    assert_eq!(events[5].text("name"), "run");
+    assert_eq!(events[5].text("message"), "done");
+}
+
+#[test]
+fn the_scene_and_the_settings_are_in_the_file() {
+    let scene = scene();
+    let bytes = write(&scene, &run());
+    let summary = Summary::read(&bytes).expect("readable").expect("indexed");
+    assert_eq!(summary.attachment_indexes.len(), 1);
+    let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).expect("readable");
+    assert_eq!(attachment.name, "synthetic.toml");
+    assert_eq!(attachment.media_type, "application/toml");
+    assert_eq!(attachment.data.as_ref(), scene.source.as_bytes());
+    assert_eq!((attachment.log_time, attachment.create_time), (0, 0));
+
+    assert_eq!(summary.metadata_indexes.len(), 1);
+    let record = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable");
+    assert_eq!(record.name, "phalanx");
+    let info = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
+    assert_eq!(record.metadata, metadata(&info));
+    assert_eq!(record.metadata["model"], "analytic");
+    assert_eq!(record.metadata["integrator_rtol"], "0.0001");
+    assert_eq!(record.metadata["phalanx_version"], env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+fn only_what_the_scene_has_is_logged() {
+    let topics = |scene: &Scene| -> BTreeSet<String> {
+        let bytes = write(scene, &run());
+        let summary = Summary::read(&bytes).expect("readable").expect("indexed");
+        let declared: BTreeSet<String> = summary.channels.values().map(|c| c.topic.clone()).collect();
+        let used: BTreeSet<String> = read(&bytes).into_iter().map(|m| m.topic).collect();
+        assert!(used.is_subset(&declared));
+        declared
+    };
+    let all = [
+        "/contact/distal",
+        "/contact/proximal",
+        "/energy",
+        "/events",
+        "/forces",
+        "/impact/distal",
+        "/impact/limit",
+        "/impact/proximal",
+        "/limit",
+        "/scene",
+        "/state",
+        "/tf",
+        "/tf_static",
+    ];
+    let set = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<BTreeSet<_>>();
+    assert_eq!(topics(&scene()), set(&all));
+    let mut swing = scene();
+    swing.object = None;
+    swing.limit = None;
+    assert_eq!(topics(&swing), set(&["/energy", "/events", "/scene", "/state", "/tf", "/tf_static"]));
+    swing.log.picture_hz = 0.0;
+    assert_eq!(topics(&swing), set(&["/energy", "/events", "/state"]));
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    assert_eq!(write(&scene(), &run()), write(&scene(), &run()));
+}

@@ -1,0 +1,72 @@
+//! Every broken scene in `tests/broken` is refused with exactly the message beside it.
+//!
+//! `PHALANX_BLESS=1 cargo test --test scene broken` writes the messages anew; read the difference before committing it.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+
+use phalanx::scene::{self, SceneError};
+
+fn broken() -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = fs::read_dir("tests/broken")
+        .expect("tests/broken")
+        .map(|entry| entry.expect("entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn every_broken_scene_is_refused_with_its_message() {
+    let bless = std::env::var_os("PHALANX_BLESS").is_some();
+    let files = broken();
+    assert!(files.len() >= 30, "{} broken scenes", files.len());
+    let mut differing = Vec::new();
+    for file in files {
+        let message = match scene::load_any(&file) {
+            Ok(_) => panic!("{} is accepted", file.display()),
+            Err(error) => format!("{error}\n").replace('\\', "/"),
+        };
+        let beside = file.with_extension("txt");
+        if bless {
+            fs::write(&beside, message).expect("write");
+        } else if fs::read_to_string(&beside).unwrap_or_default() != message {
+            differing.push(format!("{}:\n{message}", file.display()));
+        }
+    }
+    assert!(differing.is_empty(), "{}", differing.join("\n"));
+}
+
+#[test]
+fn every_message_says_where_and_what_to_do() {
+    let mut messages = BTreeSet::new();
+    for file in broken() {
+        let Err(error) = scene::load_any(&file) else { continue };
+        assert!(!error.problems().is_empty(), "{}", file.display());
+        for problem in error.problems() {
+            assert!(!problem.message.is_empty() && !problem.help.is_empty(), "{problem:?}");
+            assert!(!problem.message.ends_with('.') && !problem.help.contains("  "), "{problem:?}");
+        }
+        assert!(messages.insert(error.to_string()), "{} repeats", file.display());
+    }
+}
+
+#[test]
+fn files_that_cannot_be_read_are_refused() {
+    let message = |path: &str| scene::load(path).expect_err(path).to_string();
+    assert_eq!(
+        message("scenes/no-such.toml"),
+        "error: cannot read scene `scenes/no-such.toml`: there is no such file; check the path"
+    );
+    assert_eq!(
+        message("scenes"),
+        "error: cannot read scene `scenes`: it is a directory; name a scene file (.toml) in it"
+    );
+    let path = std::env::temp_dir().join(format!("phalanx-{}-not-utf8.toml", std::process::id()));
+    fs::write(&path, b"name = \"a\"\n# caf\xe9\n").expect("write");
+    let error = scene::load(&path).expect_err("not UTF-8");
+    let _ = fs::remove_file(&path);
+    assert!(matches!(error, SceneError::NotUtf8 { line: 2, column: 6, .. }), "{error:?}");
+}

@@ -1,0 +1,160 @@
+//! Scenes of discs by hand, runs of both models, and what is read off them.
+
+use super::held;
+use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::scene::{
+    BodiesBounds, BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset,
+    Response, Stepping,
+};
+use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
+use phalanx::trace::{EventKind, Model, SinkError};
+
+pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
+
+/// Spring k = 1e8 N/m^2.2 and damper of the thesis (Table 3.2).
+pub const THESIS: NormalLaw =
+    NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+
+/// Friction law of the thesis (Table 3.2, μ_d = 0.7 μ_s).
+pub const FRICTION: FrictionLaw =
+    FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
+
+pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
+    NormalLaw { stiffness_n_per_m_e, exponent, damping_max_n_s_per_m: 0.0, transition_m: 1e-5 }
+}
+
+pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> NamedDisc {
+    NamedDisc { name: name.to_string(), radius_m, centre_m, motion }
+}
+
+/// A disc of 1 kg that does not turn.
+pub fn sliding(velocity_m_s: [f64; 2]) -> DiscMotion {
+    DiscMotion::Free { mass_kg: 1.0, inertia_kg_m2: None, velocity_m_s, spin_rad_s: 0.0 }
+}
+
+pub fn driven(velocity_m_s: [f64; 2], acceleration_m_s2: [f64; 2]) -> DiscMotion {
+    DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s: 0.0 }
+}
+
+/// No gravity, no half plane, reference integrator, default engine.
+pub fn scene(discs: Vec<NamedDisc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> BodiesScene {
+    BodiesScene {
+        name: "laws".to_string(),
+        description: String::new(),
+        source: String::new(),
+        discs,
+        half_plane: None,
+        contact: ContactLaw { normal, friction },
+        gravity_m_s2: [0.0; 2],
+        duration_s,
+        integrator: Integrator::preset(Preset::Reference),
+        engine: Engine {
+            construction: Construction::Maximal,
+            response: Response::Laws,
+            stepping: Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: 6e-5 },
+            iterations: 2,
+            max_steps: 10_000_000,
+        },
+        bounds: BodiesBounds {
+            position_m: 1e-6,
+            contact_time_s: 1e-6,
+            impulse: 1e-3,
+            peak_force: 1e-2,
+            until_s: duration_s,
+        },
+        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
+    }
+}
+
+pub fn on_plane(mut scene: BodiesScene) -> BodiesScene {
+    scene.half_plane = Some(HalfPlane { level_m: 0.0 });
+    scene
+}
+
+/// The scene logged where forces are computed: the engine's, between its steps, are interpolated.
+pub fn at_steps(model: Model, mut scene: BodiesScene) -> BodiesScene {
+    if model == Model::Engine {
+        scene.log.numeric_hz = 1.0 / scene.duration_s;
+    }
+    scene
+}
+
+/// The scene with fixed steps of the engine.
+pub fn stepped(scene: &BodiesScene, step_s: f64) -> BodiesScene {
+    let mut scene = scene.clone();
+    scene.engine.stepping = Stepping::Fixed { step_s };
+    scene
+}
+
+/// Keeps a whole run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Collect {
+    pub samples: Vec<BodiesSample>,
+    pub events: Vec<BodiesEvent>,
+}
+
+impl BodiesSink for Collect {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.samples.push(sample.clone());
+        Ok(())
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.events.push(*event);
+        Ok(())
+    }
+}
+
+impl Collect {
+    /// Time of the first event of a kind at a pair.
+    #[track_caller]
+    pub fn time(&self, pair: usize, kind: EventKind) -> f64 {
+        let found = self.events.iter().find(|event| event.pair == pair && event.kind == kind);
+        found.unwrap_or_else(|| panic!("no {kind:?} at pair {pair}")).time_s
+    }
+}
+
+/// Runs a scene that must get to its end.
+#[track_caller]
+pub fn complete(model: Model, scene: &BodiesScene) -> (BodiesOutcome, Collect) {
+    let mut log = Collect::default();
+    let outcome = held::run_bodies(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
+    let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();
+    assert!(times.is_sorted(), "{}: samples in order of time", model.name());
+    assert_eq!(times.first(), Some(&0.0));
+    assert_eq!(times.last(), Some(&scene.duration_s));
+    (outcome, log)
+}
+
+/// One free disc of 1 kg on the way to a fixed one, head on, to touch it after 1 ms.
+pub fn impact(normal: NormalLaw, speed: f64, duration_s: f64) -> BodiesScene {
+    let discs = vec![
+        disc("anvil", 0.1, [0.1, 0.0], DiscMotion::Fixed),
+        disc("hammer", 0.05, [-0.05 - 1e-3 * speed, 0.0], sliding([speed, 0.0])),
+    ];
+    scene(discs, normal, None, duration_s)
+}
+
+/// |got/want − 1|.
+pub fn relative(got: f64, want: f64) -> f64 {
+    (got / want - 1.0).abs()
+}
+
+/// Γ(x) for x > 0 (Lanczos, g = 7, 9 terms): relative error below 1e-14.
+pub fn gamma(x: f64) -> f64 {
+    const TERMS: [f64; 8] = [
+        676.5203681218851,
+        -1259.1392167224028,
+        771.323_428_777_653_1,
+        -176.615_029_162_140_6,
+        12.507343278686905,
+        -0.13857109526572012,
+        9.984_369_578_019_572e-6,
+        1.5056327351493116e-7,
+    ];
+    let x = x - 1.0;
+    let sum =
+        TERMS.iter().enumerate().fold(0.999_999_999_999_809_9, |sum, (i, term)| sum + term / (x + 1.0 + i as f64));
+    let t = x + 7.5;
+    (2.0 * std::f64::consts::PI).sqrt() * t.powf(x + 0.5) * (-t).exp() * sum
+}

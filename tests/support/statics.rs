@@ -1,0 +1,64 @@
+//! Fingers on their discs, at random and of the thesis's grid.
+
+use phalanx::gripper::{
+    Assembly, Circle, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies,
+    disc, final_posture, lengths,
+};
+
+/// A finger that holds its disc.
+#[derive(Clone, Debug)]
+pub struct Grasp {
+    pub finger: Finger,
+    pub disc: Circle,
+    pub end: FinalPosture,
+}
+
+/// The grasp of a design; `None` if these numbers make none.
+pub fn grasp(design: &Design) -> Option<Grasp> {
+    let lengths = lengths(design).ok()?;
+    let finger = Finger { lengths, bodies: bodies(&lengths, 1070.0, 0.04).ok()?, assembly: Assembly::Reference };
+    let disc = disc(design);
+    let end = final_posture(&lengths, Assembly::Reference, disc).ok()?;
+    Some(Grasp { finger, disc, end })
+}
+
+/// The same grasp with phalanges that are lines: the disc grows by what they lost.
+pub fn without_width(grasp: &Grasp) -> Grasp {
+    let w = grasp.finger.lengths.half_width_m;
+    let finger = Finger { lengths: Lengths { half_width_m: 0.0, ..grasp.finger.lengths }, ..grasp.finger };
+    let disc = Circle { radius_m: grasp.disc.radius_m + w, ..grasp.disc };
+    let end = final_posture(&finger.lengths, finger.assembly, disc).expect("tangent to the same virtual circle");
+    Grasp { finger, disc, end }
+}
+
+pub fn constant_spring(torque_n_m: f64) -> Spring {
+    Spring { kind: SpringKind::Constant { torque_n_m }, placement: Placement::Phalanges }
+}
+
+/// Reproducible random numbers (splitmix64).
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in `low`…`high`.
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let unit = ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low) * unit
+    }
+
+    /// The next design within the ranges of the thesis (§3.4) that makes a grasp.
+    pub fn grasp(&mut self) -> Grasp {
+        loop {
+            let base_m = self.within(0.012, 0.0225);
+            let l21 = ProximalLength::Fraction(self.within(0.0, 1.0));
+            let phi22_rad = self.within(90.0, 120.0).to_radians();
+            let design = Design::thesis(base_m, l21, phi22_rad, self.within(1.0 / 3.0, 2.0 / 3.0));
+            if let Some(grasp) = grasp(&design) {
+                return grasp;
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A made-up run in closed form for the tests of the sinks: no model needed.
+
+use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
+use phalanx::law::{ContactLaw, NormalLaw};
+use phalanx::scene::{
+    Actuation, Bounds, Contacts, Disc, Engine, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring,
+    SpringKind, show,
+};
+use phalanx::trace::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
+
+/// A scene whose text says what it is.
+pub fn scene() -> Scene {
+    let scene = resolved();
+    Scene { source: format!("# a scene with a µ and no particular meaning\n{}", show(&scene)), ..scene }
+}
+
+fn resolved() -> Scene {
+    let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
+    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let contact = ContactLaw { normal, friction: None };
+    Scene {
+        name: "synthetic".to_string(),
+        description: String::new(),
+        source: String::new(),
+        finger: Finger {
+            lengths: Lengths {
+                l11_m: 15e-3,
+                l12_m: 22.3628e-3,
+                l21_m: 24.4324e-3,
+                l22_m: 7.5e-3,
+                t22_m: 12.8566e-3,
+                phi22_rad: 120f64.to_radians(),
+                half_width_m: 2.5e-3,
+            },
+            bodies: Bodies { l11: body, l12: body, l21: body, l22: body },
+            assembly: Assembly::Reference,
+        },
+        object: Some(Disc { radius_m: 20e-3, centre_m: [-15.5e-3, 20e-3] }),
+        palm: true,
+        actuation: Actuation::Constant { torque_n_m: 0.48 },
+        spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: 0.1326 }, placement: Placement::Phalanges }),
+        limit: Some(normal),
+        contact: Contacts { proximal: contact, distal: contact },
+        gravity_m_s2: [0.0, 9.81],
+        duration_s: 20e-3,
+        initial: Initial {
+            q11_rad: -50f64.to_radians(),
+            q21_rad: 40f64.to_radians(),
+            qd11_rad_s: 0.0,
+            qd21_rad_s: 0.0,
+        },
+        integrator: Integrator {
+            preset: Preset::Engineering,
+            method: Method::Rodas5p,
+            rtol: 1e-4,
+            atol_angle_rad: 1e-10,
+            atol_rate_rad_s: 1e-6,
+            max_steps: 1_000_000,
+        },
+        engine: Engine::DEFAULT,
+        bounds: Bounds::over(20e-3),
+        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
+    }
+}
+
+/// A sample in which every figure is another number, made from its time.
+pub fn sample(time_s: f64) -> Sample {
+    let f = |k: u32| (1.0 + k as f64) * (1e3 * time_s + 0.3 * k as f64).sin();
+    let contact = |k: u32| ContactSample {
+        gap_m: 1e-3 * f(k),
+        gap_rate_m_s: f(k + 1),
+        slip_m_s: f(k + 2),
+        normal_n: f(k + 3).abs(),
+        tangential_n: f(k + 4),
+        impulse_n_s: f(k + 9),
+        point_m: [1e-2 * f(k + 5), 1e-2 * f(k + 6)],
+        normal: [f(k + 7), f(k + 8)],
+    };
+    Sample {
+        time_s,
+        q11_rad: f(0),
+        q21_rad: f(1),
+        q12_rad: f(2),
+        q22_rad: f(3),
+        q13_rad: f(4),
+        qd11_rad_s: f(5),
+        qd21_rad_s: f(6),
+        qd12_rad_s: f(7),
+        qd22_rad_s: f(8),
+        motor_torque_n_m: 0.48,
+        proximal: contact(10),
+        distal: contact(20),
+        limit: LimitSample { gap_rad: f(30), gap_rate_rad_s: f(31), torque_n_m: f(32), impulse_n_m_s: f(33) },
+        energy: Energy {
+            kinetic_j: f(40),
+            gravity_j: f(41),
+            spring_j: f(42),
+            elastic_j: f(43),
+            dissipated_j: f(44),
+            motor_work_j: f(45),
+            balance_j: 1e-12 * f(46),
+        },
+    }
+}
+
+/// A sample of a finger at given angles and rates, with given normal forces and nothing else going on.
+pub fn posture(
+    time_s: f64,
+    (q11_rad, qd11_rad_s): (f64, f64),
+    (q21_rad, qd21_rad_s): (f64, f64),
+    forces_n: [f64; 2],
+) -> Sample {
+    let contact = |normal_n: f64| ContactSample {
+        gap_m: if normal_n > 0.0 { -1e-6 } else { 1e-3 },
+        gap_rate_m_s: 0.0,
+        slip_m_s: 0.0,
+        normal_n,
+        tangential_n: 0.0,
+        impulse_n_s: 0.0,
+        point_m: [0.0; 2],
+        normal: [1.0, 0.0],
+    };
+    Sample {
+        q11_rad,
+        q21_rad,
+        qd11_rad_s,
+        qd21_rad_s,
+        proximal: contact(forces_n[0]),
+        distal: contact(forces_n[1]),
+        ..sample(time_s)
+    }
+}
+
+pub fn touch_down(time_s: f64, site: Site, approach_speed: f64) -> Event {
+    Event { time_s, site, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
+}
+
+pub fn lift_off(time_s: f64, site: Site, impulse: f64) -> Event {
+    Event { time_s, site, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
+}
+
+pub fn reload(time_s: f64, site: Site) -> Event {
+    Event { time_s, site, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
+}
