@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Measures the figures of the README and puts them there.
+"""Measures the figures of the README and of the documents in src/docs, and puts them there.
 
     tools/readme_figures.py                 all blocks
     tools/readme_figures.py scenes memory   only these
-    tools/readme_figures.py --dry-run       print, leave README.md alone
+    tools/readme_figures.py --dry-run       print, leave the pages alone
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
-blocks of the same names in README.md; nothing else there changes. Blocks: accuracy, scenes, memory, engine, validate, log,
-reproduce, design. Needs only Python's own library, and GNU time for the block memory. The blocks scenes, engine and reproduce
-also put their pictures into tools/figures.
+block of the same name in the page that has it; nothing else changes. Blocks: summary, accuracy, scenes, memory, engine,
+validate, log, reproduce, design. Needs only Python's own library, and GNU time for the block memory. The blocks scenes, engine
+and reproduce also put their pictures into tools/figures.
 """
 
 import argparse
@@ -24,7 +24,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-README = ROOT / "README.md"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "src" / "docs").glob("*.md"))]
 PHALANX = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "phalanx"
 
 
@@ -130,7 +130,7 @@ def scenes(_):
 
 
 def scene_row(path, run):
-    name = f"[`{run['scene']}`](scenes/{path.name})"
+    name = f"[`{run['scene']}`](../../scenes/{path.name})"
     if not run["final"] or not run["contacts"]:
         return [name] + ["–"] * 7
     phalanges = [run["contacts"][which] for which in ("proximal", "distal")]
@@ -233,7 +233,7 @@ def validate(_):
         run = document["engine"]
         keys = ("angle_rad", "contact_time_s", "final_force", "impulse", "loop_gap_m")
         body.append([
-            f"[`{document['scene']}`](scenes/{scene.name})",
+            f"[`{document['scene']}`](../../scenes/{scene.name})",
             "yes" if document["passed"] else "no",
             *(number(measured[key]) for key in keys),
             str(run["steps"]),
@@ -286,24 +286,48 @@ def design(scratch):
     return "\n".join(tables) + "\n\n" + whole
 
 
+def summary(_):
+    """What one needs to know, from one validation and five sweeps."""
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    settings = validation(ROOT / "scenes" / "experiment-95.toml")["settings"]
+    everyday = next(row for row in settings if (row["family"], row["setting"]) == ("analytic", "rodas5p rtol 1e-5"))
+    engine_own = next(row for row in settings if row["own"])
+    reference = next(row for row in settings if row["reference"])
+    row = lambda name, run, error: [name, error, f"{run['wall_s'] * 1e3:.2g} ms"]  # noqa: E731
+    body = [
+        row("analytic model, everyday preset", everyday, number(everyday["angle_max_rad"]) + " rad"),
+        row("analytic model, `reference` preset", reference, "what the others are held to"),
+        row("engine (rapier with the contact hook)", engine_own, number(engine_own["angle_max_rad"]) + " rad"),
+    ]
+    study, times = ROOT / "scenes" / "studies" / "thesis.toml", []
+    for _ in range(5):
+        start = time.perf_counter()
+        with tempfile.TemporaryDirectory() as scratch:
+            call(PHALANX, "sweep", study, "--out", Path(scratch) / "thesis.csv", "--quiet", stdout=subprocess.DEVNULL)
+        times.append(time.perf_counter() - start)
+    body.append([f"384 designs sized and simulated, {os.cpu_count()} cores", "", f"{sorted(times)[2]:.2g} s"])
+    return table(["", "angle error", "time"], body)
+
+
 BLOCKS = {
-    "accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log,
+    "summary": summary, "accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log,
     "reproduce": reproduce, "design": design,
 }
 
 
-def put(text, name, content):
-    """Replaces a block of `text`, which is left alone if it has no such block."""
+def put(name, content):
+    """Replaces a block in the page that has it."""
     pattern = re.compile(rf"<!-- figures:begin {name} -->.*?<!-- figures:end {name} -->", re.DOTALL)
-    if not pattern.search(text):
-        print(f"README.md has no block '{name}': add its two markers", file=sys.stderr)
-    return pattern.sub(lambda _: content, text)
+    having = [page for page in PAGES if pattern.search(page.read_text())]
+    if len(having) != 1:
+        sys.exit(f"block '{name}' is in {len(having)} pages: put its two markers into one of README.md and src/docs/*.md")
+    having[0].write_text(pattern.sub(lambda _: content, having[0].read_text()))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="accuracy, scenes, memory, engine, validate, log; all if none is given")
-    parser.add_argument("--dry-run", action="store_true", help="leave README.md alone")
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="one of those above; all if none is given")
+    parser.add_argument("--dry-run", action="store_true", help="leave the pages alone")
     arguments = parser.parse_args()
     unknown = [name for name in arguments.blocks if name not in BLOCKS]
     if unknown:
@@ -312,8 +336,8 @@ def main():
         for name in arguments.blocks or BLOCKS:
             block = f"<!-- figures:begin {name} -->\n{BLOCKS[name](Path(scratch))}\n<!-- figures:end {name} -->"
             print(block, flush=True)
-            if README.exists() and not arguments.dry_run:
-                README.write_text(put(README.read_text(), name, block))
+            if not arguments.dry_run:
+                put(name, block)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,13 @@
 //! Documentation that is longer than a docstring.
 
+#[doc = include_str!("accuracy.md")]
+pub mod accuracy {}
+
 #[doc = include_str!("design.md")]
 pub mod design {}
+
+#[doc = include_str!("design_work.md")]
+pub mod design_work {}
 
 #[doc = include_str!("engine.md")]
 pub mod engine {}
@@ -23,6 +29,12 @@ pub mod limits {}
 
 #[doc = include_str!("robustness.md")]
 pub mod robustness {}
+
+#[doc = include_str!("scene_files.md")]
+pub mod scene_files {}
+
+#[doc = include_str!("scenes.md")]
+pub mod scenes {}
 
 #[doc = include_str!("stability.md")]
 pub mod stability {}
