@@ -13,6 +13,7 @@ import protobuf from "protobufjs";
 import "protobufjs/ext/descriptor.js";
 
 import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
+import { gif } from "./gif.mjs";
 
 before(start);
 after(stop);
@@ -324,6 +325,64 @@ describe("the page of a closing in both models", () => {
     assert.deepEqual([...png.subarray(1, 4)], [..."PNG"].map((char) => char.charCodeAt(0)));
     assert.ok(png.readUInt32BE(16) > 800 && png.length > 40_000, `${png.readUInt32BE(16)} wide, ${png.length} bytes`);
     writeFileSync(path.join(SCREENSHOTS, "saved.png"), png);
+    await close();
+  });
+
+  it("saves the animation as a moving picture", async () => {
+    const { page, call, state, close } = await opened(file);
+    const saved = async () => {
+      const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#save").selectOption("gif")]);
+      assert.equal(download.suggestedFilename(), "experiment-95.gif");
+      await page.waitForFunction(() => !document.getElementById("save").disabled);
+      assert.equal(await page.locator("#save option").first().textContent(), "Save…");
+      return readFileSync(await download.path());
+    };
+    const length = ({ frames }) => frames.reduce((sum, frame) => sum + frame.delay_s, 0);
+    // A millisecond at a millisecond a second, in 25 frames a second; the last one stays.
+    await call("setSpeed", 1e-3);
+    await call("window", 4e-3, 5e-3);
+    await call("seek", 4.2e-3);
+    const short = gif(await saved());
+    assert.equal(short.frames.length, 26);
+    near(length(short), 25 * 0.04 + 1.5, 1e-9, "seconds");
+    assert.equal((await state()).time_s, 4.2e-3, "the cursor stays");
+    // The whole of it, slow at impacts: as the page plays it.
+    await call("setAuto", true);
+    await call("window", 0, 1);
+    const bytes = await saved();
+    const whole = gif(bytes);
+    assert.ok(whole.loops && bytes.length < 3e6, `${bytes.length} bytes`);
+    assert.ok(whole.frames.length > 250 && whole.frames.length <= 500, `${whole.frames.length} frames`);
+    assert.ok(length(whole) > 12, `${length(whole)} s`);
+    // Of most frames only what moves.
+    const [first, ...rest] = whole.frames.map((frame) => frame.pixels);
+    assert.equal(first, whole.width * whole.height);
+    assert.ok(rest.reduce((sum, pixels) => sum + pixels, 0) < 0.5 * rest.length * first);
+    writeFileSync(path.join(SCREENSHOTS, "saved.gif"), bytes);
+    // In the end it shows what the page does, below a line with the time.
+    await page.keyboard.press("End");
+    await state();
+    const shown = await page.evaluate(() => {
+      const canvas = document.getElementById("stage");
+      const ctx = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d");
+      ctx.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--panel");
+      ctx.fillRect(0, 0, canvas.width, canvas.height);
+      ctx.drawImage(canvas, 0, 0);
+      return { width: canvas.width, height: canvas.height, data: [...ctx.getImageData(0, 0, canvas.width, canvas.height).data] };
+    });
+    const caption = whole.height - shown.height;
+    assert.ok(whole.width === shown.width && caption > 0 && caption < 40, `${shown.width} × ${shown.height}`);
+    let [near32, colours] = [0, new Set()];
+    for (let y = 0; y < shown.height; y++) {
+      for (let x = 0; x < shown.width; x++) {
+        const pixel = whole.pixel(x, y + caption);
+        const k = 4 * (y * shown.width + x);
+        if (pixel.every((value, c) => Math.abs(value - shown.data[k + c]) < 32)) near32++;
+        colours.add(pixel.join());
+      }
+    }
+    const share = near32 / (shown.width * shown.height);
+    assert.ok(share > 0.995 && colours.size > 30, `${share} of all pixels, ${colours.size} colours`);
     await close();
   });
 

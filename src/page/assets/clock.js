@@ -94,16 +94,18 @@ class Clock {
     this.changed();
   }
 
+  // The time after so many seconds of the reader's.
+  after(time, seconds) {
+    if (!this.auto) return time + speedOf(this.notch) * seconds;
+    // Steps short against the approach, so that no impact is jumped over.
+    for (let left = seconds; left > 0; left -= 2e-3) time += this.speedAt(time) * Math.min(left, 2e-3);
+    return time;
+  }
+
   // So many seconds of the reader's go by.
   pass(seconds) {
     if (!this.playing) return;
-    let time = this.time;
-    if (this.auto) {
-      // Steps short against the approach, so that no impact is jumped over.
-      for (let left = seconds; left > 0; left -= 2e-3) time += this.speedAt(time) * Math.min(left, 2e-3);
-    } else {
-      time += speedOf(this.notch) * seconds;
-    }
+    const time = this.after(this.time, seconds);
     if (time >= this.film.end) this.playing = false;
     this.seek(time);
   }

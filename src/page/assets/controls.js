@@ -28,10 +28,21 @@ function controls(app) {
   byId("speed").addEventListener("input", (event) => app.setNotch(Number(event.target.value)));
   byId("auto").addEventListener("change", (event) => app.setAuto(event.target.checked));
   byId("arrows").addEventListener("change", (event) => app.setArrows(event.target.value));
-  byId("save").addEventListener("change", async (event) => {
-    const kind = event.target.value;
-    event.target.value = "";
-    await saveAs(app, kind);
+  byId("save").addEventListener("change", async ({ target }) => {
+    const kind = target.value;
+    const [first] = target.options;
+    const words = first.textContent;
+    target.value = "";
+    const tell = (part) => {
+      target.disabled = true;
+      first.textContent = `${Math.floor(100 * part)} %`;
+    };
+    try {
+      await saveAs(app, kind, tell);
+    } finally {
+      first.textContent = words;
+      target.disabled = false;
+    }
   });
   byId("follow").addEventListener("change", (event) => app.follow(event.target.value || null));
   for (const name of stage.camera.deepest.keys()) byId("follow").append(element("option", { value: name }, `At ${name}`));

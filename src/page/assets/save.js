@@ -68,10 +68,12 @@ async function pointsOf({ text, width, height }) {
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
 
-async function saveAs(app, kind) {
+// Saves a kind of file; `tell` hears how much of what takes long is done.
+async function saveAs(app, kind, tell) {
   const name = document.title.replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^[-.]+/, "") || "run";
   const blob = kind === "csv" ? new Blob([tableOf(app)], { type: "text/csv" })
     : kind === "svg" ? new Blob([pictureOf(app).text], { type: "image/svg+xml" })
+    : kind === "gif" ? await movieOf(app, tell)
     : await pointsOf(pictureOf(app));
   const address = URL.createObjectURL(blob);
   element("a", { href: address, download: `${name}.${kind}` }).click();
