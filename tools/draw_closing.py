@@ -18,6 +18,7 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 import numpy as np
+from both_schemes import both_schemes
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
@@ -98,18 +99,6 @@ def pose(axis, g, state, title: str):
     axis.set_title(title, fontsize=8.5, color=INK)
 
 
-def both_schemes(picture: Path):
-    """Puts the colours for a dark ground into a picture, for readers whose scheme that is."""
-    text = picture.read_text()
-    rules = []
-    for light, dark in DARK.items():
-        for name in ("fill", "stroke"):
-            if f"{name}: {light}" in text:
-                rules.append(f'svg:root [style*="{name}: {light}"] {{ {name}: {dark} !important; }}')
-    style = "<style>@media (prefers-color-scheme: dark) {\n" + "\n".join(rules) + "\n}</style>\n"
-    picture.write_text(text.replace(" <defs>", f" {style} <defs>", 1))
-
-
 def main(log: str, out: str):
     topics, g = read(log)
     states = topics["/state"]
@@ -152,7 +141,7 @@ def main(log: str, out: str):
         for instant in touches.values():
             axis.axvline(instant, color=WARM, lw=0.8, ls=(0, (4, 3)), zorder=0)
     figure.savefig(out, metadata={"Date": None})
-    both_schemes(Path(out))
+    both_schemes(Path(out), DARK)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from both_schemes import both_schemes  # noqa: E402
 
 # The same bytes from the same figures.
 plt.rcParams["svg.hashsalt"] = "phalanx"
@@ -28,6 +29,11 @@ STYLES = {
     "differential-equations Radau5": dict(color="#009e73", marker="^", linewidth=1.2, linestyle="--"),
     "numeris RODAS4": dict(color="#cc79a7", marker="v", linewidth=1.2, linestyle="--"),
     "diffsol BDF": dict(color="#8c6d00", marker="D", linewidth=1.2, linestyle="--"),
+}
+# What stands for each colour on a dark ground, as in the other pictures.
+DARK = {
+    "#ffffff": "#1b1f26", "#000000": "#eceff3", "#666666": "#a7b0bd", "#8c8c8c": "#7f8998", "#e6e6e6": "#3a424e", "#0072b2": "#56b4e9",
+    "#d55e00": "#ff9a52", "#009e73": "#3ccb9c", "#cc79a7": "#dd95c7", "#8c6d00": "#e3b84a",
 }
 TARGETS = [(1e-4, 0.3), (1e-6, 0.5)]  # rad, ms
 
@@ -91,6 +97,8 @@ def main():
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     metadata = {"Date": None} if arguments.out.suffix == ".svg" else None
     draw(comparison).savefig(arguments.out, metadata=metadata, dpi=130)
+    if arguments.out.suffix == ".svg":
+        both_schemes(arguments.out, DARK)
 
 
 if __name__ == "__main__":

@@ -132,3 +132,24 @@ fn discs_are_drawn_where_they_are() {
     }
     assert!(drawing.arrow_m_per_n > 0.0 && drawing.arrow_m_per_n.is_finite());
 }
+
+#[test]
+fn every_picture_of_the_readme_reads_on_a_dark_page() {
+    let pictures = std::fs::read_dir("tools/figures").expect("pictures").map(|entry| entry.expect("a file").path());
+    let mut count = 0;
+    for path in pictures.filter(|path| path.extension().is_some_and(|suffix| suffix == "svg")) {
+        let svg = std::fs::read_to_string(&path).expect("a picture");
+        let compact: String = svg.split_whitespace().collect();
+        assert!(compact.contains("@media(prefers-color-scheme:dark){"), "{}", path.display());
+        // White stays nowhere.
+        let dark = [
+            "[fill=\"#FFFFFF\"]{fill:#1b1f26",
+            "[style*=\"fill:#ffffff\"]{fill:#1b1f26",
+            "--ground",
+            ".ground{fill:#1b1f26",
+        ];
+        assert!(dark.iter().any(|rule| compact.contains(rule)), "{}", path.display());
+        count += 1;
+    }
+    assert!(count >= 8, "{count} pictures");
+}
