@@ -77,7 +77,7 @@ def main():
     if not arguments.no_build:
         call("cargo", "build", "--release", "--locked", "--quiet")
     header = [
-        "scene", "what is hard", "analytic: first touch, proximal / tip (ms)", "steps", "engine: angle (rad)", "touch (s)", "force",
+        "scene", "what is hard", "analytic: first touch, proximal / distal (ms)", "steps", "engine: angle (rad)", "touch (s)", "force",
         "impulse", "steps", "time (ms)", "verdict",
     ]
     rows, passed = [], 0

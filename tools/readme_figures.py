@@ -116,7 +116,7 @@ def scenes(_):
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     call(PHALANX, "scene", "show", "scenes/experiment-95.toml", "--figure", "tools/figures/linkage.svg", stdout=sys.stderr)
     header = [
-        "scene", "contact, proximal / tip (ms)", "q11, q21 at the end (°)", "force, proximal / tip (N)", "class", "tts (ms)",
+        "scene", "contact, proximal / distal (ms)", "q11, q21 at the end (°)", "force, proximal / distal (N)", "class", "tts (ms)",
         "steps", "time (ms)",
     ]
     body = []

@@ -36,7 +36,7 @@ impl ValueEnum for Quantity {
         let help = match self {
             Quantity::Pfp => "Palm force positiveness, N: below 0 the fingers would pull the object off the palm",
             Quantity::F21 => "Normal force of the proximal phalanx, N",
-            Quantity::F22 => "Normal force of the tip, N",
+            Quantity::F22 => "Normal force of the distal phalanx, N",
             Quantity::Spring => "Torque of the spring, N·mm",
             Quantity::Motor => "Torque of the motor, N·mm",
             Quantity::Mass => "Mass of a finger, g",

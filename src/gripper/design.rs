@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Height of the finger over the diameter of the disc: h = 0.9375 · 2 r_c (thesis Table 3.2).
 pub const HEIGHT_RATIO: f64 = 0.9375;
 
-/// Smallest contact angle φ_c22,min of the tip on the disc, 5°: it sets l21,min.
+/// Smallest contact angle φ_c22,min of the distal phalanx on the disc, 5°: it sets l21,min.
 pub const TIP_CONTACT_MIN_RAD: f64 = PI / 36.0;
 
 /// Relative slack when a length given in rounded digits is compared with a bound.
@@ -32,7 +32,7 @@ pub struct Design {
     /// Distance along the palm from the ground joints to the centre of the disc, which lies at (−base, r_c).
     pub base_m: f64,
     pub l21: ProximalLength,
-    /// Angle from the arm l22 to the tip phalanx, within (0, π).
+    /// Angle from the arm l22 to the distal phalanx, within (0, π).
     pub phi22_rad: f64,
     /// r_l = l22 / l11.
     pub arm_ratio: f64,
@@ -85,7 +85,7 @@ pub enum DesignError {
     )]
     BaseTooSmall { base_m: f64, min_m: f64 },
     #[error(
-        "base is {:.4} mm, but must be below {:.4} mm: any further and the tip meets the object at less than its \
+        "base is {:.4} mm, but must be below {:.4} mm: any further and the distal phalanx meets the object at less than its \
          smallest contact angle, so move the finger nearer, or lower tip_contact_min",
         .base_m * 1e3, .max_m * 1e3
     )]
@@ -102,7 +102,7 @@ pub enum DesignError {
     )]
     ProximalOutOfRange { l21_m: f64, min_m: f64, max_m: f64 },
     #[error(
-        "the tip phalanx t22 comes out as {:.4} mm, but must be above 0: raise height_ratio, or change l21",
+        "the distal phalanx t22 comes out as {:.4} mm, but must be above 0: raise height_ratio, or change l21",
         .t22_m * 1e3
     )]
     TipNotPositive { t22_m: f64 },

@@ -56,7 +56,7 @@ pub enum GraspError {
     )]
     ProximalTooShort { l21_m: f64, contact_m: f64 },
     #[error(
-        "the tip phalanx does not reach its contact: it is {:.4} mm long, but the contact is {:.4} mm from its joint, \
+        "the distal phalanx does not reach its contact: it is {:.4} mm long, but the contact is {:.4} mm from its joint, \
          so make t22 longer or l21 shorter",
         .t22_m * 1e3, .contact_m * 1e3
     )]

@@ -44,9 +44,9 @@ pub struct Lengths {
     pub l21_m: f64,
     /// Arm of the distal body, joint A22 to joint A13.
     pub l22_m: f64,
-    /// Distal (tip) phalanx, joint A22 to the tip end.
+    /// Distal phalanx, joint A22 to its end, the tip.
     pub t22_m: f64,
-    /// Angle from the arm l22 to the tip phalanx t22, counter-clockwise.
+    /// Angle from the arm l22 to the distal phalanx t22, counter-clockwise.
     pub phi22_rad: f64,
     /// Half width w of every link; each phalanx is a capsule of this radius.
     pub half_width_m: f64,

@@ -57,7 +57,7 @@ pub enum PostureError {
     InLine { q11_rad: f64, q21_rad: f64, sine: f64 },
     #[error(
         "q21 = {:.4} deg with q22 = {:.4} deg is only reached in the other assembly mode: ask for that one, or bend \
-         the tip less",
+         the distal phalanx less",
         .q21_rad.to_degrees(), .q22_rad.to_degrees()
     )]
     WrongAssembly { q21_rad: f64, q22_rad: f64 },

@@ -262,7 +262,7 @@ fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Ve
     let line = Mark::Line { width: 3 };
     let mut entries = Vec::new();
     for (i, (name, colour)) in
-        [("F21, by the proximal phalanx", BLUE), ("F22, by the tip", ORANGE)].into_iter().enumerate()
+        [("F21, by the proximal phalanx", BLUE), ("F22, by the distal phalanx", ORANGE)].into_iter().enumerate()
     {
         let contact = &found.contacts[i];
         let pulls = normal[i] < 0.0;

@@ -64,7 +64,7 @@ pub fn sizing_spring_types(scene: &str, profile: &Profile) -> Result<String, Dra
     let curves: [Curve; 3] = [
         ("torsional spring", ORANGE, of(|point| point.torsional_n_m)),
         ("constant spring", BLUE, of(|point| point.constant_n_m)),
-        ("net, tip held", GREEN, over_time(profile, |point| point.net_n_m.map(|n_m| n_m * 1e3))),
+        ("net, distal held", GREEN, over_time(profile, |point| point.net_n_m.map(|n_m| n_m * 1e3))),
     ];
     one(&format!("{scene}: motor torque along the trajectory, by spring"), "motor torque, N·mm", profile, &curves)
 }

@@ -75,7 +75,7 @@ pub struct RawDesign {
     pub l21: Entry<Length>,
     /// Proximal phalanx as a fraction, 0 to 1, of the range of l21 that the base allows.
     pub l21_fraction: Entry<Number>,
-    /// Angle from the arm l22 to the tip phalanx. Required.
+    /// Angle from the arm l22 to the distal phalanx. Required.
     pub phi22: Entry<Angle>,
     /// l22 / l11. Required.
     pub arm_ratio: Entry<Number>,
@@ -85,7 +85,7 @@ pub struct RawDesign {
     /// Height of the closed finger over the object's diameter.
     #[schemars(extend("default" = 0.9375))]
     pub height_ratio: Entry<Number>,
-    /// Smallest contact angle of the tip; sets the shortest l21.
+    /// Smallest contact angle of the distal phalanx; sets the shortest l21.
     #[schemars(extend("default" = "5 deg"))]
     pub tip_contact_min: Entry<Angle>,
 }
@@ -103,9 +103,9 @@ pub struct RawLengths {
     pub l21: Entry<Length>,
     /// Arm of the distal body, to the coupler. Required.
     pub l22: Entry<Length>,
-    /// Tip phalanx. Required.
+    /// Distal phalanx. Required.
     pub t22: Entry<Length>,
-    /// Angle from the arm l22 to the tip phalanx. Required.
+    /// Angle from the arm l22 to the distal phalanx. Required.
     pub phi22: Entry<Angle>,
 }
 
@@ -199,7 +199,7 @@ pub struct RawSpring {
     pub preload: Entry<Angle>,
 }
 
-/// The stop that keeps the tip from bending backwards: q22 ≥ −phi22. A contact law on the angle.
+/// The stop that keeps the distal phalanx from bending backwards: q22 ≥ −phi22. A contact law on the angle.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RawLimit {

@@ -17,7 +17,7 @@ pub enum SizingError {
     Opening { opening_rad: f64 },
     #[error(
         "the test trajectory moves l11 by {:.4} deg in all, but the finger swings {:.4} deg before it meets the object: \
-         its tip would have to bend backwards, so make l21 longer, or phi22 or arm_ratio larger",
+         its distal phalanx would have to bend backwards, so make l21 longer, or phi22 or arm_ratio larger",
         .stroke_rad.to_degrees(), .swing_rad.to_degrees()
     )]
     NothingToBend { stroke_rad: f64, swing_rad: f64 },
@@ -26,7 +26,7 @@ pub enum SizingError {
     )]
     OtherAssembly,
     #[error(
-        "l12 and l22 come into line on the test trajectory (l21 at {:.4} deg), where no torque moves the tip: change phi22, \
+        "l12 and l22 come into line on the test trajectory (l21 at {:.4} deg), where no torque moves the distal phalanx: change phi22, \
          arm_ratio or l21",
         .q21_rad.to_degrees()
     )]

@@ -7,16 +7,16 @@ pub enum StaticsError {
     Number { name: &'static str, value: f64, allowed: &'static str },
     #[error(
         "l12 and l22 are in line in the final posture (the sine of their angle is {sine:.2e}, at least 1e-3 is needed): the \
-         motor holds the tip with any force there, so change phi22, l22 or l12"
+         motor holds the distal phalanx with any force there, so change phi22, l22 or l12"
     )]
     InLine { sine: f64 },
     #[error(
-        "l11 and l12 are in line in the final posture (dq22/dq11 is {slope:.2e}): the motor cannot move the tip there, so \
+        "l11 and l12 are in line in the final posture (dq22/dq11 is {slope:.2e}): the motor cannot move the distal phalanx there, so \
          change l11, l12 or phi22"
     )]
     DeadPoint { slope: f64 },
     #[error(
-        "the tip touches the object {:.2e} mm from its joint: no torque of it makes a force there, so make l21 longer or \
+        "the distal phalanx touches the object {:.2e} mm from its joint: no torque of it makes a force there, so make l21 longer or \
          move the object nearer",
         .lever_m * 1e3
     )]

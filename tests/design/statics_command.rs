@@ -96,13 +96,15 @@ fn a_motion_that_is_free_is_said_in_words_and_drawn() {
         "The object moves straight away from the palm at 1.00 mm/s.",
         "Both fingers: the proximal phalanx closes at",
         "Contact is lost at: palm; kept at: right proximal phalanx, right tip, left proximal phalanx, left tip.",
-        "μ_s 0: the tip would have to pull",
-        "the tip pushes from a motor torque of",
+        "μ_s 0: the distal phalanx would have to pull",
+        "the distal phalanx pushes from a motor torque of",
     ] {
         assert!(text.contains(part), "no \"{part}\" in\n{text}");
     }
     let svg = std::fs::read_to_string(&picture).unwrap();
-    for part in ["open: the grasp at rest", "tip: would have to pull", "palm: would have to pull", "a free motion"] {
+    for part in
+        ["open: the grasp at rest", "distal phalanx: would have to pull", "palm: would have to pull", "a free motion"]
+    {
         assert!(svg.contains(part), "no \"{part}\" in the picture");
     }
     // Two balanced grasps draw differently, the same one alike.
@@ -113,7 +115,7 @@ fn a_motion_that_is_free_is_said_in_words_and_drawn() {
         let line = before.rsplit("<polyline").next().expect("the line beside it");
         line.split("stroke=\"").nth(1).and_then(|rest| rest.get(..7)).expect("a colour").to_string()
     };
-    let colours = ["F21, by the proximal phalanx", "F22, by the tip"].map(legend);
+    let colours = ["F21, by the proximal phalanx", "F22, by the distal phalanx"].map(legend);
     assert_eq!(colours, ["#0072B2", "#D55E00"]);
     assert!(svg.contains("prefers-color-scheme:dark") && svg.contains("svg:root [fill=\"#FFFFFF\"]"));
     let again = directory.join("again.svg");

@@ -223,8 +223,8 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
         ("l12", "k", "coupler", mm(l.l12_m)),
         ("l21", "k", "proximal phalanx", mm(l.l21_m)),
         ("l22", "k", "arm of the distal body", mm(l.l22_m)),
-        ("t22", "k", "tip phalanx (with l22)", mm(l.t22_m)),
-        ("φ22", "a", "from the arm to the tip", deg(l.phi22_rad)),
+        ("t22", "k", "distal phalanx (with l22)", mm(l.t22_m)),
+        ("φ22", "a", "from the arm to t22", deg(l.phi22_rad)),
         ("w", "k", "half width of a link", mm(l.half_width_m)),
     ];
     if let Some(object) = scene.object {
@@ -239,7 +239,7 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
     ]);
     if !free {
         rows.push(("F21", "f", "object on proximal phalanx", String::new()));
-        rows.push(("F22", "f", "object on tip phalanx", String::new()));
+        rows.push(("F22", "f", "object on distal phalanx", String::new()));
     }
     rows
 }

@@ -27,7 +27,7 @@ type Figure = fn(&Candidate) -> Option<f64>;
 pub fn selection_forces(title: &str, selection: &Selection) -> Result<String, DrawError> {
     let panels: [(&str, Figure); 3] = [
         ("F21, normal force of the proximal phalanx on the object, N", |run| run.f21_n),
-        ("F22, normal force of the tip on the object, N", |run| run.f22_n),
+        ("F22, normal force of the distal phalanx on the object, N", |run| run.f22_n),
         ("PFP, force of the object on the palm, by each finger, N", |run| run.pfp_n),
     ];
     let designs = designs(selection);

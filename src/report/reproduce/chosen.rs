@@ -28,7 +28,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
         vec![
             line("mass, g", &|of| Some(of.mass_kg * 1e3), 4),
             line("proximal contact, ms", &|of| of.outcome.site(Site::Proximal).first_s.map(|s| s * 1e3), 5),
-            line("tip contact, ms", &|of| of.outcome.site(Site::Distal).first_s.map(|s| s * 1e3), 5),
+            line("distal contact, ms", &|of| of.outcome.site(Site::Distal).first_s.map(|s| s * 1e3), 5),
             line("time to stability, ms", &|of| of.criteria.tts_s.map(|s| s * 1e3), 5),
             line("rebound, %", &|of| of.criteria.rebound_percent, 4),
             line("F21 at the end, N", &|of| Some(of.outcome.last.proximal.normal_n), 4),

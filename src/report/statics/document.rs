@@ -45,7 +45,7 @@ pub struct ContactPlaceReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriveReport {
     pub motor_n_m: f64,
-    /// From which on the tip pushes.
+    /// From which on the distal phalanx pushes.
     pub motor_min_n_m: Option<f64>,
     pub spring: Option<SpringReport>,
     /// Of motor and spring on (q11, q21).

@@ -49,7 +49,7 @@ fn posture(end: &FinalPostureReport) -> String {
     let rows = [
         row(["contact", "from joint, mm", "of, mm", "x, mm", "y, mm"]),
         line("proximal", &end.proximal),
-        line("tip", &end.distal),
+        line("distal", &end.distal),
     ];
     format!("final posture: {}\n{}", angles.join(", "), table(&rows))
 }
@@ -70,10 +70,12 @@ fn drive(drive: &DriveReport) -> String {
     );
     match drive.motor_min_n_m {
         Some(least) if least > 0.0 => {
-            text.push_str(&format!("the tip pushes from a motor torque of {} N·mm on\n", milli(least)));
+            text.push_str(&format!("the distal phalanx pushes from a motor torque of {} N·mm on\n", milli(least)));
         }
         Some(_) => {}
-        None => text.push_str("the tip pushes only if the motor pulls backwards: q22 shrinks as q11 grows\n"),
+        None => {
+            text.push_str("the distal phalanx pushes only if the motor pulls backwards: q22 shrinks as q11 grows\n")
+        }
     }
     text
 }
@@ -103,9 +105,11 @@ fn forces(all: &[ForcesReport]) -> String {
     for of in all {
         let cause = match of.ejection {
             "proximal" => {
-                "the proximal phalanx would have to pull: it lets go, and the object slides along the tip (ejection)"
+                "the proximal phalanx would have to pull: it lets go, and the object slides along the distal one (ejection)"
             }
-            "distal" => "the tip would have to pull: the spring opens it against the motor, and the object is let go",
+            "distal" => {
+                "the distal phalanx would have to pull: the spring opens it against the motor, and the object is let go"
+            }
             "both" => "both phalanges would have to pull: the finger opens",
             _ => continue,
         };

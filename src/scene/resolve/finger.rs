@@ -86,7 +86,8 @@ pub fn design(
         (true, false) => c.number("design.l21", &raw.l21, POSITIVE).map(ProximalLength::Length),
         (false, true) => c.number("design.l21_fraction", &raw.l21_fraction, FRACTION).map(ProximalLength::Fraction),
     };
-    let phi22_rad = c.required("design.phi22", &raw.phi22, PHI22, raw, "add the tip's angle: phi22 = \"120 deg\"");
+    let phi22_rad =
+        c.required("design.phi22", &raw.phi22, PHI22, raw, "add the angle of the distal phalanx: phi22 = \"120 deg\"");
     let arm_ratio = c.required("design.arm_ratio", &raw.arm_ratio, POSITIVE, raw, "add l22 / l11: arm_ratio = 0.5");
     let l11_m = c.number_or("design.l11", &raw.l11, POSITIVE, defaults::L11_M);
     let height_ratio = c.number_or("design.height_ratio", &raw.height_ratio, POSITIVE, HEIGHT_RATIO);
@@ -125,8 +126,9 @@ fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f
     let l12_m = c.number("lengths.l12", &raw.l12, POSITIVE);
     let l21_m = c.required("lengths.l21", &raw.l21, POSITIVE, raw, "add the proximal phalanx: l21 = \"24 mm\"");
     let l22_m = c.required("lengths.l22", &raw.l22, POSITIVE, raw, "add the arm of the distal body: l22 = \"7.5 mm\"");
-    let t22_m = c.required("lengths.t22", &raw.t22, POSITIVE, raw, "add the tip phalanx: t22 = \"13 mm\"");
-    let phi22_rad = c.required("lengths.phi22", &raw.phi22, PHI22, raw, "add the tip's angle: phi22 = \"120 deg\"");
+    let t22_m = c.required("lengths.t22", &raw.t22, POSITIVE, raw, "add the distal phalanx: t22 = \"13 mm\"");
+    let phi22_rad =
+        c.required("lengths.phi22", &raw.phi22, PHI22, raw, "add the angle of the distal phalanx: phi22 = \"120 deg\"");
     let (l21_m, l22_m, t22_m, phi22_rad) = (l21_m?, l22_m?, t22_m?, phi22_rad?);
     let l12_m = match raw.l12.is_given() {
         true => l12_m?,

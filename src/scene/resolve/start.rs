@@ -133,7 +133,7 @@ fn judge_limit(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Postu
     c.push(
         place,
         message,
-        "bends the tip backwards",
+        "bends the distal phalanx backwards",
         "turn l11 further closing (raise q11), give q21 alone for a straight start, or switch the limit off: [limit] \
          enabled = false",
     );
@@ -142,7 +142,7 @@ fn judge_limit(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Postu
 fn judge_overlap(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Posture, lengths: &Lengths, disc: Disc) {
     let Joints { a22_m, tip_m, .. } = gripper::joints(lengths, posture);
     let reach = disc.radius_m + lengths.half_width_m;
-    for (name, from, to) in [("proximal", [0.0, 0.0], a22_m), ("tip", a22_m, tip_m)] {
+    for (name, from, to) in [("proximal", [0.0, 0.0], a22_m), ("distal", a22_m, tip_m)] {
         let depth = reach - distance(disc.centre_m, from, to);
         if depth <= MAX_PENETRATION_M {
             continue;

@@ -9,7 +9,7 @@ pub enum Quantity {
     Pfp,
     /// Normal force of the proximal phalanx.
     F21,
-    /// Normal force of the tip.
+    /// Normal force of the distal phalanx.
     F22,
     /// k_s.
     Spring,
@@ -69,7 +69,7 @@ impl Quantity {
         match self {
             Quantity::Pfp => "palm force PFP",
             Quantity::F21 => "proximal force F21",
-            Quantity::F22 => "tip force F22",
+            Quantity::F22 => "distal force F22",
             Quantity::Spring => "spring torque k_s",
             Quantity::Motor => "motor torque τ11",
             Quantity::Mass => "mass of a finger",
