@@ -11,9 +11,9 @@
 //!
 //! let scene = scene::load("scenes/experiment-95.toml")?;
 //! let outcome = trace::run_analytic(&scene, &mut ())?;
-//! let tip = outcome.site(trace::Site::Distal);
-//! assert_eq!(tip.touchdowns, 1);
-//! assert!((tip.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
+//! let distal = outcome.site(trace::Site::Distal);
+//! assert_eq!(distal.touchdowns, 1);
+//! assert!((distal.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
 //! assert!((outcome.last.proximal.normal_n - 23.609).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -31,7 +31,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Instead of `()`, a [`trace::Sink`] takes every sample and event: [`log::Writer`] and [`criteria::Tracker`] are two.
+//! Instead of `()`, a [`trace::Sink`] takes every sample and event: [`trace::Recording`] keeps them as arrays, [`criteria::Tracker`]
+//! finds the dynamic criteria. [`log::run_to`] runs a scene and writes its log. The programs of `examples/` are short.
 
 pub mod analytic;
 pub mod check;

@@ -1,4 +1,4 @@
-//! Logs: one MCAP file a run, every channel in protobuf with its descriptor embedded.
+//! Logs: one MCAP file a run, every channel in protobuf with its descriptor embedded. [`run_to`] writes one.
 //!
 //! | topic | schema | what |
 //! |---|---|---|
@@ -47,6 +47,7 @@
 //! | file | job |
 //! |---|---|
 //! | `core`, `writer`, `beside`, `file` | the MCAP file: chunks and clock; what goes in; the thread; its place on the disk |
+//! | `run`, `listeners` | one call that runs and logs; everything that listens to a run |
 //! | `finger`, `bodies`, `messages` | channels of either kind of scene, and their messages |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | the settings of a run, written and read back |
@@ -58,11 +59,13 @@ mod bodies;
 mod core;
 mod file;
 mod finger;
+mod listeners;
 mod messages;
 mod metadata;
 mod pictures;
 mod reader;
 mod recovered;
+mod run;
 mod settings;
 mod verify;
 mod writer;
@@ -72,6 +75,7 @@ pub use bodies::BodiesChannels;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
 pub use file::{LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
 pub use finger::FingerChannels;
+pub(crate) use listeners::{Ran, bodies as run_bodies, finger as run_finger};
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
     ATTACHMENT_MEDIA_TYPE, About, CHECK_NAME, Logged, METADATA_NAME, RunInfo, check_entries, construction_name,
@@ -82,6 +86,7 @@ pub use reader::{
     Reading, Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
 };
 pub use recovered::{Gap, RECOVERED_NAME, Recovery, gaps, recover};
+pub use run::{LoggedRun, LoggedRunError, RunResult, Runs, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
 pub use verify::{Difference, Expected, FieldTally, Leaf, Lockstep, Verification};
 pub use writer::{Channels, Writer};

@@ -14,6 +14,9 @@ use crate::trace::{Instant, SinkError};
 /// Writes one run to an MCAP file, streaming: what it keeps in memory is one chunk, and some 400 bytes of index for every
 /// chunk written. Nothing is ever sought in `W`, so a pipe will do. `C` are the channels of a kind of scene.
 ///
+/// What it writes of a run is what it is given: how the run ended, too, has to be said, by [`Writer::note`] as source `run`, or the
+/// log is that of a run that was killed. [`run_to`](super::run_to) does all of it.
+///
 /// Dropping a writer finishes the log too, but swallows errors; [`Writer::finish`] reports them.
 pub struct Writer<W: Write, C = FingerChannels> {
     core: Core<W>,

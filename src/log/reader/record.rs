@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::{Event, Recording, Sample, Sink, SinkError};
 
 /// One record of a log. The bytes are those of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +96,33 @@ pub trait LogSink {
 }
 
 impl LogSink for () {}
+
+/// Keeps what a log of a finger says; one of discs leaves it as it is.
+impl LogSink for Recording {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        Sink::sample(self, sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        Sink::event(self, event)
+    }
+}
+
+/// Keeps what a log of discs says, under the names that the log has for them.
+impl LogSink for Recording<BodiesEvent> {
+    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
+        *self = Recording::named(&names.discs, &names.pairs);
+        Ok(())
+    }
+
+    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        BodiesSink::sample(self, sample)
+    }
+
+    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        BodiesSink::event(self, event)
+    }
+}
 
 /// A sink of samples of fingers only.
 pub(super) struct Fingers<'a, S>(pub &'a mut S);

@@ -26,7 +26,7 @@ pub(super) fn shown(scene: &BodiesScene, mut out: Out) -> String {
     contact(&mut out, "contact", &scene.contact);
     integrator(&mut out, &scene.integrator);
     engine(&mut out, &scene.engine);
-    validate(&mut out, &scene.bounds);
+    validate(&mut out, &scene.bounds, scene.duration_s);
     log(&mut out, scene.log);
     out.text
 }
@@ -56,11 +56,12 @@ fn disc(out: &mut Out, NamedDisc { name, radius_m, centre_m, motion }: &NamedDis
     }
 }
 
-fn validate(out: &mut Out, bounds: &BodiesBounds) {
+fn validate(out: &mut Out, bounds: &BodiesBounds, duration_s: f64) {
     out.section("validate");
     out.quantity("position", bounds.position_m, Dimension::Length);
     out.quantity("contact_time", bounds.contact_time_s, Dimension::Time);
     out.float("impulse", bounds.impulse);
     out.float("peak_force", bounds.peak_force);
-    out.quantity("until", bounds.until_s, Dimension::Time);
+    // A program may have shortened the run.
+    out.quantity("until", bounds.until_s.min(duration_s), Dimension::Time);
 }

@@ -1,0 +1,164 @@
+//! A run with everything that listens to it. `phalanx run`, `validate --out`, `replay --verify` and [`run_to`](super::run_to)
+//! all go through here, so that what a log should hold is decided in one place.
+
+use std::io::Write;
+use std::time::Instant;
+
+use super::beside::Beside;
+use super::bodies::BodiesChannels;
+use super::core::Severity;
+use super::finger::FingerChannels;
+use super::metadata::{CHECK_NAME, check_entries};
+use super::writer::Channels;
+use crate::check::Check;
+use crate::criteria::{Criteria, Rebound, Rebounds, Tracker, at_rest};
+use crate::scene::{BodiesScene, Scene};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
+
+/// A run that is over, and its log, which is not.
+pub struct Ran<W: Write + Send + 'static, C: Channels, O, F, E> {
+    pub result: Result<O, E>,
+    /// Criteria of a finger, restitution of discs.
+    pub found: F,
+    /// Time of the latest sample.
+    pub last_s: f64,
+    pub wall_s: f64,
+    pub log: Open<W, C>,
+}
+
+/// A log that waits for what is said in the end.
+pub struct Open<W: Write + Send + 'static, C: Channels> {
+    log: Option<Beside<W, C>>,
+    /// Whether the last sample could be passed on.
+    last: Result<(), SinkError>,
+    last_s: f64,
+    /// What is to be said of the grasp.
+    verdict: Option<String>,
+}
+
+/// Simulates a finger; `also` gets what the log gets, and is asked whether the run may go on.
+pub fn finger<W: Write + Send + 'static>(
+    model: Model,
+    scene: &Scene,
+    log: Option<Beside<W, FingerChannels>>,
+    also: &mut impl Sink,
+) -> Ran<W, FingerChannels, Outcome, Option<Criteria>, RunError> {
+    let grasp = scene.object.and_then(|object| at_rest(scene, object).ok());
+    let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
+    let listeners = Listeners { log, found: tracker, last_s: 0.0, also };
+    let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
+    let start = Instant::now();
+    let result = run(model, scene, &mut thinned);
+    let wall_s = start.elapsed().as_secs_f64();
+    let last = thinned.end();
+    let Listeners { log, found, last_s, .. } = thinned.sink;
+    let found = found.as_ref().zip(grasp).filter(|_| result.is_ok());
+    let found = found.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()));
+    let log = Open { log, last, last_s, verdict: found.as_ref().map(verdict) };
+    Ran { result, found, last_s, wall_s, log }
+}
+
+/// Simulates discs.
+pub fn bodies<W: Write + Send + 'static>(
+    model: Model,
+    scene: &BodiesScene,
+    log: Option<Beside<W, BodiesChannels>>,
+    also: &mut impl BodiesSink,
+) -> Ran<W, BodiesChannels, BodiesOutcome, Vec<Rebound>, BodiesRunError> {
+    let listeners = Listeners { log, found: Rebounds::new(scene.pairs().len()), last_s: 0.0, also };
+    let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
+    let start = Instant::now();
+    let result = run_bodies(model, scene, &mut thinned);
+    let wall_s = start.elapsed().as_secs_f64();
+    let last = thinned.end();
+    let Listeners { log, found, last_s, .. } = thinned.sink;
+    let log = Open { log, last, last_s, verdict: None };
+    Ran { result, found: found.pairs().to_vec(), last_s, wall_s, log }
+}
+
+impl<W: Write + Send + 'static, C: Channels> Open<W, C> {
+    /// Says in the log how the run ended (`stopped`: when, and why, if before its time) and finishes it.
+    pub fn close(self, stopped: Option<(f64, &str)>, check: Option<&Check>) -> Result<Option<W>, SinkError> {
+        let Some(mut log) = self.log else { return Ok(None) };
+        self.last?;
+        if let Some(verdict) = &self.verdict {
+            log.note(self.last_s, Severity::Info, "grasp", verdict)?;
+        }
+        match stopped {
+            None => log.note(self.last_s, Severity::Info, "run", "completed")?,
+            Some((time_s, reason)) => log.note(time_s, Severity::Error, "run", &format!("stopped: {reason}"))?,
+        }
+        // Last of all: it ends a chunk.
+        if let Some(check) = check {
+            log.record(CHECK_NAME, check_entries(check))?;
+        }
+        log.finish().map(Some)
+    }
+}
+
+/// What the log says of the grasp in the end.
+fn verdict(criteria: &Criteria) -> String {
+    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
+    let class = criteria.class.name();
+    if !criteria.statically_stable {
+        return format!("{class}: at rest a phalanx would have to pull");
+    }
+    match (criteria.tts_s, criteria.rebound_percent, criteria.t_geo_s) {
+        (Some(tts_s), Some(rebound), _) => {
+            format!("{class}: both phalanges hold for good from {}, rebounds {rebound:.3} %", ms(tts_s))
+        }
+        (_, _, Some(t_geo_s)) => {
+            format!("{class}: in position from {}, but not held by both phalanges in the end", ms(t_geo_s))
+        }
+        _ => format!("{class}: the finger never came into position"),
+    }
+}
+
+/// Everything that listens to a run; `found` is the tracker of criteria or rebounds.
+struct Listeners<'a, W: Write + Send + 'static, C: Channels, F, A> {
+    log: Option<Beside<W, C>>,
+    found: F,
+    /// Time of the latest sample.
+    last_s: f64,
+    /// Whoever else wants what the log gets.
+    also: &'a mut A,
+}
+
+impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, FingerChannels, Option<Tracker>, A> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.last_s = sample.time_s;
+        self.found.sample(sample)?;
+        self.also.sample(sample)?;
+        self.log.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.found.event(event)?;
+        self.also.event(event)?;
+        self.log.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        self.also.proceed()
+    }
+}
+
+impl<W: Write + Send + 'static, A: BodiesSink> BodiesSink for Listeners<'_, W, BodiesChannels, Rebounds, A> {
+    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+        self.last_s = sample.time_s;
+        self.found.sample(sample)?;
+        self.also.sample(sample)?;
+        self.log.sample(sample)
+    }
+
+    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+        self.found.event(event)?;
+        self.also.event(event)?;
+        self.log.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        self.also.proceed()
+    }
+}

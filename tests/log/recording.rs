@@ -1,0 +1,102 @@
+//! A run as arrays: the columns are those of `replay --csv`, and the peaks those of the run.
+
+use std::fs;
+
+use phalanx::log::{read_any_file, read_file, run_to};
+use phalanx::scene::{AnyScene, load, load_any};
+use phalanx::trace::bodies::BodiesEvent;
+use phalanx::trace::{Model, Recording, Site, record, record_bodies, run};
+
+use crate::support::cli::{directory, phalanx, stderr};
+use crate::support::replay::{DISCS, FINGER};
+
+/// The table of `replay --csv`: names, and columns of numbers, NaN where a cell is empty.
+fn table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let file = log.with_extension("csv");
+    let output = phalanx(&["replay", log.to_str().expect("text"), "--csv", file.to_str().expect("text")]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = fs::read_to_string(file).expect("a table");
+    let mut lines = text.lines();
+    let names: Vec<_> = lines.next().expect("names").split(',').map(String::from).collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    for line in lines {
+        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+            column.push(if cell.is_empty() { f64::NAN } else { cell.parse().expect("a number") });
+        }
+    }
+    (names, columns)
+}
+
+fn same<E>(recording: &Recording<E>, (names, columns): &(Vec<String>, Vec<Vec<f64>>)) {
+    assert_eq!(recording.columns(), names);
+    assert_eq!(recording.time(), columns[0]);
+    for (name, column) in names.iter().zip(columns) {
+        let kept = recording.column(name).expect("a column");
+        assert_eq!(kept.len(), column.len(), "{name}");
+        assert!(kept.iter().zip(column).all(|(a, b)| a == b || a.is_nan() && b.is_nan()), "{name}");
+    }
+}
+
+#[test]
+fn the_columns_of_a_finger_are_those_of_the_table() {
+    let directory = directory("recording_finger");
+    let path = directory.join("run.mcap");
+    for (scene, model) in
+        [(FINGER, Model::Analytic), (FINGER, Model::Engine), ("scenes/free-swing.toml", Model::Analytic)]
+    {
+        let scene = load(scene).expect("a scene");
+        let (outcome, recording) = record(model, &scene).expect("a run");
+        let logged = run_to(&scene, model, &path).expect("a run");
+        assert_eq!(logged.outcome, outcome);
+        same(&recording, &table(&path));
+        // A log is read into the same arrays.
+        let mut read = Recording::finger();
+        read_file(&path, &mut read).expect("a log");
+        same(&read, &table(&path));
+        assert_eq!(read.events(), recording.events());
+    }
+}
+
+#[test]
+fn the_columns_of_discs_are_those_of_the_table() {
+    let directory = directory("recording_discs");
+    let path = directory.join("run.mcap");
+    let Ok(AnyScene::Bodies(scene)) = load_any(DISCS) else { panic!("a scene of discs") };
+    let (_, recording) = record_bodies(Model::Engine, &scene).expect("a run");
+    run_to(scene.as_ref(), Model::Engine, &path).expect("a run");
+    same(&recording, &table(&path));
+    assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
+    let mut read: Recording<BodiesEvent> = Recording::named(&[], &[]);
+    read_any_file(&path, &mut read).expect("a log");
+    assert_eq!(read, recording);
+    assert!(recording.events().len() >= 2);
+}
+
+#[test]
+fn the_largest_of_a_column_is_the_largest_of_the_run() {
+    let scene = load(FINGER).expect("a scene");
+    let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
+    // Without thinning, too.
+    let mut every = Recording::finger();
+    run(Model::Analytic, &scene, &mut every).expect("a run");
+    assert!(every.time().len() >= recording.time().len());
+    assert!(every.time().is_sorted() && recording.time().is_sorted());
+    for (name, site) in [("proximal_normal_n", Site::Proximal), ("distal_normal_n", Site::Distal)] {
+        for kept in [&every, &recording] {
+            let largest = kept.column(name).expect("a column").iter().copied().fold(0.0, f64::max);
+            assert_eq!(largest, outcome.site(site).peak_normal_n, "{name}");
+        }
+    }
+}
+
+#[test]
+fn what_is_not_there_is_no_number_and_what_is_unknown_no_column() {
+    let mut scene = load(FINGER).expect("a scene");
+    (scene.object, scene.duration_s) = (None, 2e-3);
+    let (_, recording) = record(Model::Analytic, &scene).expect("a run");
+    let forces = recording.column("distal_normal_n").expect("a column");
+    assert!(forces.len() > 10 && forces.iter().all(|force| force.is_nan()));
+    assert!(recording.column("q21_rad").expect("a column").iter().all(|angle| angle.is_finite()));
+    assert_eq!(recording.column("q21"), None);
+    assert_eq!(recording.columns().len(), 42);
+}
