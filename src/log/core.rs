@@ -12,6 +12,7 @@ use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use super::messages::stamp_ns;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, Logged, METADATA_NAME, RunInfo, metadata};
+use super::schema::schema_of;
 
 /// Largest uncompressed size of a chunk, at which it is closed, written and flushed: what a killed run loses at most.
 pub const CHUNK_BYTES: usize = 256 * 1024;
@@ -100,7 +101,7 @@ impl<W: Write> Core<W> {
 
     /// Registers the schema of `M` (once, however many channels share it) and a channel of it.
     pub fn channel<M: Encode>(&mut self, topic: &str) -> Result<ChannelId, McapError> {
-        let (schema, encoding) = (M::get_schema(), M::get_message_encoding());
+        let (schema, encoding) = (schema_of::<M>(), M::get_message_encoding());
         let schema_id = match &schema {
             Some(schema) => self.mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
             None => 0,

@@ -1,5 +1,7 @@
 //! Logs: one MCAP file a run, every channel in protobuf with its descriptor embedded. [`run_to`] writes one.
 //!
+//! Schemas of our own messages are called as here under `phalanx.` (`phalanx.State`).
+//!
 //! | topic | schema | what |
 //! |---|---|---|
 //! | `/state` | [`State`] | joint angles, rates, motor torque |
@@ -48,7 +50,7 @@
 //! |---|---|
 //! | `core`, `writer`, `beside`, `file` | the MCAP file: chunks and clock; what goes in; the thread; its place on the disk |
 //! | `run`, `listeners` | one call that runs and logs; everything that listens to a run |
-//! | `finger`, `bodies`, `messages` | channels of either kind of scene, and their messages |
+//! | `finger`, `bodies`, `messages`, `schema` | channels of either kind of scene, their messages, and what those are called |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | the settings of a run, written and read back |
 //! | `reader` | a log back to samples and events, whatever has happened to it |
@@ -66,6 +68,7 @@ mod pictures;
 mod reader;
 mod recovered;
 mod run;
+mod schema;
 mod settings;
 mod verify;
 mod writer;

@@ -67,6 +67,7 @@ class Descriptors(unittest.TestCase):
             for topic, (encoding, schema) in run.log.channels.items():
                 with self.subTest(run.name, topic=topic):
                     self.assertEqual((encoding, schema.encoding), ("protobuf", "protobuf"))
+                    self.assertTrue(schema.name.startswith(("phalanx.", "foxglove.")), schema.name)
                     files = {file.name: file for file in FileDescriptorSet.FromString(schema.data).file}
                     # A pool of its own: nothing that this process happens to know can fill a gap.
                     pool = DescriptorPool()

@@ -17,4 +17,5 @@ mod replay_recover;
 mod replay_verify;
 mod round_trip;
 mod run_to;
+mod schemas;
 mod thin;

@@ -102,11 +102,18 @@ pub struct Changes<'a> {
     pub scene: &'a dyn Fn(&str) -> Option<String>,
     /// By the topic, the number of the message on it, and its payload.
     pub message: &'a dyn Fn(&str, u64, &[u8]) -> Fate,
+    /// Name and descriptors of a schema.
+    pub schema: &'a dyn Fn(&str, &[u8]) -> (String, Vec<u8>),
 }
 
 impl Default for Changes<'_> {
     fn default() -> Self {
-        Changes { metadata: &|_| {}, scene: &|text| Some(text.to_string()), message: &|_, _, _| Fate::Keep }
+        Changes {
+            metadata: &|_| {},
+            scene: &|text| Some(text.to_string()),
+            message: &|_, _, _| Fate::Keep,
+            schema: &|name, data| (name.to_string(), data.to_vec()),
+        }
     }
 }
 
@@ -140,7 +147,8 @@ pub fn changed(bytes: &[u8], changes: &Changes<'_>) -> Vec<u8> {
                     out.attach(&attachment).expect("written");
                 }
                 Record::Schema(found) => {
-                    out.add_schema_with_id(found.id, found.name, found.encoding, found.data).expect("added");
+                    let (name, data) = (self.changes.schema)(found.name, found.data);
+                    out.add_schema_with_id(found.id, &name, found.encoding, &data).expect("added");
                 }
                 Record::Channel(found) => {
                     let (id, schema) = (found.id, found.schema);

@@ -7,6 +7,7 @@ use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 
 use super::record::{ChannelRecord, Names, SchemaRecord};
 use crate::log::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
+use crate::log::schema::current_name;
 use crate::trace::Site;
 
 /// What a channel carries. Indices are those of [`Names`].
@@ -67,7 +68,10 @@ impl Channels {
         ];
         Channels {
             discs,
-            known: known.into_iter().filter_map(|(schema, of)| Some((schema?.name, of))).collect(),
+            known: known
+                .into_iter()
+                .filter_map(|(schema, of)| Some((current_name(&schema?.name).into_owned(), of)))
+                .collect(),
             schemas: HashMap::new(),
             carried: HashMap::new(),
             names: Names::default(),
@@ -77,7 +81,8 @@ impl Channels {
 
     /// Takes note of a schema; one that is not of phalanx is forgotten.
     pub fn schema(&mut self, schema: &SchemaRecord<'_>) {
-        let known = self.known.iter().find(|(name, _)| schema.encoding == "protobuf" && name == schema.name);
+        let called = current_name(schema.name);
+        let known = self.known.iter().find(|(name, _)| schema.encoding == "protobuf" && *name == called);
         if let Some(&(_, found)) = known {
             self.schemas.insert(schema.id, found);
         }

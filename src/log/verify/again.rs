@@ -8,6 +8,7 @@ use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::super::reader::{ChannelRecord, MessageRecord, SchemaRecord, channel, message, metadata, schema};
+use crate::log::schema::{current_data, current_name};
 use crate::log::{LARGEST_RECORD, METADATA_NAME};
 
 /// A schema, owned.
@@ -36,8 +37,9 @@ pub struct Announced {
 
 impl Announced {
     pub fn schema(&mut self, found: &SchemaRecord<'_>) {
-        let (name, encoding) = (found.name.to_string(), found.encoding.to_string());
-        self.schemas.insert(found.id, Schema { name, encoding, data: found.data.to_vec() });
+        // What a schema was once called is no difference of two runs.
+        let (name, data) = (current_name(found.name).into_owned(), current_data(found.name, found.data).into_owned());
+        self.schemas.insert(found.id, Schema { name, encoding: found.encoding.to_string(), data });
     }
 
     pub fn channel(&mut self, found: &ChannelRecord<'_>) {
