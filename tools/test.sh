@@ -45,7 +45,8 @@ cargo test --locked --all-features --doc --quiet
 
 say "tests"
 if cargo nextest --version >/dev/null 2>&1; then
-    cargo nextest run --locked --all-features --no-fail-fast
+    # Programs of `examples/` are run as modules of a test, and need not be linked by themselves.
+    cargo nextest run --locked --all-features --no-fail-fast --lib --bins --tests
 else
     cargo test --locked --all-features --no-fail-fast --lib --bins --tests
 fi

@@ -6,6 +6,7 @@
 mod support;
 
 mod crash;
+mod examples;
 mod faults_log;
 mod faults_process;
 mod live_origin;

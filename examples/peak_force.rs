@@ -1,0 +1,34 @@
+//! A run as arrays: every figure of `replay --csv` a slice of numbers by its name, ready for whatever comes next.
+//!
+//! `cargo run --release --example peak_force`
+
+use std::error::Error;
+
+use phalanx::scene;
+use phalanx::trace::{Model, Outcome, Recording, record};
+
+/// A closing by the engine, kept as a log would hold it.
+pub fn closing() -> Result<(Outcome, Recording), Box<dyn Error>> {
+    let scene = scene::load("scenes/experiment-95.toml")?;
+    Ok(record(Model::Engine, &scene)?)
+}
+
+/// Where a column is largest: the time, and how much. What is no number (a force where there is no object) is no maximum.
+pub fn peak(recording: &Recording, name: &str) -> Option<(f64, f64)> {
+    let samples = recording.time().iter().copied().zip(recording.column(name)?.iter().copied());
+    samples.filter(|(_, value)| !value.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (_, recording) = closing()?;
+    println!("{} samples of {} figures", recording.time().len(), recording.columns().len());
+    for name in ["proximal_normal_n", "distal_normal_n"] {
+        if let Some((time_s, force_n)) = peak(&recording, name) {
+            println!("{name} is largest at {:.4} ms: {force_n:.1} N", time_s * 1e3);
+        }
+    }
+    for event in recording.events().iter().take(4) {
+        println!("{:.4} ms: {:?} of {}", event.time_s * 1e3, event.kind, event.site.name());
+    }
+    Ok(())
+}
