@@ -85,7 +85,7 @@ pub enum DesignError {
     )]
     BaseTooSmall { base_m: f64, min_m: f64 },
     #[error(
-        "base is {:.4} mm, but must be below {:.4} mm: any further and the distal phalanx meets the object at less than its \
+        "base is {:.4} mm, but must be below {:.4} mm: any further and t22 meets the object at less than its \
          smallest contact angle, so move the finger nearer, or lower tip_contact_min",
         .base_m * 1e3, .max_m * 1e3
     )]

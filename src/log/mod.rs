@@ -89,7 +89,7 @@ pub use reader::{
     Reading, Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
 };
 pub use recovered::{Gap, RECOVERED_NAME, Recovery, gaps, recover};
-pub use run::{LoggedRun, LoggedRunError, RunResult, Runs, run_into, run_to};
+pub use run::{LoggedRun, LoggedRunError, RunOf, RunResult, Runs, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
 pub use verify::{Difference, Expected, FieldTally, Leaf, Lockstep, Verification};
 pub use writer::{Channels, Writer};

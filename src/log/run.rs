@@ -49,16 +49,18 @@ pub trait Runs: Logged + Clone + Send + 'static {
     type Error: From<SinkError>;
 
     /// Simulates, says in the log how that ended, and finishes it.
-    fn run_logged<W: Write + Send + 'static>(
-        &self,
-        model: Model,
-        log: Beside<W, Self::Channels>,
-    ) -> (Result<LoggedRun<Self::Outcome, Self::Found>, Self::Error>, Result<W, SinkError>);
+    fn run_logged<W: Write + Send + 'static>(&self, model: Model, log: Beside<W, Self::Channels>)
+    -> RunAndLog<Self, W>;
 }
 
+/// A completed run of a kind of scene.
+pub type RunOf<S> = LoggedRun<<S as Runs>::Outcome, <S as Runs>::Found>;
+
 /// What [`run_to`] gives for a kind of scene.
-pub type RunResult<S, T = LoggedRun<<S as Runs>::Outcome, <S as Runs>::Found>> =
-    Result<T, LoggedRunError<<S as Runs>::Error>>;
+pub type RunResult<S, T = RunOf<S>> = Result<T, LoggedRunError<<S as Runs>::Error>>;
+
+/// A run that is over, and its log, which is too.
+pub type RunAndLog<S, W> = (Result<RunOf<S>, <S as Runs>::Error>, Result<W, SinkError>);
 
 /// Runs a scene with one of the models, and writes the log that `phalanx run --log` would: of the scene as it is, also
 /// where it was changed since it was read.
@@ -95,11 +97,7 @@ pub fn run_to<S: Runs>(scene: &S, model: Model, path: impl AsRef<Path>) -> RunRe
 ///
 /// # Errors
 /// As [`run_to`].
-pub fn run_into<S: Runs, W: Write + Send + 'static>(
-    scene: &S,
-    model: Model,
-    out: W,
-) -> RunResult<S, (LoggedRun<S::Outcome, S::Found>, W)> {
+pub fn run_into<S: Runs, W: Write + Send + 'static>(scene: &S, model: Model, out: W) -> RunResult<S, (RunOf<S>, W)> {
     let log = Beside::start(out, NAMELESS, &info(scene, model), None, || {}).map_err(LogError::Start)?;
     let (run, log) = scene.run_logged(model, log);
     let run = run.map_err(LoggedRunError::Run)?;
@@ -119,7 +117,7 @@ impl Runs for Scene {
         &self,
         model: Model,
         log: Beside<W, Self::Channels>,
-    ) -> (Result<LoggedRun<Outcome, Option<Criteria>>, RunError>, Result<W, SinkError>) {
+    ) -> RunAndLog<Self, W> {
         let ran = finger(model, self, Some(log), &mut ());
         let end = match &ran.result {
             Ok(outcome) => End::Completed(&outcome.work),
@@ -140,7 +138,7 @@ impl Runs for BodiesScene {
         &self,
         model: Model,
         log: Beside<W, Self::Channels>,
-    ) -> (Result<LoggedRun<BodiesOutcome, Vec<Rebound>>, BodiesRunError>, Result<W, SinkError>) {
+    ) -> RunAndLog<Self, W> {
         let ran = bodies(model, self, Some(log), &mut ());
         let end = match &ran.result {
             Ok(outcome) => End::Completed(&outcome.work),

@@ -43,7 +43,7 @@ pub fn current_data<'a>(name: &str, data: &'a [u8]) -> Cow<'a, [u8]> {
 /// The message in a package of its own name.
 fn own(name: &str) -> Option<&str> {
     let (package, message) = name.split_once('.')?;
-    (package == message.to_lowercase()).then_some(message)
+    (!message.is_empty() && package == message.to_lowercase()).then_some(message)
 }
 
 #[cfg(test)]

@@ -96,6 +96,9 @@ pub enum Fate {
     Change(Vec<u8>),
 }
 
+/// Name and descriptors.
+pub type Schema = (String, Vec<u8>);
+
 /// Changes of a log that keep it a log.
 pub struct Changes<'a> {
     pub metadata: &'a dyn Fn(&mut BTreeMap<String, String>),
@@ -103,7 +106,7 @@ pub struct Changes<'a> {
     /// By the topic, the number of the message on it, and its payload.
     pub message: &'a dyn Fn(&str, u64, &[u8]) -> Fate,
     /// Name and descriptors of a schema.
-    pub schema: &'a dyn Fn(&str, &[u8]) -> (String, Vec<u8>),
+    pub schema: &'a dyn Fn(&str, &[u8]) -> Schema,
 }
 
 impl Default for Changes<'_> {
