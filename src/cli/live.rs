@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::output::complain;
+use super::output::note;
 use crate::live::{DEFAULT_ADDRESS, LiveError, Pace, Server};
 use crate::log::Feed;
 use crate::report;
@@ -68,7 +68,7 @@ impl LiveArgs {
             })?;
         let speed = self.live_speed.unwrap_or(duration_s / WATCHED_S);
         let takes = report::duration(duration_s / speed);
-        complain(&format!("live: {} shows {} in {takes}", server.url(), report::duration(duration_s)));
+        note(&format!("live: {} shows {} in {takes}", server.url(), report::duration(duration_s)));
         let (wait, keep, stop) = (self.live_wait, self.live_keep, Box::new(interrupt.watch()));
         Ok(Some(Live { server, speed, wait, keep, stop }))
     }
@@ -83,7 +83,7 @@ impl Live {
     /// Waits for a first client, if that is asked for. The channels have to be there.
     pub fn begin(&self) {
         if self.wait {
-            complain("live: waits for a client");
+            note("live: waits for a client");
             self.server.wait_for_client(&self.stop);
         }
     }
@@ -91,7 +91,7 @@ impl Live {
     /// Ends the server, or keeps it up as long as that is asked for. The log has to be finished.
     pub fn end(self) {
         if self.keep && !(self.stop)() {
-            complain("live: the run is over; its last state is served until Ctrl-C");
+            note("live: the run is over; its last state is served until Ctrl-C");
             self.server.keep(&self.stop);
         }
         self.server.finish();

@@ -42,6 +42,7 @@ mod study;
 mod study_stability;
 mod sweep;
 mod sweep_store;
+mod terminal;
 mod validate;
 mod validate_bodies;
 mod validate_files;
@@ -55,10 +56,22 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::builder::Styles;
+use clap::builder::styling::AnsiColor;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::scene::{SceneError, nearest};
+
+/// Help of longer lines is tiring to read.
+const WIDEST: usize = 100;
+
+/// Only where colours are wanted: on a terminal, and not if NO_COLOR is set.
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default().bold())
+    .placeholder(AnsiColor::Cyan.on_default());
 
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
 #[derive(Debug, Parser)]
@@ -66,11 +79,18 @@ use crate::scene::{SceneError, nearest};
     name = "phalanx",
     version,
     propagate_version = true,
-    max_term_width = 100,
-    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit status: 0 done; 1 a check failed; 2 bad \
-                  input; 3 the simulation could not be completed."
+    max_term_width = WIDEST,
+    styles = STYLES,
+    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit \
+                  status: 0 done; 1 a check failed; 2 bad input; 3 the simulation could not be completed.\n\nTables and help \
+                  fit the terminal; COLUMNS sets another width, also in a pipe, where tables are as wide as need be \
+                  otherwise. NO_COLOR takes the colours from help and messages."
 )]
 struct Cli {
+    /// Print results, warnings and errors only: no progress and no notes on stderr
+    #[arg(short, long, global = true, display_order = 900)]
+    quiet: bool,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -82,7 +102,11 @@ enum Command {
     Validate(validate::ValidateArgs),
     Replay(replay::ReplayArgs),
     /// Show and check scene files, and print their schema
-    #[command(subcommand)]
+    #[command(
+        subcommand,
+        after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene check scenes/*.toml\n  phalanx scene \
+                      schema > scene.schema.json"
+    )]
     Scene(scene::SceneCommand),
     Size(size::SizeArgs),
     Statics(statics::StaticsArgs),
@@ -91,7 +115,10 @@ enum Command {
     Select(select::SelectArgs),
     Reproduce(reproduce::ReproduceArgs),
     /// See what a choice of settings does to a result
-    #[command(subcommand)]
+    #[command(
+        subcommand,
+        after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study step-size --quick"
+    )]
     Study(study::StudyCommand),
 }
 
@@ -132,8 +159,11 @@ impl From<SceneError> for Failure {
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
-    let matches = taking_negatives(Cli::command()).try_get_matches().unwrap_or_else(|error| meant(error).exit());
+    let matches = command_line().try_get_matches().unwrap_or_else(|error| meant(error).exit());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if cli.quiet {
+        output::be_quiet();
+    }
     let result = match &cli.command {
         Command::New(args) => new::run(args),
         Command::Run(args) => run::run(args),
@@ -155,6 +185,15 @@ pub fn main() -> ExitCode {
     ExitCode::from(status as u8)
 }
 
+/// The command line as it is read: help is as wide as the terminal, or as COLUMNS says.
+fn command_line() -> clap::Command {
+    let command = taking_negatives(Cli::command());
+    match terminal::width() {
+        Some(width) => command.term_width(width.min(WIDEST)),
+        None => command,
+    }
+}
+
 /// Lets every flag of a value take one that begins with a minus: what is wrong with `--rtol -1` the flag itself says best.
 /// Flags of files and of words from a list go on refusing what looks like another flag.
 fn taking_negatives(command: clap::Command) -> clap::Command {
@@ -174,7 +213,7 @@ fn meant(mut error: clap::Error) -> clap::Error {
     {
         let command = Cli::command();
         // Of `phalanx scene shwo` the second word is wrong.
-        let above = std::env::args().nth(1).filter(|first| first != word);
+        let above = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);
         let among = above.and_then(|first| command.find_subcommand(first)).unwrap_or(&command);
         let names: Vec<&str> = among.get_subcommands().map(clap::Command::get_name).collect();
         if let Some(name) = nearest(word, &names) {

@@ -2,8 +2,22 @@
 
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::Failure;
+use super::{Failure, terminal};
+use crate::report::Sheet;
+
+/// Whether only results, warnings and errors are wanted: asked for once, before the command begins.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// No progress and no notes from now on.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
 
 /// The text without what a terminal would obey: control characters and those that turn the order of letters around are shown as
 /// JSON writes them, so that a document stays one. Names in scenes and logs are others' words.
@@ -36,7 +50,22 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints a message to stderr, as far as that takes it.
+/// Prints a report: on a terminal no wider than it is.
+pub fn show(sheet: &Sheet) -> Result<(), Failure> {
+    print(&match terminal::width() {
+        Some(width) => sheet.fitted(width),
+        None => sheet.to_string(),
+    })
+}
+
+/// Says on stderr what is no warning and no error; nothing with `--quiet`.
+pub fn note(words: &str) {
+    if !is_quiet() {
+        complain(words);
+    }
+}
+
+/// Prints a warning or an error to stderr, as far as that takes it.
 pub fn complain(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", visible(message));
 }

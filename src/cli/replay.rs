@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::interrupt::Interrupt;
-use super::output::{complain, print};
+use super::output::{complain, print, show};
 use super::own::{Form, writable};
 use super::replay_read::{Listeners, bad_log, read, tabulate};
 use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
@@ -80,22 +80,22 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
         (None, None) => {
             let mut listeners = Listeners::new(&args.log, &interrupt)?;
             let reading = read(&args.log, &mut listeners)?;
-            show(args, &reading, &listeners)
+            summarise(args, &reading, &listeners)
         }
     }
 }
 
 /// Prints the summary, and says on stderr what of the log is lost.
-fn show(args: &ReplayArgs, reading: &Reading, listeners: &Listeners<'_>) -> Result<Status, Failure> {
+fn summarise(args: &ReplayArgs, reading: &Reading, listeners: &Listeners<'_>) -> Result<Status, Failure> {
     let report = listeners.report(args.log.display().to_string(), reading);
-    print(&said(args, &report))?;
+    say(args, &report)?;
     Ok(losses(&args.log, reading))
 }
 
-pub(super) fn said(args: &ReplayArgs, report: &ReplayReport) -> String {
+pub(super) fn say(args: &ReplayArgs, report: &ReplayReport) -> Result<(), Failure> {
     match args.json {
-        true => replay_json(report),
-        false => replay_text(report),
+        true => print(&replay_json(report)),
+        false => show(&replay_text(report)),
     }
 }
 
@@ -135,7 +135,7 @@ fn csv(args: &ReplayArgs, path: &Path, interrupt: &Interrupt) -> Result<Status, 
         outcome.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()))
     });
     match (outcome?, written) {
-        (Some(reading), Ok(())) => show(args, &reading, &listeners),
+        (Some(reading), Ok(())) => summarise(args, &reading, &listeners),
         (_, Err(error)) => Err(Failure::incomplete(format!("cannot write {}: {error}", path.display()))),
         (None, Ok(())) => Ok(Status::Done),
     }

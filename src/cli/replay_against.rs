@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{print, show};
 use super::own::{Form, writable};
 use super::replay::{ReplayArgs, head, losses, refuse_the_log};
 use super::replay_page::{Reels, Tee};
@@ -110,7 +110,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             if let Some(page) = &shown {
                 save(&out.join(PAGE), page)?;
             }
-            save(&out.join("report.txt"), &against_text(&report))?;
+            save(&out.join("report.txt"), &against_text(&report).to_string())?;
             save(&out.join("report.json"), &against_json(&report))
         })?;
     }
@@ -118,10 +118,10 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         save(target, page)?;
         report.page = Some(target.display().to_string());
     }
-    print(&match args.json {
-        true => against_json(&report),
-        false => against_text(&report),
-    })?;
+    match args.json {
+        true => print(&against_json(&report)),
+        false => show(&against_text(&report)),
+    }?;
     let statuses = [0, 1].map(|k| losses(paths[k], &sides[k].reading));
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
@@ -132,7 +132,7 @@ fn both(films: [Reels; 2], paths: [&Path; 2], report: &AgainstReport) -> Result<
     let title = if first == second { first } else { format!("{first} and {second}") };
     let mut runs = Vec::new();
     for (((film, path), label), log) in films.into_iter().zip(paths).zip(&report.labels).zip(&report.logs) {
-        runs.push(film.film(path, label, &replay_text(log))?);
+        runs.push(film.film(path, label, replay_text(log))?);
     }
     let notes = vec![Note { title: "Side by side".to_string(), text: against_text(report) }];
     Ok(page(&Page { title, description, runs, notes, pictures: Vec::new() }))

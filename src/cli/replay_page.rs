@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use super::Failure;
 use super::interrupt::Interrupt;
 use super::own::{Form, writable};
-use super::replay::{ReplayArgs, head, losses, refuse_the_log, said};
+use super::replay::{ReplayArgs, head, losses, refuse_the_log, say};
 use super::replay_read::{Listeners, attached, bad_log};
 use super::validate_files::save;
-use super::{Status, output::print};
+use super::{Failure, Status};
+
 use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Film, Page, Reel, page};
-use crate::report::replay_text;
+use crate::report::{Sheet, replay_text};
 use crate::scene::{AnyScene, BodiesScene, Scene};
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
@@ -34,10 +34,10 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     let reading = reading.map_err(|error| bad_log(path, &error))?;
     let mut report = listeners.report(path.display().to_string(), &reading);
     let (title, description) = reels.about();
-    let film = reels.film(path, report.model.as_deref().unwrap_or("run"), &replay_text(&report))?;
+    let film = reels.film(path, report.model.as_deref().unwrap_or("run"), replay_text(&report))?;
     save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
     report.page = Some(target.display().to_string());
-    print(&said(args, &report))?;
+    say(args, &report)?;
     Ok(losses(path, &reading))
 }
 
@@ -66,7 +66,7 @@ impl Reels {
         }
     }
 
-    pub fn film(self, path: &Path, label: &str, summary: &str) -> Result<Film, Failure> {
+    pub fn film(self, path: &Path, label: &str, summary: impl Into<Sheet>) -> Result<Film, Failure> {
         match self {
             Reels::Finger { scene, reel } => Ok(reel.film(label, &scene, summary)),
             Reels::Discs { scene, reel, fits: true } => Ok(reel.film(label, &scene, summary)),

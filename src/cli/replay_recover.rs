@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{print, show};
 use super::replay::{ReplayArgs, head, losses, refuse_the_log};
 use super::replay_read::{Watch, bad_log};
 use super::run::unstarted;
@@ -40,10 +40,10 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     let found = outcome.map_err(|error| bad_log(path, &error))?;
     written.map_err(|error| Failure::incomplete(format!("cannot write {name}: {error}")))?;
     let report = RecoveryReport::new(path.display().to_string(), target.display().to_string(), &found);
-    print(&match args.json {
-        true => recovery_json(&report),
-        false => recovery_text(&report),
-    })?;
+    match args.json {
+        true => print(&recovery_json(&report)),
+        false => show(&recovery_text(&report).into()),
+    }?;
     // What was asked for is done, whatever was lost before.
     losses(path, &found.reading);
     Ok(Status::Done)

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::interrupt::Interrupt;
-use super::output::{complain, print};
-use super::replay::{ReplayArgs, head, losses, said};
+use super::output::complain;
+use super::replay::{ReplayArgs, head, losses, say};
 use super::replay_read::{Listeners, Watch, attached, bad_log, read};
 use super::simulate::{self, Broken, Checking, Limits, Simulated};
 use super::{Failure, Status};
@@ -47,7 +47,7 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     let (same, complete) = (verification.same, verification.complete);
     let lines = verification.complaints(path);
     report.verification = Some(verification);
-    print(&said(args, &report))?;
+    say(args, &report)?;
     let status = losses(path, &reading);
     lines.iter().for_each(|line| complain(line));
     Ok(if same && complete { status } else { Status::CheckFailed })

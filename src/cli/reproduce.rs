@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
-use super::output::{complain, print};
+use super::output::{note, print, show};
 use super::progress::Count;
 use super::validate_files::{broken, save};
 use super::volume_args::threads_or_all;
@@ -71,12 +71,12 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| write(out, &found))?;
     }
-    print(&match args.json {
-        true => reproduction_json(&found),
-        false => reproduction_text(&found),
-    })?;
+    match args.json {
+        true => print(&reproduction_json(&found)),
+        false => show(&reproduction_text(&found)),
+    }?;
     if !args.json {
-        complain(&format!("computed in {}", duration(wall_s)));
+        note(&format!("computed in {}", duration(wall_s)));
     }
     let outside = comparisons(&found).iter().any(|one| one.verdict == Verdict::Outside);
     Ok(if outside { Status::CheckFailed } else { Status::Done })

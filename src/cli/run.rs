@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
-use super::output::print;
+use super::output::{print, show};
 use super::overrides::Overrides;
 use super::run_page::PageArgs;
 use super::simulate::{self, Broken, Checking, Limits, Simulated};
@@ -113,15 +113,15 @@ fn finger(args: &RunArgs, mut scene: Scene, first: bool) -> Result<Status, Failu
     report.check = check.map(|check| RunCheckReport::new(&check, true));
     // A page is given to others: it does not say where the files are.
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
-        page.write(&scene.name, &scene.description, reel.film(model, &scene, &report::text(&report)))
+        page.write(&scene.name, &scene.description, reel.film(model, &scene, report::text(&report)))
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
-    print(&match args.json {
-        true => report::json(&report),
-        false => report::text(&report),
-    })?;
+    match args.json {
+        true => print(&report::json(&report)),
+        false => show(&report::text(&report)),
+    }?;
     if let Some(live) = live {
         live.end();
     }

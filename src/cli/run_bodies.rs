@@ -1,7 +1,7 @@
 //! `phalanx run` of a scene of discs.
 
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{print, show};
 use super::run::{RunArgs, ended, started};
 use super::simulate::{self, Broken, Limits, Simulated};
 use super::{Failure, Status, run_page};
@@ -27,16 +27,16 @@ pub fn run(args: &RunArgs, mut scene: BodiesScene, first: bool) -> Result<Status
     let mut report = BodiesReport::new(&scene, args.model, wall_s, outcome.as_ref(), &found, error);
     report.check = check.map(|check| RunCheckReport::new(&check, false));
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
-        let film = reel.film(args.model.name(), &scene, &report::bodies_text(&report));
+        let film = reel.film(args.model.name(), &scene, report::bodies_text(&report));
         page.write(&scene.name, &scene.description, film)
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
-    print(&match args.json {
-        true => report::bodies_json(&report),
-        false => report::bodies_text(&report),
-    })?;
+    match args.json {
+        true => print(&report::bodies_json(&report)),
+        false => show(&report::bodies_text(&report)),
+    }?;
     if let Some(live) = live {
         live.end();
     }

@@ -14,6 +14,10 @@ use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
 #[derive(Clone, Debug, Subcommand)]
 pub enum SceneCommand {
     /// Print a scene as it was written with every default filled in, as a scene file; or draw its linkage
+    #[command(
+        after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene show my-gripper.toml --resolved\n  \
+                      phalanx scene show my-gripper.toml --figure letters.svg"
+    )]
     Show {
         /// Scene file (TOML)
         scene: PathBuf,
@@ -28,12 +32,14 @@ pub enum SceneCommand {
         resolved: bool,
     },
     /// Check scene files; exit status 2 if one is wrong
+    #[command(after_help = "Examples:\n  phalanx scene check my-gripper.toml\n  phalanx scene check scenes/*.toml")]
     Check {
         /// Scene files (TOML)
         #[arg(required = true)]
         scenes: Vec<PathBuf>,
     },
     /// Print the JSON Schema of scene files, for editors
+    #[command(after_help = "Examples:\n  phalanx scene schema > scene.schema.json")]
     Schema,
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::folder::Folder;
-use super::output::print;
+use super::output::{print, show};
 use super::own::{Form, writable};
 use super::validate_files::{broken, save};
 use super::{Failure, Status};
@@ -111,10 +111,10 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| write(out, &source, &results, &selection))?;
     }
-    print(&match args.json {
-        true => selection_json(&source, &selection),
-        false => selection_text(&source, &selection, args.best),
-    })?;
+    match args.json {
+        true => print(&selection_json(&source, &selection)),
+        false => show(&selection_text(&source, &selection, args.best)),
+    }?;
     Ok(if selection.ranking.is_empty() { Status::CheckFailed } else { Status::Done })
 }
 
@@ -166,7 +166,7 @@ fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Re
     }
     table::write(&out.join("ranking.csv"), &ranking_table(results, selection)).map_err(unwritten)?;
     save(&out.join("selection.json"), &selection_json(source, selection))?;
-    save(&out.join("selection.txt"), &selection_text(source, selection, usize::MAX))
+    save(&out.join("selection.txt"), &selection_text(source, selection, usize::MAX).to_string())
 }
 
 fn unwritten(error: TableError) -> Failure {

@@ -7,7 +7,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::folder::write_all;
-use super::output::print;
+use super::output::{print, show};
 use super::overrides::positive;
 use super::{Failure, Status};
 use crate::gripper::contact_angle_proximal;
@@ -93,7 +93,7 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     if let Some(out) = &args.out {
         let undrawn = |error: DrawError| Failure::incomplete(format!("cannot draw the pictures: {error}"));
         let files = [
-            ("size.txt", sizing_text(&report)),
+            ("size.txt", sizing_text(&report).to_string()),
             ("size.json", sizing_json(&report)),
             ("size.csv", sizing_csv(&profile)),
             ("trajectory.svg", plot::sizing_trajectory(&scene.name, &profile).map_err(undrawn)?),
@@ -102,7 +102,10 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
         ];
         write_all(out, &files)?;
     }
-    print(&if args.json { sizing_json(&report) } else { sizing_text(&report) })?;
+    match args.json {
+        true => print(&sizing_json(&report)),
+        false => show(&sizing_text(&report)),
+    }?;
     Ok(Status::Done)
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::print;
+use super::output::{print, show};
 use super::own::{Form, writable};
 use super::validate_files::{broken, save};
 use super::{Failure, Status};
@@ -70,7 +70,10 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
         save(path, &picture)?;
         report.svg = Some(path.display().to_string());
     }
-    print(&if args.json { statics_json(&report) } else { statics_text(&report) })?;
+    match args.json {
+        true => print(&statics_json(&report)),
+        false => show(&statics_text(&report)),
+    }?;
     Ok(Status::Done)
 }
 

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 
 use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
-use super::output::print;
+use super::output::{print, show};
 use super::progress::Count;
 use super::study_stability::{self, StabilityArgs};
 use super::validate_files::save;
@@ -86,10 +86,13 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         let picture = plot::step_size(&study)
             .map_err(|error| Failure::incomplete(format!("cannot draw step-size.svg: {error}")))?;
-        let texts = [step_size_text(&study), step_size_json(&study), step_size_csv(&study), picture];
+        let texts = [step_size_text(&study).to_string(), step_size_json(&study), step_size_csv(&study), picture];
         folder.fill(|out| FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text)))?;
     }
-    print(&if args.json { step_size_json(&study) } else { step_size_text(&study) })?;
+    match args.json {
+        true => print(&step_size_json(&study)),
+        false => show(&step_size_text(&study)),
+    }?;
     Ok(Status::Done)
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{print, show};
 use super::progress::Count;
 use super::validate_files::{broken, save};
 use super::{Failure, Status};
@@ -102,11 +102,14 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| {
             let picture = plot::stability(&study).map_err(|error| broken(&out.join("stability.svg"), error))?;
-            let texts = [stability_json(&study), stability_csv(&study), picture, stability_text(&study)];
+            let texts = [stability_json(&study), stability_csv(&study), picture, stability_text(&study).to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }
-    print(&if args.json { stability_json(&study) } else { stability_text(&study) })?;
+    match args.json {
+        true => print(&stability_json(&study)),
+        false => show(&stability_text(&study)),
+    }?;
     Ok(Status::Done)
 }
 

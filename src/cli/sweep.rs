@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::interrupt::Interrupt;
-use super::output::{complain, print};
+use super::output::{note, print, show};
 use super::progress::Count;
 use super::sweep_store::{Found, Store, open};
 use super::volume_args::threads_or_all;
@@ -94,13 +94,13 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
     }
     study.checked = args.check;
     let (Some(out), false) = (&args.out, args.list) else {
-        print(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
+        show(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
         return Ok(Status::Done);
     };
     let most = args.limit.unwrap_or(u64::MAX);
     match open(&study, out, most, args.restart)? {
         Found::Complete(table) => {
-            complain(&format!(
+            note(&format!(
                 "{} has all runs of this study already: nothing was run. --restart runs them again.",
                 out.display()
             ));
@@ -155,7 +155,10 @@ fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWo
         found,
         now,
     };
-    print(&if args.json { sweep_json(&report) } else { sweep_text(&report) })?;
+    match args.json {
+        true => print(&sweep_json(&report)),
+        false => show(&sweep_text(&report)),
+    }?;
     match nothing {
         true => Err(Failure::incomplete(format!(
             "not one run could be simulated to its end; {} says why of each",
@@ -181,8 +184,6 @@ struct SoFar {
     count: Count,
     total: u64,
     done: u64,
-    /// Done before this sweep.
-    before: u64,
     simulations: u64,
     failed: u64,
     refused: u64,
@@ -191,9 +192,11 @@ struct SoFar {
 }
 
 impl SoFar {
-    fn new(total: u64, before: u64) -> Self {
-        let (count, start) = (Count::new(), Instant::now());
-        SoFar { count, total, done: before, before, simulations: 0, failed: 0, refused: 0, start, next: Duration::ZERO }
+    /// With so many done before this sweep.
+    fn new(total: u64, done: u64) -> Self {
+        let (mut count, start) = (Count::new(), Instant::now());
+        count.show(done as usize, total as usize, "");
+        SoFar { count, total, done, simulations: 0, failed: 0, refused: 0, start, next: Duration::ZERO }
     }
 
     fn take(&mut self, row: &Row) {
@@ -208,19 +211,8 @@ impl SoFar {
         // Texts are made only as often as somebody can read them.
         if elapsed >= self.next {
             self.next = elapsed + Duration::from_millis(100);
-            let each_s = elapsed.as_secs_f64() / (self.done - self.before) as f64;
-            let left = each_s * (self.total - self.done) as f64;
-            let text = format!("{} left, {} failed, {} refused", span(left), self.failed, self.refused);
+            let text = format!("{} failed, {} refused", self.failed, self.refused);
             self.count.show(self.done as usize, self.total as usize, &text);
         }
-    }
-}
-
-/// A time that people wait.
-fn span(seconds: f64) -> String {
-    match seconds {
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{print, show};
 use super::progress::Count;
 use super::validate_files::{FILES, write};
 use super::{Failure, Status, validate_bodies};
@@ -59,10 +59,10 @@ fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
-    print(&match args.json {
-        true => validation_json(&report),
-        false => validation_text(&report),
-    })?;
+    match args.json {
+        true => print(&validation_json(&report)),
+        false => show(&validation_text(&report)),
+    }?;
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
 }
 

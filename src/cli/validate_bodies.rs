@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::print;
+use super::output::{print, show};
 use super::run::{info, unstarted};
 use super::simulate::{self, Checking, Limits};
 use super::validate::{ValidateArgs, stopped, watched};
-use super::validate_files::{PAGE, finished, pictures, save, show, table};
+use super::validate_files::{PAGE, finished, pictures, save, show_page, table};
 use super::{Failure, Status};
 use crate::log;
 use crate::page::{Film, Reel};
@@ -34,10 +34,10 @@ pub fn run(args: &ValidateArgs, scene: &BodiesScene) -> Result<Status, Failure> 
     if let Some(folder) = folder {
         folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
-    print(&match args.json {
-        true => bodies_validation_json(&report),
-        false => bodies_validation_text(&report),
-    })?;
+    match args.json {
+        true => print(&bodies_validation_json(&report)),
+        false => show(&bodies_validation_text(&report)),
+    }?;
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
 }
 
@@ -70,10 +70,10 @@ fn write(
         record(Model::Engine, scene, &args.scene, &out.join("engine.mcap"), interrupt)?,
     ];
 
-    show(out, &scene.name, &scene.description, runs, &bodies_validation_text(report), pictures)?;
+    show_page(out, &scene.name, &scene.description, runs, bodies_validation_text(report), pictures)?;
     report.directory = args.out.as_ref().map(|out| out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    save(&out.join("report.txt"), &bodies_validation_text(report))?;
+    save(&out.join("report.txt"), &bodies_validation_text(report).to_string())?;
     save(&out.join("report.json"), &bodies_validation_json(report))
 }
 
@@ -91,5 +91,5 @@ fn record(
     let run = simulate::bodies(model, scene, Some(log), &limits, &mut reel);
     let outcome = finished(path, interrupt, run.result, run.log)?;
     let summary = BodiesReport::new(scene, model, run.wall_s, Some(&outcome), &run.found, None);
-    Ok(reel.film(model.name(), scene, &bodies_text(&summary)))
+    Ok(reel.film(model.name(), scene, bodies_text(&summary)))
 }

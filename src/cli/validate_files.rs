@@ -14,7 +14,9 @@ use crate::files::replace;
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
-use crate::report::{self, RunCheckReport, RunReport, ValidationReport, series, validation_json, validation_text};
+use crate::report::{
+    self, RunCheckReport, RunReport, Sheet, ValidationReport, series, validation_json, validation_text,
+};
 use crate::scene::{Preset, Scene};
 use crate::trace::{Model, SinkError};
 use crate::validate::Validation;
@@ -66,10 +68,10 @@ pub fn write(
     ];
 
     // A page is given to others: it does not say where it was made.
-    show(out, name, &scene.description, runs, &validation_text(report), pictures)?;
+    show_page(out, name, &scene.description, runs, validation_text(report), pictures)?;
     report.directory = args.out.as_ref().map(|out| out.display().to_string());
     report.files = Some(FILES.map(String::from).to_vec());
-    save(&out.join(REPORT), &validation_text(report))?;
+    save(&out.join(REPORT), &validation_text(report).to_string())?;
     save(&out.join("report.json"), &validation_json(report))
 }
 
@@ -89,12 +91,12 @@ pub(super) fn pictures<const N: usize>(
 
 /// Writes the page of a validation: its runs, its report, and the first of its pictures (the others are plots of the same
 /// runs, which the page draws itself).
-pub(super) fn show(
+pub(super) fn show_page(
     out: &Path,
     name: &str,
     description: &str,
     runs: Vec<Film>,
-    report: &str,
+    report: Sheet,
     mut pictures: Vec<Picture>,
 ) -> Result<(), Failure> {
     pictures.truncate(1);
@@ -102,7 +104,7 @@ pub(super) fn show(
         title: name.to_string(),
         description: description.to_string(),
         runs,
-        notes: vec![Note { title: "Validation".to_string(), text: report.to_string() }],
+        notes: vec![Note { title: "Validation".to_string(), text: report }],
         pictures,
     });
     save(&out.join(PAGE), &text)
@@ -127,7 +129,7 @@ fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt
     let outcome = finished(path, interrupt, run.result, run.log)?;
     let mut summary = RunReport::completed(scene, model.name(), run.wall_s, &outcome, run.found);
     summary.check = run.check.map(|check| RunCheckReport::new(&check, true));
-    Ok(reel.film(model.name(), scene, &report::text(&summary)))
+    Ok(reel.film(model.name(), scene, report::text(&summary)))
 }
 
 /// Keeps the log of a run that was completed; why not, if a signal came or the log could not be written.

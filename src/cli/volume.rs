@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{complain, print};
+use super::output::{complain, print, show};
 use super::progress::Count;
 use super::volume_args::{
     DataArg, Limits, List, Resolution, angle_limits, bases, fraction_limits, frictions, ratio_limits, resolution,
@@ -128,7 +128,10 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
         folder.fill(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report, &interrupt))?;
     }
     report.effort = Some(Effort { wall_s, threads });
-    print(&if args.json { volume_json(&report) } else { volume_text(&report) })?;
+    match args.json {
+        true => print(&volume_json(&report)),
+        false => show(&volume_text(&report)),
+    }?;
     Ok(Status::Done)
 }
 

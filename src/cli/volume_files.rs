@@ -73,7 +73,7 @@ pub fn write(
     files.insert(0, PAGE.to_string());
     report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
     save(&out.join("table.json"), &volume_json(report))?;
-    save(&out.join("table.txt"), &volume_text(report))
+    save(&out.join("table.txt"), &volume_text(report).to_string())
 }
 
 /// What the volumes are, in one sentence.

@@ -6,7 +6,7 @@ use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
 use super::interrupt::Interrupt;
-use super::output::complain;
+use super::output::{complain, note};
 use super::{Failure, Status};
 
 /// How often the file is looked at, and how long an editor may take to write it.
@@ -27,7 +27,7 @@ pub(super) fn watch(scene: &Path, mut once: impl FnMut(bool) -> Result<Status, F
         if interrupt.signal().is_some() {
             return Ok(status);
         }
-        complain(&format!("\nwatching {}: save it and it runs again; Ctrl-C ends", scene.display()));
+        note(&format!("\nwatching {}: save it and it runs again; Ctrl-C ends", scene.display()));
         // A file that is gone is about to be replaced, as many editors save.
         while matches!(stamp(scene), found if found == seen || found.is_none()) {
             if interrupt.signal().is_some() {

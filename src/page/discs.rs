@@ -2,6 +2,7 @@
 
 use super::film::{Contact, Curve, Film, Mark, Plan, Scale, Shown, film, mark, plan};
 use crate::drawing;
+use crate::report::Sheet;
 use crate::scene::BodiesScene;
 use crate::trace::ContactSample;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
@@ -12,14 +13,14 @@ type OfDisc = (&'static str, fn(&DiscState) -> f64, Option<fn(&DiscState) -> f64
 /// Pairs that are shown where none touches.
 const IDLE_PAIRS: usize = 6;
 
-/// A run of discs as the page shows it; `summary` is a text in columns of one width. Pairs that never touch are left out
-/// where others do.
+/// A run of discs as the page shows it; `summary` is what is said of it below. Pairs that never touch are left out where
+/// others do.
 pub fn discs_film(
     label: &str,
     scene: &BodiesScene,
     samples: &[BodiesSample],
     events: &[BodiesEvent],
-    summary: &str,
+    summary: impl Into<Sheet>,
 ) -> Film {
     let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
     let shown = touching(names.len(), samples, events);
@@ -29,7 +30,7 @@ pub fn discs_film(
     };
     film(Shown {
         label,
-        summary,
+        summary: summary.into(),
         drawing: drawing::discs(scene),
         samples,
         time_s: |sample| sample.time_s,

@@ -2,6 +2,7 @@
 
 use super::thin::{MOST_SAMPLES, kept};
 use crate::drawing::{Drawing, Pose, Shape};
+use crate::report::Sheet;
 use crate::trace::{ContactSample, EventKind};
 
 /// A run as the page shows it. Every list of values has one for each time.
@@ -9,8 +10,8 @@ use crate::trace::{ContactSample, EventKind};
 pub struct Film {
     /// What tells it from the other run: its model, or the variant.
     pub label: String,
-    /// In columns of one width.
-    pub summary: String,
+    /// What is said of it below.
+    pub summary: Sheet,
     /// Samples of the run before it was thinned out.
     pub recorded: usize,
     /// In order; two may share one.
@@ -143,7 +144,7 @@ pub(super) type Contact<'a, S> = Box<dyn Fn(&S) -> ContactSample + 'a>;
 /// What a kind of samples has to show.
 pub(super) struct Shown<'a, S> {
     pub label: &'a str,
-    pub summary: &'a str,
+    pub summary: Sheet,
     pub drawing: Drawing,
     pub samples: &'a [S],
     pub time_s: fn(&S) -> f64,
@@ -206,7 +207,7 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
     };
     Film {
         label: shown.label.to_string(),
-        summary: shown.summary.to_string(),
+        summary: shown.summary,
         recorded: times.len(),
         times_s: keep.iter().map(|&index| times[index]).collect(),
         contacts: shown.contacts.iter().map(touch).collect(),

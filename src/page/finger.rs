@@ -2,17 +2,24 @@
 
 use super::film::{Curve, Film, Mark, Plan, Scale, Shown, film, mark, plan};
 use crate::drawing;
+use crate::report::Sheet;
 use crate::scene::Scene;
 use crate::trace::{ContactSample, Event, Sample, Site};
 use crate::validate::turned;
 
-/// A run of a finger as the page shows it; `summary` is a text in columns of one width.
+/// A run of a finger as the page shows it; `summary` is what is said of it below.
 ///
 /// Plotted angles are from −π to π, as in the series of a validation; poses are as they are.
-pub fn finger_film(label: &str, scene: &Scene, samples: &[Sample], events: &[Event], summary: &str) -> Film {
+pub fn finger_film(
+    label: &str,
+    scene: &Scene,
+    samples: &[Sample],
+    events: &[Event],
+    summary: impl Into<Sheet>,
+) -> Film {
     film(Shown {
         label,
-        summary,
+        summary: summary.into(),
         drawing: drawing::finger(scene),
         samples,
         time_s: |sample| sample.time_s,

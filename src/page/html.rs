@@ -3,10 +3,15 @@
 use std::fmt::Write;
 
 use super::{Note, Page, Picture, data};
+use crate::report::Sheet;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
-const STYLES: [&str; 3] =
-    [include_str!("assets/theme.css"), include_str!("assets/layout.css"), include_str!("assets/pictures.css")];
+const STYLES: [&str; 4] = [
+    include_str!("assets/theme.css"),
+    include_str!("assets/texts.css"),
+    include_str!("assets/layout.css"),
+    include_str!("assets/pictures.css"),
+];
 /// In the order of their dependence; they share one scope.
 const SCRIPTS: [&str; 20] = [
     include_str!("assets/format.js"),
@@ -132,14 +137,11 @@ pub(super) fn notes(notes: &[Note]) -> String {
     text
 }
 
-/// A text in columns of one width; wide tables scroll within, by keyboard too.
-fn section(out: &mut String, title: &str, body: &str) {
-    let (title, body) = (escaped(title), escaped(body));
+/// Words and tables under a heading; wide tables scroll within boxes of their own.
+fn section(out: &mut String, title: &str, body: &Sheet) {
+    let (title, body) = (escaped(title), body.html(title));
     // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
-        "<section class=\"text\"><h2>{title}</h2><pre tabindex=\"0\" role=\"region\" aria-label=\"{title}\">{body}</pre></section>"
-    );
+    let _ = writeln!(out, "<section class=\"text\"><h2>{title}</h2>\n{body}</section>");
 }
 
 pub(super) fn pictures(pictures: &[Picture]) -> String {

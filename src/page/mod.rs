@@ -36,6 +36,8 @@ pub use reel::Reel;
 pub use thin::MOST_SAMPLES;
 pub use volume::{VolumePage, volume_page};
 
+use crate::report::Sheet;
+
 /// What a page shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
@@ -45,7 +47,7 @@ pub struct Page {
     pub description: String,
     /// One run, or two drawn over each other.
     pub runs: Vec<Film>,
-    /// Texts in columns of one width, such as a report.
+    /// Words and tables, such as a report.
     pub notes: Vec<Note>,
     pub pictures: Vec<Picture>,
 }
@@ -54,7 +56,7 @@ pub struct Page {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Note {
     pub title: String,
-    pub text: String,
+    pub text: Sheet,
 }
 
 /// A picture of [`plot`](crate::plot): its colours on white are turned into those of the page, light or dark.

@@ -1,6 +1,7 @@
 //! A sink that keeps what a page needs of a run, in bounded memory however long the run is.
 
 use super::{Film, discs_film, finger_film};
+use crate::report::Sheet;
 use crate::scene::{BodiesScene, Scene};
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
@@ -122,7 +123,7 @@ impl<S, E> Reel<S, E> {
 
 impl Reel<Sample, Event> {
     /// The film of a finger.
-    pub fn film(self, label: &str, scene: &Scene, summary: &str) -> Film {
+    pub fn film(self, label: &str, scene: &Scene, summary: impl Into<Sheet>) -> Film {
         let recorded = self.recorded;
         let (samples, events) = self.into_parts();
         Film { recorded, ..finger_film(label, scene, &samples, &events, summary) }
@@ -131,7 +132,7 @@ impl Reel<Sample, Event> {
 
 impl Reel<BodiesSample, BodiesEvent> {
     /// The film of a scene of discs.
-    pub fn film(self, label: &str, scene: &BodiesScene, summary: &str) -> Film {
+    pub fn film(self, label: &str, scene: &BodiesScene, summary: impl Into<Sheet>) -> Film {
         let recorded = self.recorded;
         let (samples, events) = self.into_parts();
         Film { recorded, ..discs_film(label, scene, &samples, &events, summary) }

@@ -6,8 +6,12 @@ use super::{Note, Picture};
 use crate::study::volume::Volume;
 
 const TEMPLATE: &str = include_str!("assets/volume/page.html");
-const STYLES: [&str; 3] =
-    [include_str!("assets/theme.css"), include_str!("assets/volume/layout.css"), include_str!("assets/pictures.css")];
+const STYLES: [&str; 4] = [
+    include_str!("assets/theme.css"),
+    include_str!("assets/texts.css"),
+    include_str!("assets/volume/layout.css"),
+    include_str!("assets/pictures.css"),
+];
 /// In the order of their dependence; they share one scope.
 const SCRIPTS: [&str; 11] = [
     include_str!("assets/format.js"),
@@ -30,7 +34,7 @@ pub struct VolumePage<'a> {
     pub description: String,
     /// As they come from [`volumes`](crate::study::volume::volumes).
     pub volumes: &'a [Volume],
-    /// Texts in columns of one width, such as tables.
+    /// Words and tables.
     pub notes: Vec<Note>,
     pub pictures: Vec<Picture>,
 }

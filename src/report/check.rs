@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::sheet::Sheet;
 use super::table::figure;
 use crate::check::{Check, MOST_STEPS, PUSH};
 
@@ -56,17 +57,19 @@ impl RunCheckReport {
 }
 
 /// A line for the summary of a run of so many steps; nothing for a short run that was not to be checked.
-pub(in crate::report) fn line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<String> {
+pub(in crate::report) fn line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<Sheet> {
     match report {
         Some(report) => Some(found(report)),
         None if steps? > MOST_STEPS => {
-            Some(format!("not checked, for it took more than {MOST_STEPS} steps; --check does it all the same\n"))
+            let words =
+                format!("not checked, for it took more than {MOST_STEPS} steps; --check does it all the same\n");
+            Some(Sheet::from(words))
         }
         None => None,
     }
 }
 
-fn found(report: &RunCheckReport) -> String {
+fn found(report: &RunCheckReport) -> Sheet {
     let (error, unit) = match (report.error_rad, report.error_m) {
         (Some(error), _) => (error, "rad"),
         (None, error) => (error.unwrap_or_default(), "m"),
@@ -76,21 +79,21 @@ fn found(report: &RunCheckReport) -> String {
     let against = &report.against;
     let because = report.reason.as_ref().map_or(String::new(), |reason| format!("; {reason}"));
     match report.verdict {
-        "sure" => format!(
+        "sure" => Sheet::from(format!(
             "check     right to about {}, against {against}\n          a change of 1e-7 of what drives it moves it by {}\n",
             size(error),
             size(moved)
-        ),
-        "uncertain" => format!(
+        )),
+        "uncertain" => Sheet::paragraph(&format!(
             "UNCERTAIN: off by about {} along the path, against {against}{because};\nask for more with --preset reference, or a \
              smaller --rtol or --tolerance\n",
             size(error)
-        ),
-        "chaotic" => format!(
+        )),
+        "chaotic" => Sheet::paragraph(&format!(
             "CHAOTIC: a change of 1e-7 of what drives it moves the path by {}{because};\nthis one outcome means little: look at \
              the statistics of many (phalanx validate)\n",
             size(moved)
-        ),
-        _ => format!("NOT CHECKED{because}\n"),
+        )),
+        _ => Sheet::from(format!("NOT CHECKED{because}\n")),
     }
 }

@@ -9,6 +9,7 @@ mod quantity;
 mod replay;
 mod reproduce;
 mod select;
+mod sheet;
 mod sizing;
 mod stability;
 mod statics;
@@ -41,6 +42,7 @@ pub use select::{
     ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, condition_name,
     criterion_key, criterion_name, is_ranking, percent_of, ranking_table, selection_json, selection_text,
 };
+pub use sheet::Sheet;
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use statics::{

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::csv;
-use super::table::{figure, row, table};
+use super::sheet::{Sheet, table};
+use super::table::{figure, row};
 use super::{document_text, duration};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
@@ -38,20 +39,20 @@ fn after_contact(profile: &Profile) -> [[f64; 2]; 2] {
 }
 
 /// Tables for people.
-pub fn sizing_text(report: &SizingReport<'_>) -> String {
+pub fn sizing_text(report: &SizingReport<'_>) -> Sheet {
     let SizingReport { scene, profile, .. } = report;
     let closing = &profile.closing;
     let deg = |rad: f64| figure(rad.to_degrees(), 5);
     let torque = |n_m: f64| figure(n_m * 1e3, 5);
     let end = &closing.end.posture;
-    let mut text = format!(
+    let mut text = Sheet::from(format!(
         "{scene}: test trajectory of {}, q11 over {} deg, proximal contact at {}\n\n",
         duration(closing.trajectory.length_s),
         deg(closing.trajectory.stroke_rad),
         duration(closing.contact_s())
-    );
+    ));
     let q11_contact = closing.trajectory.at(closing.contact_x).angle_rad;
-    text.push_str(&table(&[
+    text.push(table(&[
         row(["", "q11, deg", "q21, deg", "q22, deg"]),
         row(["start", &deg(closing.start.q11_rad), &deg(closing.start.q21_rad), &deg(closing.start.q22_rad)]),
         row(["contact", &deg(q11_contact), &deg(closing.q21_contact_rad), &deg(closing.start.q22_rad)]),
@@ -64,7 +65,7 @@ pub fn sizing_text(report: &SizingReport<'_>) -> String {
         let chosen = if rule == report.rule { "  <-" } else { "" };
         row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), chosen])
     };
-    text.push_str(&table(&[
+    text.push(table(&[
         row(["", "motor τ11, N·mm", "spring k_s, N·mm", ""]),
         line("rigid: RMS until the contact", Rule::Rigid, &profile.rigid),
         line("whole: RMS of all the trajectory", Rule::Whole, &profile.whole),
@@ -80,11 +81,11 @@ pub fn sizing_text(report: &SizingReport<'_>) -> String {
         let share = figure(n_m / profile.rigid.spring_n_m, 3);
         rows.push(row([placement.name(), &torque(n_m), &share]));
     }
-    text.push_str(&table(&rows));
+    text.push(table(&rows));
 
     let [constant, torsional] = after_contact(profile).map(|torques| torques.map(torque));
     text.push('\n');
-    text.push_str(&table(&[
+    text.push(table(&[
         row(["motor after the contact, against", "largest, N·mm", "RMS, N·mm"]),
         row(["a constant spring", &constant[0], &constant[1]]),
         row(["a torsional spring", &torsional[0], &torsional[1]]),

@@ -1,19 +1,20 @@
 //! The map of stability as tables, JSON and CSV.
 
-use super::table::{figure, table};
+use super::sheet::{Sheet, table};
+use super::table::figure;
 use super::{document_text, duration};
 use crate::study::stability::{Cell, Stability, Verdict};
 
 /// Tables for people: one for each damping factor, and what failed and why.
-pub fn stability_text(study: &Stability) -> String {
+pub fn stability_text(study: &Stability) -> Sheet {
     let Stability { scene, accuracy_rad, until_s, stiffness_si, damping_max_n_s_per_m, grid, .. } = study;
-    let mut text = format!(
+    let mut text = Sheet::from(format!(
         "{scene}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
          (proximal, distal), times the factors below\n",
         duration(*until_s),
         pair(stiffness_si),
         pair(damping_max_n_s_per_m)
-    );
+    ));
     for (damping, factor) in grid.damping_factors.iter().enumerate() {
         let head = ["k \\ dt".to_string()].into_iter().chain(grid.steps_s.iter().map(|&step_s| duration(step_s)));
         let mut rows = vec![head.chain(["determined to".to_string()]).collect::<Vec<_>>()];
@@ -23,7 +24,8 @@ pub fn stability_text(study: &Stability) -> String {
             let determined = reference.sensitivity_rad.map_or("–".to_string(), |rad| figure(rad, 2));
             rows.push([format!("× {k}")].into_iter().chain(cells).chain([determined]).collect());
         }
-        text.push_str(&format!("\nc_max × {factor}\n{}", table(&rows)));
+        text.push_str(&format!("\nc_max × {factor}\n"));
+        text.push(table(&rows));
     }
     let counts = Verdict::ALL.map(|verdict| format!("{} {}", study.count(verdict), verdict.name()));
     let steps: u64 = study.cells.iter().map(|cell| cell.steps).sum();
@@ -34,11 +36,11 @@ pub fn stability_text(study: &Stability) -> String {
         figure(study.wall_s, 3)
     ));
     text.push_str(&reasons(study));
-    text.push_str(&format!(
+    text.push(Sheet::paragraph(&format!(
         "\nFigures are the largest difference of a joint angle, in rad; within {accuracy_rad:e} a cell is accurate, beyond it \
          stable but\ninaccurate: (in brackets). \"failed\" is a run that broke off or broke what stability means, \"–\" one that is not \
          judged.\n\"determined to\" is by how much the reference changes if the motor torque changes by 1e-9.\n"
-    ));
+    )));
     text
 }
 

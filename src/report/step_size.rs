@@ -1,19 +1,20 @@
 //! The study of step sizes as tables, JSON and CSV.
 
-use super::table::{figure, row, table};
+use super::sheet::{Sheet, Table, table};
+use super::table::{figure, row};
 use super::{document_text, duration};
 use crate::study::step_size::{Crossing, Formulation, LEVELS, Row, StepSize};
 
 /// Tables for people.
-pub fn step_size_text(study: &StepSize) -> String {
+pub fn step_size_text(study: &StepSize) -> Sheet {
     let StepSize { scene, pair, peak_n, restitution, .. } = study;
-    let mut text = format!(
+    let mut text = Sheet::from(format!(
         "{scene}, {pair}: {} in contact of {} plotted, peak {} N, restitution {}\n\n",
         duration(study.contact_s),
         duration(study.plotted_s),
         figure(*peak_n, 5),
         figure(*restitution, 5)
-    );
+    ));
     let head =
         row(["", "step, %", "step, µs", "steps", "time, ms", "peak, %", "curve rms, %", "curve max, %", "restitution"]);
     let percent = |value: f64| figure(100.0 * value, 3);
@@ -32,7 +33,7 @@ pub fn step_size_text(study: &StepSize) -> String {
         ]
     };
     let rows: Vec<_> = std::iter::once(head).chain(study.rows.iter().map(line)).collect();
-    text.push_str(&table(&rows));
+    text.push(Table::new(&rows).keys(2));
     text.push_str("\nstep, % of the plotted time, from which on the whole force curve is right to\n");
     let levels = LEVELS.map(|level| format!("{} %", 100.0 * level));
     let head = std::iter::once(String::new()).chain(levels).collect();
@@ -41,12 +42,12 @@ pub fn step_size_text(study: &StepSize) -> String {
         std::iter::once(of.name().to_string()).chain(cells).collect()
     };
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(Formulation::ALL.map(line)).collect();
-    text.push_str(&table(&rows));
-    text.push_str(
+    text.push(table(&rows));
+    text.push(Sheet::paragraph(
         "\nErrors are against the analytic model at its reference preset, of forces relative to its peak. Forces of the \
          engine are\nknown at its steps and joined by straight lines; rapier's own contact is rigid and has no finite force: \
          impulse over step\nstands in for it. Steps of the analytic model are mean ones within the contact.\n",
-    );
+    ));
     text
 }
 

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::document_text;
-use super::table::{figure, table};
+use super::sheet::{Sheet, list, table};
+use super::table::figure;
 use crate::study::sweep::{Study, Summary};
 use crate::table::Value;
 
@@ -60,18 +61,18 @@ pub fn sweep_json(report: &SweepReport) -> String {
 }
 
 /// Tables for people.
-pub fn sweep_text(report: &SweepReport) -> String {
+pub fn sweep_text(report: &SweepReport) -> Sheet {
     let SweepReport { study, model, out, runs, designs, found, now } = report;
     let of = match found.runs == *runs {
         true => format!("{runs} runs"),
         false => format!("{} of {runs} runs", found.runs),
     };
-    let mut text = format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n");
+    let mut text = Sheet::from(format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n"));
     let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
-    text.push_str(&table(&found.by_status.iter().map(line).collect::<Vec<_>>()));
+    text.push(list(&found.by_status.iter().map(line).collect::<Vec<_>>()));
     if found.by_class.iter().any(|(_, count)| *count > 0) {
         text.push_str("\nof the completed ones\n");
-        text.push_str(&table(&found.by_class.iter().map(line).collect::<Vec<_>>()));
+        text.push(list(&found.by_class.iter().map(line).collect::<Vec<_>>()));
     }
     if !found.reasons.is_empty() {
         text.push_str("\nreasons (numbers are those of the first run)\n");
@@ -82,13 +83,13 @@ pub fn sweep_text(report: &SweepReport) -> String {
             ));
         }
     }
-    text.push('\n');
+    let mut done = String::new();
     if now.runs < found.runs {
-        text.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
+        done.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
     }
     if now.simulations > 0 {
         let threads = if now.threads == 1 { "1 thread".to_string() } else { format!("{} threads", now.threads) };
-        text.push_str(&format!(
+        done.push_str(&format!(
             "{} simulations in {} s on {threads}: {} a second, {} on each",
             now.simulations,
             figure(now.wall_s, 3),
@@ -96,19 +97,20 @@ pub fn sweep_text(report: &SweepReport) -> String {
             figure(now.simulations_per_s_per_thread, 3)
         ));
     }
-    text.truncate(text.trim_end().len());
-    text.push('\n');
+    if !done.is_empty() {
+        text.push(format!("\n{}\n", done.trim_end()));
+    }
     text
 }
 
 /// What a study would run: its axes and its first runs.
-pub fn sweep_list(study: &Study, most: u64) -> String {
+pub fn sweep_list(study: &Study, most: u64) -> Sheet {
     let runs = study.runs();
-    let mut text =
-        format!("{}: {} model, {runs} runs, {} designs\n\n", study.name, study.model.name(), study.designs());
+    let (name, model, designs) = (&study.name, study.model.name(), study.designs());
+    let mut text = Sheet::from(format!("{name}: {model} model, {runs} runs, {designs} designs\n\n"));
     let axes: Vec<Vec<String>> =
         study.fields().map(|(column, count)| vec![column, format!("{count} values")]).collect();
-    text.push_str(&table(&axes));
+    text.push(list(&axes));
     let names = study.fields().map(|(column, _)| column);
     let head = ["run", "design"].map(String::from).into_iter().chain(names).collect();
     let line = |run: u64| {
@@ -120,7 +122,7 @@ pub fn sweep_list(study: &Study, most: u64) -> String {
     };
     let rows: Vec<Vec<String>> = std::iter::once(head).chain((1..=runs.min(most)).map(line)).collect();
     text.push('\n');
-    text.push_str(&table(&rows));
+    text.push(table(&rows));
     if runs > most {
         text.push_str(&format!("and {} more\n", runs - most));
     }

@@ -1,27 +1,4 @@
-//! Small aligned tables and figures of a chosen number of digits.
-
-/// Rows of cells in columns as wide as they need: the first to the left, the others to the right, two spaces between.
-pub fn table(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = String::new();
-        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-            let gap = " ".repeat(width - cell.chars().count());
-            match column {
-                0 => line.extend([cell, gap.as_str()]),
-                _ => line.extend(["  ", gap.as_str(), cell]),
-            }
-        }
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
-    text
-}
+//! Cells of tables, and figures of a chosen number of digits.
 
 /// Cells of a row.
 pub fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
@@ -50,13 +27,6 @@ pub fn figure(value: f64, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn columns_line_up_also_with_units_beyond_ascii() {
-        let cells = |row: [&str; 3]| row.map(String::from).to_vec();
-        let text = table(&[cells(["", "µm", "F"]), cells(["distal", "2.5", "100.0"])]);
-        assert_eq!(text, "         µm      F\ndistal  2.5  100.0\n");
-    }
 
     #[test]
     fn figures_keep_their_digits() {

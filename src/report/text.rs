@@ -6,10 +6,11 @@ use super::check;
 use super::document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, PhalanxReport, RunReport, WorkReport,
 };
-use super::table::{figure, row, table};
+use super::sheet::{Sheet, table};
+use super::table::{figure, row};
 
 /// The whole summary, with a line end.
-pub fn text(report: &RunReport) -> String {
+pub fn text(report: &RunReport) -> Sheet {
     let mut sections = vec![heading(&Heading {
         scene: &report.scene,
         model: &report.model,
@@ -41,7 +42,7 @@ pub fn text(report: &RunReport) -> String {
     if let Some(line) = check::line(report.check.as_ref(), report.steps) {
         sections.push(line);
     }
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
 /// What every summary begins with.
@@ -63,9 +64,9 @@ pub(super) struct Heading<'a> {
     pub page: Option<&'a str>,
 }
 
-pub(super) fn heading(report: &Heading<'_>) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
+pub(super) fn heading(report: &Heading<'_>) -> Sheet {
+    let mut text = Sheet::default();
+    // Writing to a sheet cannot fail.
     let _ = writeln!(
         text,
         "{}: {} model{}",
@@ -134,7 +135,7 @@ fn cost(report: &Heading<'_>) -> String {
     format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", duration(end_s))
 }
 
-pub(super) fn final_state(last: &Final, end_s: f64) -> String {
+pub(super) fn final_state(last: &Final, end_s: f64) -> Sheet {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
@@ -143,7 +144,7 @@ pub(super) fn final_state(last: &Final, end_s: f64) -> String {
     ])
 }
 
-pub(super) fn contacts(contacts: &Contacts) -> String {
+pub(super) fn contacts(contacts: &Contacts) -> Sheet {
     let phalanx = |name: &str, report: &PhalanxReport| {
         row([
             name,
@@ -172,7 +173,7 @@ pub(super) fn contacts(contacts: &Contacts) -> String {
         phalanx("distal", &contacts.distal),
     ]);
     text.push('\n');
-    text.push_str(&table(&[
+    text.push(table(&[
         row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"]),
         row([
             "joint limit",
@@ -187,7 +188,7 @@ pub(super) fn contacts(contacts: &Contacts) -> String {
     text
 }
 
-pub(super) fn energies(energy: &Energies) -> String {
+pub(super) fn energies(energy: &Energies) -> Sheet {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     table(&[
         row(["energy", "kinetic", "gravity", "spring", "contact", "dissipated", "motor work", "balance"]),
@@ -204,7 +205,7 @@ pub(super) fn energies(energy: &Energies) -> String {
     ])
 }
 
-pub(super) fn dynamics(criteria: &Dynamics) -> String {
+pub(super) fn dynamics(criteria: &Dynamics) -> Sheet {
     let rebound = match criteria.rebound_percent {
         Some(percent) => format!("{} %", figure(percent, 4)),
         None => "–".to_string(),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::document_text;
-use super::table::table;
+use super::sheet::{Sheet, Table};
 use crate::study::volume::{Axis, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
 
 /// Reasons for missing fingers that are told of one volume; there may be as many as points.
@@ -184,10 +184,10 @@ pub fn volume_json(report: &VolumeReport) -> String {
 }
 
 /// Tables for people.
-pub fn volume_text(report: &VolumeReport) -> String {
+pub fn volume_text(report: &VolumeReport) -> Sheet {
     let AxesReport { l21_fraction, phi22_rad, arm_ratio } = &report.axes;
     let [phi_from, phi_to] = [phi22_rad.from, phi22_rad.to].map(|angle| short(angle.to_degrees()));
-    let mut text = format!(
+    let mut text = Sheet::from(format!(
         "{}: grasp-state volumes of {} x {} x {} points, motor and spring sized by the rule \"{}\"\nl21 {} to {} of its range, \
          phi22 {phi_from} to {phi_to} deg, arm ratio r_l {} to {}; shares in % of all points of a volume\n",
         report.scene,
@@ -199,13 +199,13 @@ pub fn volume_text(report: &VolumeReport) -> String {
         short(l21_fraction.to),
         short(arm_ratio.from),
         short(arm_ratio.to)
-    );
+    ));
     text.push_str("\nstable: F21 >= 0 and F22 >= 0, %\n");
-    text.push_str(&grid(report, |share| vec![two(share.stable_percent)], |all| vec![two(all.stable_percent)], &[""]));
+    text.push(grid(report, |share| vec![two(share.stable_percent)], |all| vec![two(all.stable_percent)], &[""]));
     text.push_str(
         "\nstable with PFP >= 0 (the object is pressed on the palm), %; largest PFP of the stable region, N\n",
     );
-    text.push_str(&grid(
+    text.push(grid(
         report,
         |share| {
             let largest = share.largest_palm_force.as_ref().map_or("-".to_string(), |best| two(best.static_pfp_n));
@@ -215,13 +215,13 @@ pub fn volume_text(report: &VolumeReport) -> String {
         &["%", "max"],
     ));
     text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
-    text.push_str(&grid(
+    text.push(grid(
         report,
         |share| vec![two(share.form_closed_percent), two(share.form_closed_anyway_percent)],
         |all| vec![two(all.form_closed_percent), two(all.form_closed_anyway_percent)],
         &["stable", "any"],
     ));
-    text.push_str(&best(report));
+    text.push(best(report));
     text.push_str(&missing(report));
     if let Some(Effort { wall_s, threads }) = report.effort {
         let of = if threads == 1 { "thread" } else { "threads" };
@@ -239,7 +239,7 @@ fn grid(
     cells: impl Fn(&ShareReport) -> Vec<String>,
     all: impl Fn(&IntersectionReport) -> Vec<String>,
     heads: &[&str],
-) -> String {
+) -> Sheet {
     let mut head = vec!["base".to_string()];
     for of in &report.intersections {
         for (index, sub) in heads.iter().enumerate() {
@@ -257,11 +257,11 @@ fn grid(
         let name = "intersection".to_string();
         rows.push([name].into_iter().chain(report.intersections.iter().flat_map(all)).collect());
     }
-    table(&rows)
+    Table::new(&rows).together(heads.len()).into()
 }
 
 /// Where the largest palm forces are.
-fn best(report: &VolumeReport) -> String {
+fn best(report: &VolumeReport) -> Sheet {
     let mut rows = vec![["base", "mu_s", "PFP, N", "l21 of its range", "phi22, deg", "r_l"].map(String::from).to_vec()];
     for share in &report.volumes {
         if let Some(best) = &share.largest_palm_force {
@@ -275,7 +275,11 @@ fn best(report: &VolumeReport) -> String {
             ]);
         }
     }
-    if rows.len() == 1 { String::new() } else { format!("\nwhere PFP is largest\n{}", table(&rows)) }
+    if rows.len() == 1 {
+        Sheet::default()
+    } else {
+        Sheet::from("\nwhere PFP is largest\n").and(Table::new(&rows).keys(2))
+    }
 }
 
 /// Which designs do not exist, and why; the same for every friction.

@@ -19,4 +19,6 @@ mod run;
 mod select;
 mod size;
 mod status;
+#[cfg(unix)]
+mod terminal;
 mod volume;

@@ -126,7 +126,7 @@ fn a_page_is_small_asks_for_nothing_and_repeats() {
     let scene = load("experiment-95");
     let (_, films) = films(&scene);
     let contents = Page {
-        notes: vec![Note { title: "Validation".to_string(), text: "within bounds".to_string() }],
+        notes: vec![Note { title: "Validation".to_string(), text: "within bounds".into() }],
         ..of("experiment-95", films)
     };
     let html = page(&contents);
@@ -154,13 +154,13 @@ fn what_comes_from_a_scene_is_never_markup() {
         title: hostile.to_string(),
         description: hostile.to_string(),
         runs: vec![film],
-        notes: vec![Note { title: hostile.to_string(), text: hostile.to_string() }],
+        notes: vec![Note { title: hostile.to_string(), text: hostile.into() }],
         pictures: vec![Picture { title: hostile.to_string(), svg: "<svg></svg>".to_string() }],
     };
     let html = page(&contents);
     let harmless = page(&Page {
         description: "description".to_string(),
-        notes: vec![Note { title: "title".to_string(), text: "text".to_string() }],
+        notes: vec![Note { title: "title".to_string(), text: "text".into() }],
         pictures: vec![Picture { title: "title".to_string(), svg: "<svg></svg>".to_string() }],
         ..of("title", vec![plain])
     });

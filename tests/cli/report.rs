@@ -144,7 +144,7 @@ fn a_run_that_broke_off_reports_what_was_seen_of_it() {
     assert_eq!(document["steps"], 231);
     assert_eq!(document["criteria"], Value::Null);
     assert_eq!(document["contacts"]["distal"]["touchdowns"], 2);
-    let text = text(&report);
+    let text = text(&report).to_string();
     assert!(text.contains("NOT COMPLETED: stopped at 4.6 ms of 20 ms: step budget of 10 used up"), "{text}");
 }
 
@@ -156,14 +156,14 @@ fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
     for key in ["steps", "final", "contacts", "criteria", "end_s", "energy", "work"] {
         assert_eq!(document[key], Value::Null, "{key}");
     }
-    assert!(text(&report).contains("NOT COMPLETED: stopped at 4.6 ms"));
+    assert!(text(&report).to_string().contains("NOT COMPLETED: stopped at 4.6 ms"));
 }
 
 #[test]
 fn the_summary_says_it_in_units_people_read() {
     let mut report = report();
     report.log = Some("run.mcap".to_string());
-    let text = text(&report);
+    let text = text(&report).to_string();
     let line = |start: &str| {
         let line = text.lines().find(|line| line.starts_with(start));
         line.unwrap_or_else(|| panic!("no {start} in\n{text}")).split_whitespace().collect::<Vec<_>>().join(" ")

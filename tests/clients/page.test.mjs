@@ -583,6 +583,12 @@ describe("the page of a closing in both models", () => {
             small: small.length,
             wide: document.documentElement.scrollWidth - innerWidth,
             ground: luminance(rgb(getComputedStyle(document.body).backgroundColor)),
+            preformatted: document.querySelectorAll("pre").length,
+            tables: [...document.querySelectorAll(".text .grid")].map((box) => {
+              const { left, right } = box.getBoundingClientRect();
+              const figures = [...box.querySelectorAll("td")].filter((cell) => cell.scrollWidth > cell.clientWidth + 1 || cell.textContent.includes("  "));
+              return { within: left >= 0 && right <= innerWidth, scrolls: box.scrollWidth > box.clientWidth, rows: box.querySelectorAll("tr").length, poor: figures.length };
+            }),
             together: ["stage", "play", "scrub", "speed"].every(inView),
             cut: [...document.querySelectorAll(".plot td, .now, .ends span, .speed output")].filter((each) => each.scrollWidth > each.clientWidth + 1).map((each) => each.textContent),
           };
@@ -591,6 +597,18 @@ describe("the page of a closing in both models", () => {
         assert.equal(found.small, 0);
         assert.ok(found.wide <= 0, `${found.wide} pixels too wide`);
         assert.ok(scheme === "dark" ? found.ground < 0.05 : found.ground > 0.8);
+        assert.equal(found.preformatted, 0, "reports are tables");
+        assert.ok(found.tables.length >= 8 && found.tables.every((table) => table.within && table.rows > 1 && table.poor === 0), JSON.stringify(found.tables));
+        // What is wider than a phone scrolls within its own box.
+        if (width === 390) {
+          assert.ok(found.tables.some((table) => table.scrolls));
+          const box = page.locator(".text .grid").last();
+          await box.scrollIntoViewIfNeeded();
+          await shot("table");
+          await box.focus();
+          await page.keyboard.press("ArrowRight");
+          await page.waitForFunction((box) => box.scrollLeft > 0, await box.elementHandle());
+        }
         assert.ok(found.together, "animation and controls are seen together");
         assert.deepEqual(found.cut, [], "texts that are cut off");
         await page.keyboard.press("?");
@@ -632,7 +650,7 @@ describe("the page of a run without samples", () => {
     const { page, close } = await opened(file, { scheme: "dark" });
     assert.ok(await page.locator("#warning").isVisible());
     assert.ok(!(await page.locator("#film").isVisible()));
-    assert.ok(await page.locator(".text pre").first().isVisible());
+    assert.ok(await page.locator(".text table").first().isVisible());
     await close();
   });
 });

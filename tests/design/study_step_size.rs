@@ -38,7 +38,7 @@ fn laws_converge_and_a_rigid_contact_does_not() {
     assert_eq!(json["rows"].as_array().map(Vec::len), Some(study.rows.len()));
     assert!(json["rows"][0]["step_s"].as_f64().is_some() && json["peak_n"].as_f64().is_some());
     assert_eq!(step_size_csv(&study).lines().count(), study.rows.len() + 1);
-    assert!(step_size_text(&study).contains("never"));
+    assert!(step_size_text(&study).to_string().contains("never"));
 }
 
 #[test]

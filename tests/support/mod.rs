@@ -11,3 +11,5 @@ pub mod runs;
 pub mod select;
 pub mod statics;
 pub mod synthetic;
+#[cfg(unix)]
+pub mod terminal;

@@ -63,7 +63,7 @@ function keyboard(app) {
     if (tag === "SELECT") return;
     if ((tag === "BUTTON" || tag === "INPUT" && target.type === "checkbox") && event.key === " ") return;
     if (target.id === "speed" && event.key.startsWith("Arrow")) return;
-    if (tag === "PRE" && event.key.startsWith("Arrow")) return;
+    if (target.matches(".grid, .sheet") && event.key.startsWith("Arrow")) return;
     // On many keyboards + and ? are typed with shift.
     const action = (event.shiftKey && actions["shift " + event.key]) || actions[event.key];
     if (!action) return;

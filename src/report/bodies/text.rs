@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use super::super::check;
 use super::super::document::Energies;
-use super::super::table::{figure, row, table};
+use super::super::sheet::{Sheet, table};
+use super::super::table::{figure, row};
 use super::super::text::{Heading, duration, heading, milliseconds};
 use super::document::{BodiesReport, DiscReport, PairReport};
 
 /// The whole summary, with a line end.
-pub fn bodies_text(report: &BodiesReport) -> String {
+pub fn bodies_text(report: &BodiesReport) -> Sheet {
     let mut sections = vec![heading(&Heading {
         scene: &report.scene,
         model: report.model,
@@ -38,10 +39,10 @@ pub fn bodies_text(report: &BodiesReport) -> String {
     if let Some(line) = check::line(report.check.as_ref(), report.steps) {
         sections.push(line);
     }
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
-pub(in crate::report) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> String {
+pub(in crate::report) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
     for (name, disc) in discs {
@@ -59,7 +60,7 @@ pub(in crate::report) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64)
     table(&rows)
 }
 
-pub(in crate::report) fn contacts(pairs: &BTreeMap<String, PairReport>) -> String {
+pub(in crate::report) fn contacts(pairs: &BTreeMap<String, PairReport>) -> Sheet {
     let mut rows = vec![row([
         "contact",
         "first, ms",
@@ -87,7 +88,7 @@ pub(in crate::report) fn contacts(pairs: &BTreeMap<String, PairReport>) -> Strin
     table(&rows)
 }
 
-pub(in crate::report) fn energies(energy: &Energies) -> String {
+pub(in crate::report) fn energies(energy: &Energies) -> Sheet {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     table(&[
         row(["energy", "kinetic", "gravity", "contact", "dissipated", "drive work", "balance"]),

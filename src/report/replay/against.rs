@@ -5,7 +5,8 @@ use std::fmt::Write;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::super::table::{figure, row, table};
+use super::super::sheet::{Sheet, table};
+use super::super::table::{figure, row};
 use super::super::text::duration;
 use super::document::ReplayReport;
 use crate::validate::turned;
@@ -164,12 +165,12 @@ pub fn against_json(report: &AgainstReport) -> String {
 }
 
 /// The report for people, with a line end.
-pub fn against_text(report: &AgainstReport) -> String {
-    let mut sections = vec![heading(report), figures(report)];
+pub fn against_text(report: &AgainstReport) -> Sheet {
+    let mut sections = vec![Sheet::from(heading(report)), figures(report)];
     if !report.apart.is_empty() {
         sections.push(apart(&report.apart));
     }
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
 fn heading(report: &AgainstReport) -> String {
@@ -199,7 +200,7 @@ fn heading(report: &AgainstReport) -> String {
     text
 }
 
-fn figures(report: &AgainstReport) -> String {
+fn figures(report: &AgainstReport) -> Sheet {
     let [first, second] = &report.labels;
     let mut rows = vec![row(["", first, second, "difference", "relative"])];
     // What is nothing in both is left to the document.
@@ -261,7 +262,7 @@ fn shown(path: &str) -> (String, &'static str, f64) {
     }
 }
 
-fn apart(all: &[ApartReport]) -> String {
+fn apart(all: &[ApartReport]) -> Sheet {
     let mut rows = vec![row(["difference along the way", "largest", "at, ms", "RMS", "at the end"])];
     for found in all {
         rows.push(row([

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::super::bodies::text as bodies;
+use super::super::sheet::Sheet;
 use super::super::text::{contacts, duration, dynamics, energies, engine, final_state, integrator};
 use super::document::{ReplayReport, Touches};
 use super::verify::verification_text;
 
 /// The whole summary, with a line end.
-pub fn replay_text(report: &ReplayReport) -> String {
-    let mut sections = vec![heading(report)];
+pub fn replay_text(report: &ReplayReport) -> Sheet {
+    let mut sections = vec![Sheet::from(heading(report))];
     if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
         sections.push(final_state(last, end_s));
     }
@@ -33,7 +34,7 @@ pub fn replay_text(report: &ReplayReport) -> String {
     if let Some(verification) = &report.verification {
         sections.push(verification_text(verification));
     }
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
 fn heading(report: &ReplayReport) -> String {

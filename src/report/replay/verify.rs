@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::super::table::{figure, row, table};
+use super::super::sheet::{Sheet, Table};
+use super::super::table::{figure, row};
 use super::super::text::duration;
 use crate::log::{Difference, FieldTally, Leaf, Reading, Verification};
 
@@ -179,10 +180,10 @@ fn time(time_s: f64) -> String {
 }
 
 /// The verification for people.
-pub(super) fn verification_text(report: &VerificationReport) -> String {
-    let mut text = String::new();
+pub(super) fn verification_text(report: &VerificationReport) -> Sheet {
+    let mut text = Sheet::default();
     let reach = report.compared_to_s.map_or("nothing was compared".to_string(), |to_s| format!("up to {}", time(to_s)));
-    // Writing to a string cannot fail.
+    // Writing to a sheet cannot fail.
     let _ = match report.same {
         true if report.messages_compared == 0 => writeln!(text, "NOTHING COMPARED: there is no message in the log"),
         true => writeln!(
@@ -228,7 +229,7 @@ pub(super) fn verification_text(report: &VerificationReport) -> String {
     }
     if !report.fields.is_empty() {
         text.push('\n');
-        text.push_str(&fields(&report.fields));
+        text.push(fields(&report.fields));
     }
     text
 }
@@ -256,7 +257,7 @@ fn shown(value: &serde_json::Value) -> String {
     }
 }
 
-fn fields(fields: &[FieldReport]) -> String {
+fn fields(fields: &[FieldReport]) -> Sheet {
     let mut rows = vec![row(["channel", "field", "messages", "largest difference", "relative", "at, ms"])];
     for FieldReport { messages, largest } in fields.iter().take(MOST_ROWS) {
         let number = |value: Option<f64>| value.map_or("–".to_string(), |value| figure(value, 3));
@@ -269,7 +270,7 @@ fn fields(fields: &[FieldReport]) -> String {
             &format!("{:.6}", largest.time_s * 1e3),
         ]));
     }
-    let mut text = table(&rows);
+    let mut text = Sheet::from(Table::new(&rows).keys(2));
     if fields.len() > MOST_ROWS {
         let _ = writeln!(text, "and {} more fields (--json has them all)", fields.len() - MOST_ROWS);
     }

@@ -3,18 +3,19 @@
 use super::sweep::checked;
 use super::{Comparison, ReproductionReport, Verdict};
 use crate::report::duration;
-use crate::report::table::{row, table};
+use crate::report::sheet::{Sheet, table};
+use crate::report::table::row;
 use crate::study::reproduce::{DRIFT_S, Reproduction};
 
 /// Every figure with its verdict, the near-chaotic runs, and what is outside.
-pub fn reproduction_text(found: &Reproduction) -> String {
+pub fn reproduction_text(found: &Reproduction) -> Sheet {
     let report = ReproductionReport::of(found);
-    let mut text = String::new();
+    let mut text = Sheet::default();
     let mut section = "";
     let mut rows = Vec::new();
-    let flush = |text: &mut String, rows: &mut Vec<Vec<String>>| {
+    let flush = |text: &mut Sheet, rows: &mut Vec<Vec<String>>| {
         if !rows.is_empty() {
-            text.push_str(&format!("{}\n", table(rows)));
+            text.push(table(rows).and('\n'));
             rows.clear();
         }
     };

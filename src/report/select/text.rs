@@ -2,16 +2,21 @@
 
 use super::words::{condition_name, criterion_name, percent_of};
 use crate::report::quantity::Quantity;
-use crate::report::table::{figure, row, table};
+use crate::report::sheet::{Sheet, table};
+use crate::report::table::{figure, row};
 use crate::study::select::{CLASSES, Ranked, RunStatus, Selection};
 
 /// Tables: classes, what each criterion removed, and the best `most` of those that are left.
-pub fn selection_text(source: &str, selection: &Selection, most: usize) -> String {
-    let mut text = format!("{source}: {} of {}\n", runs(selection.runs.len()), designs(selection.designs()));
+pub fn selection_text(source: &str, selection: &Selection, most: usize) -> Sheet {
+    let [runs, designs] = [runs(selection.runs.len()), designs(selection.designs())];
+    let mut text = Sheet::from(format!("{source}: {runs} of {designs}\n"));
     text.push_str(&unfinished(selection));
-    text.push_str(&format!("\n{}", classes(selection)));
-    text.push_str(&format!("\n{}", criteria(selection)));
-    text.push_str(&format!("\n{}", ranking(selection, most)));
+    text.push('\n');
+    text.push(classes(selection));
+    text.push('\n');
+    text.push(criteria(selection));
+    text.push('\n');
+    text.push(ranking(selection, most));
     text
 }
 
@@ -36,7 +41,7 @@ fn unfinished(selection: &Selection) -> String {
 }
 
 /// Static and dynamic classes, a column for each condition.
-fn classes(selection: &Selection) -> String {
+fn classes(selection: &Selection) -> Sheet {
     let head = std::iter::once("class".to_string()).chain(selection.conditions.iter().map(condition_name));
     let mut rows = vec![head.collect::<Vec<_>>()];
     let mut line = |name: &str, count: &dyn Fn(usize) -> (usize, usize)| {
@@ -65,7 +70,7 @@ fn classes(selection: &Selection) -> String {
 }
 
 /// What each criterion removed.
-fn criteria(selection: &Selection) -> String {
+fn criteria(selection: &Selection) -> Sheet {
     let mut rows = vec![row(["criterion", "holds", "fails", "unknown", "left", "removed by it alone"])];
     for tally in &selection.tallies {
         let counts = [tally.holds, tally.fails, tally.unknown, tally.left, tally.only];
@@ -81,9 +86,9 @@ fn criteria(selection: &Selection) -> String {
 }
 
 /// The best ones with their figures, and the parts of r_WC.
-fn ranking(selection: &Selection, most: usize) -> String {
+fn ranking(selection: &Selection, most: usize) -> Sheet {
     if selection.ranking.is_empty() {
-        return nothing(selection);
+        return Sheet::from(nothing(selection));
     }
     let axes: Vec<(usize, Quantity)> = shown_axes(selection);
     let head = ["place", "run", "design"].into_iter().map(String::from);
@@ -103,14 +108,13 @@ fn ranking(selection: &Selection, most: usize) -> String {
     };
     rows.extend(selection.ranking.iter().take(most).map(line));
     let weights = selection.weights.named().map(|(name, weight)| format!("{name} {weight}")).join(", ");
-    format!(
-        "{} of {} meet all criteria; best {} by r_WC (weights: {weights})\n{}{}",
+    let best = format!(
+        "{} of {} meet all criteria; best {} by r_WC (weights: {weights})\n",
         selection.ranking.len(),
         runs(selection.runs.len()),
         most.min(selection.ranking.len()),
-        table(&rows),
-        equal(selection)
-    )
+    );
+    Sheet::from(best).and(table(&rows)).and(equal(selection))
 }
 
 /// Axes that have more than one value.

@@ -2,22 +2,23 @@
 
 use super::closure::{ClosureReport, MotionReport, MultiplierReport};
 use super::document::{BirglenReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport};
-use crate::report::table::{figure, row, table};
+use crate::report::sheet::{Sheet, list, table};
+use crate::report::table::{figure, row};
 
 /// The whole report, with a line end.
-pub fn statics_text(report: &StaticsReport) -> String {
+pub fn statics_text(report: &StaticsReport) -> Sheet {
     let mut sections = vec![
-        format!("{}: the grasp at rest\n", report.scene),
+        Sheet::from(format!("{}: the grasp at rest\n", report.scene)),
         posture(&report.end),
-        drive(&report.drive),
+        Sheet::from(drive(&report.drive)),
         forces(&report.forces),
         birglen(&report.forces),
         closure(&report.form_closure, report.forces_per_n_m),
     ];
     if let Some(path) = &report.svg {
-        sections.push(format!("picture: {path}\n"));
+        sections.push(Sheet::from(format!("picture: {path}\n")));
     }
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
 fn number(value: f64) -> String {
@@ -32,7 +33,7 @@ fn millimetres(length_m: f64) -> String {
     format!("{:.4}", length_m * 1e3)
 }
 
-fn posture(end: &FinalPostureReport) -> String {
+fn posture(end: &FinalPostureReport) -> Sheet {
     let angles = [
         ("q11", end.q11_rad),
         ("q21", end.q21_rad),
@@ -51,7 +52,7 @@ fn posture(end: &FinalPostureReport) -> String {
         line("proximal", &end.proximal),
         line("distal", &end.distal),
     ];
-    format!("final posture: {}\n{}", angles.join(", "), table(&rows))
+    Sheet::from(format!("final posture: {}\n", angles.join(", "))).and(table(&rows))
 }
 
 fn drive(drive: &DriveReport) -> String {
@@ -88,7 +89,7 @@ fn friction([proximal, distal]: [f64; 2]) -> String {
     if proximal == distal { proximal.to_string() } else { format!("{proximal}, {distal}") }
 }
 
-fn forces(all: &[ForcesReport]) -> String {
+fn forces(all: &[ForcesReport]) -> Sheet {
     let head = row(["μ_s", "F21, N", "F22, N", "force positive", "PFP, N", "palm force positive"]);
     let line = |of: &ForcesReport| {
         vec![
@@ -101,7 +102,7 @@ fn forces(all: &[ForcesReport]) -> String {
         ]
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
-    let mut text = format!("contact forces at rest (2.32), without weight\n{}", table(&rows));
+    let mut text = Sheet::from("contact forces at rest (2.32), without weight\n").and(table(&rows));
     for of in all {
         let cause = match of.ejection {
             "proximal" => {
@@ -118,8 +119,8 @@ fn forces(all: &[ForcesReport]) -> String {
     text
 }
 
-fn birglen(all: &[ForcesReport]) -> String {
-    let mut text = "Birglen's frame: phalanges without width, θ = (q21, q22)\n".to_string();
+fn birglen(all: &[ForcesReport]) -> Sheet {
+    let mut text = Sheet::from("Birglen's frame: phalanges without width, θ = (q21, q22)\n");
     let Some(BirglenReport { transmission, torques_n_m, .. }) = all.first().map(|of| &of.birglen) else {
         return text;
     };
@@ -146,7 +147,7 @@ fn birglen(all: &[ForcesReport]) -> String {
         ]
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
-    text.push_str(&table(&rows));
+    text.push(table(&rows));
     if all.iter().any(|of| of.mu_static != [0.0; 2]) {
         text.push_str(
             "(f differs from F by friction on the surface of a phalanx, which has a lever of its half width)\n",
@@ -160,16 +161,16 @@ fn matrix([[a, b], [c, d]]: &[[f64; 2]; 2], factor: f64) -> String {
     format!("[{} {}; {} {}]", n(*a), n(*b), n(*c), n(*d))
 }
 
-fn closure(found: &ClosureReport, pure: [f64; 3]) -> String {
+fn closure(found: &ClosureReport, pure: [f64; 3]) -> Sheet {
     let n = &found.necessary;
-    let mut text = format!(
+    let mut text = Sheet::from(format!(
         "form closure of two fingers{}: {}\n",
         match found.palm {
             "rests" | "within" => " and the palm",
             _ => "",
         },
         if found.closed { "closed" } else { "not closed" }
-    );
+    ));
     match (found.palm, found.palm_gap_m) {
         ("apart", Some(gap)) => {
             text.push_str(&format!("the object is {} mm above the palm, which does not hold it\n", millimetres(gap)));
@@ -199,15 +200,15 @@ fn closure(found: &ClosureReport, pure: [f64; 3]) -> String {
         ));
     }
     if let Some(multipliers) = &found.multipliers {
-        text.push_str(&balance(multipliers, found));
+        text.push(balance(multipliers, found));
     }
     if let Some(motion) = &found.motion {
-        text.push_str(&free(motion, found));
+        text.push(free(motion, found));
     }
     text
 }
 
-fn balance(multipliers: &[MultiplierReport], found: &ClosureReport) -> String {
+fn balance(multipliers: &[MultiplierReport], found: &ClosureReport) -> Sheet {
     let line = |of: &MultiplierReport| {
         let value = match (of.force_n, of.torque_n_m) {
             (Some(force), _) => [number(force), "N".to_string()],
@@ -216,16 +217,14 @@ fn balance(multipliers: &[MultiplierReport], found: &ClosureReport) -> String {
         std::iter::once(of.constraint.clone()).chain(value).collect::<Vec<_>>()
     };
     let rows: Vec<_> = multipliers.iter().map(line).collect();
-    format!(
-        "certificate: U has full rank {} and these, all positive, are in balance (to {})\n{}",
-        found.rank,
-        figure(found.residual, 1),
-        table(&rows)
-    )
+    let (rank, residual) = (found.rank, figure(found.residual, 1));
+    let head = format!("certificate: U has full rank {rank} and these, all positive, are in balance (to {residual})\n");
+    Sheet::from(head).and(list(&rows))
 }
 
-fn free(motion: &MotionReport, found: &ClosureReport) -> String {
-    let mut text = format!("certificate: a motion that breaks no constraint (to {})\n", figure(found.residual, 1));
+fn free(motion: &MotionReport, found: &ClosureReport) -> Sheet {
+    let residual = figure(found.residual, 1);
+    let mut text = Sheet::from(format!("certificate: a motion that breaks no constraint (to {residual})\n"));
     for sentence in &motion.words {
         text.push_str(&format!("  {sentence}\n"));
     }
@@ -241,6 +240,6 @@ fn free(motion: &MotionReport, found: &ClosureReport) -> String {
         })
         .collect();
     text.push_str("how fast each constraint opens\n");
-    text.push_str(&table(&rows));
+    text.push(list(&rows));
     text
 }

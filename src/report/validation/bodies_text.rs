@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
-use super::super::table::{figure, row, table};
+use super::super::sheet::{Sheet, table};
+use super::super::table::{figure, row};
 use super::super::text::duration;
 use super::bodies_document::{BodiesModelReport, BodiesValidationReport, DiscDifferences, DiscErrors};
 use super::text::{Columns, Heading, broken, checks, cost_of, heading, number, percent, settings};
 
 /// The whole report, with a line end.
-pub fn bodies_validation_text(report: &BodiesValidationReport) -> String {
+pub fn bodies_validation_text(report: &BodiesValidationReport) -> Sheet {
     let model = |model: &BodiesModelReport| cost_of(&model.setting, model.steps, model.wall_s);
     let heading = heading(&Heading {
         scene: &report.scene,
@@ -24,19 +25,19 @@ pub fn bodies_validation_text(report: &BodiesValidationReport) -> String {
         files: report.files.as_deref(),
     });
     let left_out = report.quick.then_some("fixed steps below 1e-5 s");
-    let mut sections = vec![heading, checks(&report.verdict)];
+    let mut sections = vec![Sheet::from(heading), checks(&report.verdict)];
     let broken = broken([("analytic", &report.analytic.invariants), ("engine", &report.engine.invariants)]);
     if !broken.is_empty() {
-        sections.push(broken);
+        sections.push(Sheet::from(broken));
     }
     sections.push(side_by_side(report));
     sections.push(differences(&report.differences));
     sections.push(settings(&report.settings, &columns(), left_out));
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
 /// Discs that move, pairs that touch, energies: of both models and their difference.
-fn side_by_side(report: &BodiesValidationReport) -> String {
+fn side_by_side(report: &BodiesValidationReport) -> Sheet {
     let (a, e) = (&report.analytic, &report.engine);
     let line = |name: &str, analytic: f64, engine: f64, digits: usize| {
         row([name, &figure(analytic, digits), &figure(engine, digits), &figure(engine - analytic, 3)])
@@ -73,7 +74,7 @@ fn side_by_side(report: &BodiesValidationReport) -> String {
     table(&rows)
 }
 
-fn differences(found: &DiscDifferences) -> String {
+fn differences(found: &DiscDifferences) -> Sheet {
     let mut rows = vec![row(["difference", "max, µm", "at, ms", "RMS, µm", "at the end, µm", "angle at the end, rad"])];
     for (name, disc) in &found.discs {
         rows.push(row([
@@ -93,7 +94,7 @@ fn differences(found: &DiscDifferences) -> String {
         rows.push(row([name, &touch, &percent(pair.impulse), &percent(pair.peak_force)]));
     }
     if rows.len() > 1 {
-        text.push_str(&table(&rows));
+        text.push(table(&rows));
     }
     let _ = writeln!(
         text,

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::super::table::{figure, table};
+use super::super::sheet::{Sheet, table};
+use super::super::table::figure;
 use super::super::text::duration;
 use crate::validate::{RUNS, SPREAD, Spread, Statistic, Statistics};
 
@@ -56,7 +57,7 @@ impl From<&Statistics> for StatisticsReport {
 }
 
 /// The statistics as a table.
-pub fn statistics_text(report: &StatisticsReport) -> String {
+pub fn statistics_text(report: &StatisticsReport) -> Sheet {
     let heading = format!(
         "mean ± deviation from {} on, of {} of {} runs with torques over ±{} %",
         duration(report.from_s),

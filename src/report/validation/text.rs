@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::super::table::{figure, row, table};
+use super::super::sheet::{Sheet, Table, table};
+use super::super::table::{figure, row};
 use super::super::text::duration;
 use super::document::{
     CheckReport, DifferencesReport, ImpactReport, JointErrors, ModelReport, SettingReport, Status, ValidationReport,
@@ -12,7 +13,7 @@ use super::statistics::statistics_text;
 use crate::validate::turned;
 
 /// The whole report, with a line end.
-pub fn validation_text(report: &ValidationReport) -> String {
+pub fn validation_text(report: &ValidationReport) -> Sheet {
     let model = |model: &ModelReport| cost_of(&model.setting, model.steps, model.wall_s);
     let heading = heading(&Heading {
         scene: &report.scene,
@@ -27,10 +28,10 @@ pub fn validation_text(report: &ValidationReport) -> String {
         directory: report.directory.as_deref(),
         files: report.files.as_deref(),
     });
-    let mut sections = vec![heading, checks(&report.verdict)];
+    let mut sections = vec![Sheet::from(heading), checks(&report.verdict)];
     let broken = broken([("analytic", &report.analytic.invariants), ("engine", &report.engine.invariants)]);
     if !broken.is_empty() {
-        sections.push(broken);
+        sections.push(Sheet::from(broken));
     }
     sections.push(side_by_side(report));
     if !report.impacts.is_empty() {
@@ -42,7 +43,7 @@ pub fn validation_text(report: &ValidationReport) -> String {
     sections.push(differences(&report.differences));
     let left_out = report.quick.then_some("fixed steps below 1e-5 s, reduced coordinates");
     sections.push(settings(&report.settings, &joint_columns(), left_out));
-    sections.join("\n")
+    Sheet::join(sections)
 }
 
 /// What a report begins with.
@@ -94,7 +95,7 @@ pub(super) fn heading(of: &Heading<'_>) -> String {
     text
 }
 
-pub(super) fn checks(checks: &[CheckReport]) -> String {
+pub(super) fn checks(checks: &[CheckReport]) -> Sheet {
     let mut rows = vec![row(["bound", "measured", "limit", ""])];
     for check in checks {
         let measured = match check.measured {
@@ -119,7 +120,7 @@ pub(super) fn broken(models: [(&str, &[FindingReport]); 2]) -> String {
     text
 }
 
-fn side_by_side(report: &ValidationReport) -> String {
+fn side_by_side(report: &ValidationReport) -> Sheet {
     let (a, e) = (&report.analytic, &report.engine);
     let line = |name: &str, analytic: f64, engine: f64, digits: usize| {
         row([name, &figure(analytic, digits), &figure(engine, digits), &figure(engine - analytic, 3)])
@@ -161,7 +162,7 @@ fn side_by_side(report: &ValidationReport) -> String {
 /// More impacts than this make no table for people; the JSON document has them all.
 const MOST_IMPACTS: usize = 12;
 
-fn impacts(impacts: &[ImpactReport]) -> String {
+fn impacts(impacts: &[ImpactReport]) -> Sheet {
     let mut rows = vec![row([
         "impact",
         "analytic, ms",
@@ -194,7 +195,7 @@ fn impacts(impacts: &[ImpactReport]) -> String {
     text
 }
 
-fn differences(found: &DifferencesReport) -> String {
+fn differences(found: &DifferencesReport) -> Sheet {
     let mut rows = vec![row(["difference", "max, rad", "at, ms", "RMS, rad", "at the end, rad", "rate RMS, rad/s"])];
     for (name, joint) in &found.joints {
         rows.push(row([
@@ -257,8 +258,8 @@ pub(super) fn settings<E, const N: usize>(
     settings: &[SettingReport<E>],
     columns: &Columns<E, N>,
     left_out: Option<&str>,
-) -> String {
-    let mut text = String::new();
+) -> Sheet {
+    let mut text = Sheet::default();
     let mut rows = vec![
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),
@@ -282,7 +283,7 @@ pub(super) fn settings<E, const N: usize>(
             }
         }
     }
-    text.push_str(&table(&rows));
+    text.push(Table::new(&rows).heads(2));
     text.push_str(
         "largest differences from the reference over so many runs; * the scene's settings; median wall time, no log\n",
     );

@@ -65,7 +65,7 @@ function keyboard(app) {
     // Where an element has a use of its own for a key, it keeps it.
     if (tagName === "SELECT") return;
     if (tagName === "INPUT" && type === "range" && /^(Arrow|Home|End|Page)/.test(event.key)) return;
-    if (tagName === "PRE" && event.key.startsWith("Arrow")) return;
+    if (event.target.matches(".grid, .sheet") && event.key.startsWith("Arrow")) return;
     const action = actions[event.key];
     if (!action) return;
     event.preventDefault();
