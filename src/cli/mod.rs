@@ -8,10 +8,12 @@
 //! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
 mod browser;
+mod completions;
 mod folder;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
+mod man;
 mod new;
 /// What a build without the feature says is tested in every build.
 #[cfg(all(test, feature = "live"))]
@@ -120,6 +122,8 @@ enum Command {
         after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study step-size --quick"
     )]
     Study(study::StudyCommand),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// How a command ended, see the [module](self).
@@ -177,6 +181,8 @@ pub fn main() -> ExitCode {
         Command::Select(args) => select::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Study(command) => study::run(command),
+        Command::Completions(args) => completions::run(args, Cli::command()),
+        Command::Man(args) => man::run(args, Cli::command()),
     };
     let status = result.unwrap_or_else(|failure| {
         output::complain(&failure.message);

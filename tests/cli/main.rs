@@ -10,6 +10,7 @@ mod first_minutes;
 mod foreign_words;
 mod limits;
 mod linkage;
+mod manual;
 mod messages;
 mod own;
 mod page;
