@@ -9,7 +9,8 @@ use serde_json::Value;
 pub const ANCHOR: &str = "scenes/experiment-95.toml";
 
 pub fn phalanx(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_phalanx")).args(args).output().expect("the binary starts")
+    // Tables are as wide as need be in a pipe unless somebody says otherwise.
+    Command::new(env!("CARGO_BIN_EXE_phalanx")).env_remove("COLUMNS").args(args).output().expect("the binary starts")
 }
 
 pub fn stdout(output: &Output) -> &str {
