@@ -84,12 +84,12 @@ fn found(report: &RunCheckReport) -> Sheet {
             size(error),
             size(moved)
         )),
-        "uncertain" => Sheet::paragraph(&format!(
+        "uncertain" => Sheet::from(format!(
             "UNCERTAIN: off by about {} along the path, against {against}{because};\nask for more with --preset reference, or a \
              smaller --rtol or --tolerance\n",
             size(error)
         )),
-        "chaotic" => Sheet::paragraph(&format!(
+        "chaotic" => Sheet::from(format!(
             "CHAOTIC: a change of 1e-7 of what drives it moves the path by {}{because};\nthis one outcome means little: look at \
              the statistics of many (phalanx validate)\n",
             size(moved)
