@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::output::{complain, print};
+use super::output::{complain, print, show};
 use super::{Failure, Status, scene_figure};
 use crate::gripper::total_mass;
+use crate::report::Sheet;
 use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
 
 /// Show, check and describe scene files.
@@ -55,7 +56,11 @@ pub struct Answer {
 /// Runs a command and prints its answer.
 pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
     let answer = answer(command);
-    print(&answer.stdout)?;
+    match command {
+        // Sentences for people; the others are documents.
+        SceneCommand::Check { .. } => show(&Sheet::from(answer.stdout.as_str())),
+        _ => print(&answer.stdout),
+    }?;
     if !answer.stderr.is_empty() {
         complain(answer.stderr.trim_end());
     }

@@ -56,6 +56,7 @@ fn tables_fit_the_terminal_and_nothing_is_lost_or_broken() {
         complete(&["size", ANCHOR], columns);
         complete(&["sweep", "scenes/studies/thesis.toml", "--list"], columns);
         complete(&["replay", &log], columns);
+        complete(&["scene", "check", ANCHOR, "scenes/free-swing.toml"], columns);
     }
 }
 

@@ -208,6 +208,17 @@ mod tests {
     }
 
     #[test]
+    fn keys_of_several_columns_are_told_again_and_packs_stay_together() {
+        let rows =
+            [row(["law", "step", "a", "max", "b", "max"]), row(["step", "1.00", "1111", "2222", "3333", "4444"])];
+        let text = table(&Table::new(&rows).keys(2).together(2), 26);
+        assert_eq!(
+            text,
+            "law   step     a   max\nstep  1.00  1111  2222\n\nlaw   step     b   max\nstep  1.00  3333  4444\n"
+        );
+    }
+
+    #[test]
     fn long_names_wrap_and_their_figures_stand_beside_their_first_line() {
         let rows = [row(["bound", "limit"]), row(["a bound of many words", "0.001"])];
         assert_eq!(fitted(1, &rows, 20), "bound          limit\na bound of     0.001\n  many words\n");
