@@ -34,32 +34,22 @@
 //! Instead of `()`, a [`trace::Sink`] takes every sample and event: [`trace::Recording`] keeps them as arrays, [`criteria::Tracker`]
 //! finds the dynamic criteria. [`log::run_to`] runs a scene and writes its log. The programs of `examples/` are short.
 
-pub mod analytic;
-pub mod check;
 pub mod cli;
-pub mod criteria;
 pub mod docs;
-pub mod drawing;
-pub mod engine;
 mod files;
-pub mod fivebar;
-pub mod gripper;
-pub mod integrator;
-pub mod invariants;
-pub mod law;
 pub mod limits;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod log;
-pub mod numeric;
 pub mod page;
 pub mod plot;
 pub mod report;
 pub mod scene;
-pub mod sizing;
-pub mod statics;
 pub mod study;
 pub mod table;
-pub mod trace;
-pub mod units;
 pub mod validate;
+
+pub use phalanx_core::{
+    analytic, check, criteria, drawing, engine, fivebar, gripper, integrator, invariants, law, numeric, sizing,
+    statics, trace, units,
+};

@@ -52,6 +52,7 @@ mod volume;
 mod volume_args;
 mod volume_files;
 mod watch;
+mod words;
 
 use std::any::TypeId;
 use std::fmt::Display;

@@ -1,26 +1,11 @@
 //! Flags of `phalanx run` that stand in for what the scene says, and refusals of those that would do nothing.
 
-use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::Failure;
 use crate::scene::{BodiesScene, Construction, Engine, Integrator, LogRates, Preset, Scene, Stepping};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
-
-impl ValueEnum for Model {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Model::Analytic, Model::Engine]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self {
-            Model::Analytic => "Closed-form Lagrange model with its own stiff integrator",
-            Model::Engine => "Rigid-body engine with the same contact laws",
-        };
-        Some(PossibleValue::new(self.name()).help(help))
-    }
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PresetArg {

@@ -10,6 +10,7 @@ use super::output::{print, show};
 use super::overrides::Overrides;
 use super::run_page::PageArgs;
 use super::simulate::{self, Broken, Checking, Limits, Simulated};
+use super::words::ModelArg;
 use super::{Failure, Status, run_bodies, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
 use crate::page::Reel;
@@ -31,8 +32,8 @@ pub struct RunArgs {
     pub(super) scene: PathBuf,
 
     /// Which of the two independent models simulates the scene
-    #[arg(long, value_enum, default_value_t = Model::Analytic)]
-    pub(super) model: Model,
+    #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
+    pub(super) model: ModelArg,
 
     /// Write a log (MCAP, readable while it grows as FILE.mcap.partial); an older log of that name is replaced only
     /// when the new one is whole
@@ -67,6 +68,10 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
+    pub(super) fn model(&self) -> Model {
+        self.model.into()
+    }
+
     /// Whether the run is to be checked.
     pub(super) fn checking(&self) -> Checking {
         match (self.check, self.no_check) {
@@ -97,15 +102,16 @@ fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
 }
 
 fn finger(args: &RunArgs, mut scene: Scene, first: bool) -> Result<Status, Failure> {
-    args.overrides.apply(args.model, &mut scene)?;
+    args.overrides.apply(args.model(), &mut scene)?;
     let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
-    let Simulated { result, found, wall_s, check, log } = simulate::finger(args.model, &scene, log, &limits, &mut reel);
-    let model = args.model.name();
+    let Simulated { result, found, wall_s, check, log } =
+        simulate::finger(args.model(), &scene, log, &limits, &mut reel);
+    let model = args.model().name();
     let mut report = match result {
         Ok(outcome) => RunReport::completed(&scene, model, wall_s, &outcome, found),
         Err(Broken { error, so_far }) => RunReport::failed(&scene, model, wall_s, error, so_far.as_ref()),
@@ -139,7 +145,7 @@ pub(super) fn started<S: Logged + Clone + Send + 'static>(
         return Ok(None);
     }
     let feed = live.map(|live| live.feed(interrupt));
-    let info = info(scene, &args.scene, args.model.name());
+    let info = info(scene, &args.scene, args.model().name());
     let log = log::create_with_feed(args.log.as_deref(), &info, feed).map_err(unstarted)?;
     if let Some(live) = live {
         live.begin();

@@ -12,22 +12,23 @@ use crate::scene::BodiesScene;
 
 /// Runs the command.
 pub fn run(args: &RunArgs, mut scene: BodiesScene, first: bool) -> Result<Status, Failure> {
-    args.overrides.apply_bodies(args.model, &mut scene)?;
+    args.overrides.apply_bodies(args.model(), &mut scene)?;
     let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
     let log = started(args, &scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
-    let Simulated { result, found, wall_s, check, log } = simulate::bodies(args.model, &scene, log, &limits, &mut reel);
+    let Simulated { result, found, wall_s, check, log } =
+        simulate::bodies(args.model(), &scene, log, &limits, &mut reel);
     let (outcome, error) = match result {
         Ok(outcome) => (Some(outcome), None),
         Err(Broken { error, so_far }) => (so_far, Some(error)),
     };
-    let mut report = BodiesReport::new(&scene, args.model, wall_s, outcome.as_ref(), &found, error);
+    let mut report = BodiesReport::new(&scene, args.model(), wall_s, outcome.as_ref(), &found, error);
     report.check = check.map(|check| RunCheckReport::new(&check, false));
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
-        let film = reel.film(args.model.name(), &scene, report::bodies_text(&report));
+        let film = reel.film(args.model().name(), &scene, report::bodies_text(&report));
         page.write(&scene.name, &scene.description, film)
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());

@@ -3,18 +3,18 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::folder::write_all;
 use super::output::{print, show};
 use super::overrides::positive;
+use super::words::RuleArg;
 use super::{Failure, Status};
 use crate::gripper::contact_angle_proximal;
 use crate::plot::{self, DrawError};
 use crate::report::{SizingReport, sizing_csv, sizing_json, sizing_text};
 use crate::scene::{self, Actuation, Scene, SpringKind};
-use crate::sizing::{CLOSING_S, Rule, SizingError, Task, profile};
+use crate::sizing::{CLOSING_S, SizingError, Task, profile};
 use crate::units::Dimension;
 
 /// Samples of the profile that is written.
@@ -35,8 +35,8 @@ pub struct SizeArgs {
     scene: PathBuf,
 
     /// Over what the motor torque is averaged
-    #[arg(long, value_enum, default_value_t = Rule::Rigid)]
-    rule: Rule,
+    #[arg(long, value_enum, default_value_t = RuleArg::Rigid)]
+    rule: RuleArg,
 
     /// Length of the test trajectory with its unit [default: 10 ms]
     #[arg(long, value_name = "TIME", value_parser = closing_time)]
@@ -56,20 +56,6 @@ pub struct SizeArgs {
     json: bool,
 }
 
-impl ValueEnum for Rule {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Rule::Rigid, Rule::Whole]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self {
-            Rule::Rigid => "RMS of the net motor torque until the proximal contact",
-            Rule::Whole => "RMS over all the trajectory, against the constant spring",
-        };
-        Some(PossibleValue::new(self.name()).help(help))
-    }
-}
-
 /// Runs the command.
 pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let scene = scene::load(&args.scene)?;
@@ -79,7 +65,7 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let report = SizingReport {
         scene: &scene.name,
         profile: &profile,
-        rule: args.rule,
+        rule: args.rule.into(),
         preload_rad,
         given_motor_n_m: match scene.actuation {
             Actuation::Constant { torque_n_m } => Some(torque_n_m),

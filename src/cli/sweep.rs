@@ -11,11 +11,11 @@ use super::output::{note, print, show};
 use super::progress::Count;
 use super::sweep_store::{Found, Store, open};
 use super::volume_args::threads_or_all;
+use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::report::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
 use crate::study::sweep::{self, Ran, Row, Study, StudyError, Summary, run_while, summary};
 use crate::table::Table;
-use crate::trace::Model;
 
 /// Rows that `--list` shows.
 const LISTED: u64 = 12;
@@ -44,7 +44,7 @@ pub struct SweepArgs {
 
     /// Which of the two models simulates, instead of the study's
     #[arg(long, value_enum)]
-    model: Option<Model>,
+    model: Option<ModelArg>,
 
     /// Check every run: columns `check` (sure, uncertain, chaotic or unknown) and `check_error_rad`; takes three more runs for each
     #[arg(long)]
@@ -90,7 +90,7 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
     };
     let mut study = sweep::load(file)?;
     if let Some(model) = args.model {
-        study.model = model;
+        study.model = model.into();
     }
     study.checked = args.check;
     let (Some(out), false) = (&args.out, args.list) else {

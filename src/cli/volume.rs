@@ -14,6 +14,7 @@ use super::volume_args::{
     threads,
 };
 use super::volume_files::{FILES, write};
+use super::words::RuleArg;
 use super::{Failure, Status};
 use crate::report::{Effort, ShareReport, VolumeReport, volume_json, volume_text};
 use crate::scene::{self, Template};
@@ -69,7 +70,7 @@ pub struct VolumeArgs {
 
     /// How motor and spring are sized [default: rigid, or as the scene says]
     #[arg(long, value_enum)]
-    sizing: Option<Rule>,
+    sizing: Option<RuleArg>,
 
     /// What the pictures show within the stable region; several between commas. The page shows all of them
     #[arg(
@@ -183,7 +184,7 @@ fn request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
             (true, Some(_)) => vec![one_friction(&template)?],
             (true, None) => usual.mu_static,
         },
-        rule: args.sizing.or(template.rule).unwrap_or(usual.rule),
+        rule: args.sizing.map(Rule::from).or(template.rule).unwrap_or(usual.rule),
         template,
         axes,
     })

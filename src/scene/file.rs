@@ -3,18 +3,8 @@
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-use serde::Deserialize;
-use toml::de::{DeTable, Deserializer};
-
-use super::check::Checker;
-use super::error::{Problem, SceneError, line_column};
-use super::kinds::Words;
-use super::raw::RawScene;
-use super::raw_bodies::RawBodiesScene;
-use super::schema::schema_of;
-use super::suggest::nearest;
-use super::words::SceneKind;
-use super::{AnyScene, Scene, Template, keys, resolve};
+use super::error::line_column;
+use super::{AnyScene, Scene, SceneError, Template, parse, parse_any, parse_template};
 use crate::files::read_at_most;
 use crate::limits::LARGEST_SCENE_BYTES;
 
@@ -33,27 +23,6 @@ pub fn load_any(path: impl AsRef<Path>) -> Result<AnyScene, SceneError> {
     parse_any(&text, &file)
 }
 
-/// Checks and resolves the text of a finger's scene; `file_name` appears in messages and gives the default name.
-///
-/// # Errors
-/// What is wrong with the text, or that it is a scene of another kind.
-pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
-    let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
-    match any(text, file_name).map_err(refuse)? {
-        AnyScene::Finger(scene) => Ok(*scene),
-        AnyScene::Bodies(_) => Err(refuse(vec![not_a_finger(text)])),
-    }
-}
-
-/// Checks and resolves the text of a scene of either kind.
-pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
-    any(text, file_name).map_err(|problems| SceneError::Invalid {
-        file: file_name.to_string(),
-        text: text.to_string(),
-        problems,
-    })
-}
-
 /// Reads the scene of a finger as what many designs have in common.
 ///
 /// # Errors
@@ -61,19 +30,6 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
 pub fn load_template(path: impl AsRef<Path>) -> Result<Template, SceneError> {
     let (text, file) = read(path.as_ref())?;
     parse_template(&text, &file)
-}
-
-/// [`load_template`] of a text; `file_name` appears in messages and gives the default name.
-///
-/// # Errors
-/// What is wrong with the text, or what ties the scene to one design.
-pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneError> {
-    // Whatever is wrong with the scene by itself is said first.
-    let scene = parse(text, file_name)?;
-    let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
-    let read = Deserializer::parse(text).and_then(RawScene::deserialize);
-    let raw = read.map_err(|e| refuse(vec![syntax(&e)]))?;
-    resolve::template(&raw, Checker::new(text, Vec::new()), &scene).map_err(refuse)
 }
 
 /// The text of a file, and what messages call it.
@@ -115,66 +71,4 @@ fn is_log(path: &Path) -> std::io::Result<bool> {
 pub(crate) fn too_large() -> String {
     let most = LARGEST_SCENE_BYTES >> 20;
     format!("it is larger than {most} MiB, and no file that somebody wrote by hand is; check the path")
-}
-
-fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
-    let mut document = DeTable::parse(text).map_err(|e| vec![syntax(&e)])?;
-    let kind = kind(document.get_ref());
-    let other = match kind {
-        SceneKind::Finger => SceneKind::Bodies,
-        SceneKind::Bodies => SceneKind::Finger,
-    };
-    let (schema, other_schema) = (schema_of(kind), schema_of(other));
-    let allowed = keys::Allowed { kind: kind.word(), schema, other_kind: other.word(), other_schema };
-    let weeds = keys::weed(document.get_mut(), &allowed);
-    let checker = Checker::new(text, weeds);
-    let from = Deserializer::from(document);
-    match kind {
-        SceneKind::Finger => {
-            let raw = RawScene::deserialize(from).map_err(|e| vec![syntax(&e)])?;
-            resolve::finger(&raw, checker, file_name).map(|scene| AnyScene::Finger(Box::new(scene)))
-        }
-        SceneKind::Bodies => {
-            let raw = RawBodiesScene::deserialize(from).map_err(|e| vec![syntax(&e)])?;
-            resolve::bodies(&raw, checker, file_name).map(|scene| AnyScene::Bodies(Box::new(scene)))
-        }
-    }
-}
-
-/// The kind of a scene, or the one it was probably meant to be: all else is judged by it.
-fn kind(document: &DeTable<'_>) -> SceneKind {
-    let Some(word) = document.get("kind").and_then(|value| value.get_ref().as_str()) else {
-        return SceneKind::Finger;
-    };
-    let words: Vec<&str> = SceneKind::WORDS.iter().map(|(word, _)| *word).collect();
-    let meant = nearest(word, &words);
-    let found = SceneKind::WORDS.iter().find(|(candidate, _)| *candidate == word || Some(*candidate) == meant);
-    match found {
-        Some((_, kind)) => *kind,
-        None if document.contains_key("discs") => SceneKind::Bodies,
-        None => SceneKind::Finger,
-    }
-}
-
-/// A sound scene of discs where a finger is wanted.
-fn not_a_finger(text: &str) -> Problem {
-    let document = DeTable::parse(text).ok();
-    Problem {
-        span: document.and_then(|document| document.get_ref().get("kind").map(|value| value.span())),
-        message: "this is a scene of kind \"bodies\", but only one of kind \"finger\" will do here".into(),
-        label: "another kind".into(),
-        help: "give the scene of a finger; scenes of discs are for `phalanx run`, `validate` and `scene`".into(),
-    }
-}
-
-/// An error of the TOML parser.
-pub(crate) fn syntax(error: &toml::de::Error) -> Problem {
-    Problem {
-        span: error.span(),
-        message: format!("not valid TOML: {}", error.message().trim()),
-        label: String::new(),
-        help:
-            "a line is a [section], or key = value; texts, quantities among them, stand in quotes: radius = \"20 mm\""
-                .into(),
-    }
 }

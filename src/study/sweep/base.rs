@@ -12,9 +12,10 @@ use toml::{Spanned, Table};
 use super::field::{Holds, join};
 use super::read::problem;
 use crate::scene::entry::Any;
-use crate::scene::file::{read, syntax};
+use crate::scene::file::read;
 use crate::scene::kinds::Words;
 use crate::scene::schema::schema_of;
+use crate::scene::text::syntax;
 use crate::scene::words::SceneKind;
 use crate::scene::{Problem, SceneError, keys};
 

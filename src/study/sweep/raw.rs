@@ -132,10 +132,6 @@ impl Kind for Anything {
     }
 }
 
-impl Words for Model {
-    const WORDS: &'static [(&'static str, Self)] = &[("analytic", Model::Analytic), ("engine", Model::Engine)];
-}
-
 impl Words for Spacing {
     const WORDS: &'static [(&'static str, Self)] = &[("linear", Spacing::Linear), ("log", Spacing::Log)];
 }

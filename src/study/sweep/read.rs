@@ -21,7 +21,8 @@ use crate::limits::LARGEST_SCENE_BYTES;
 use crate::scene::check::Checker;
 use crate::scene::entry::Section;
 use crate::scene::error::line_column;
-use crate::scene::file::{syntax, too_large};
+use crate::scene::file::too_large;
+use crate::scene::text::syntax;
 use crate::scene::{Problem, SceneError, keys};
 use crate::trace::Model;
 

@@ -11,7 +11,7 @@ mod parse;
 mod table;
 
 pub use format::format;
-pub(crate) use format::number;
-pub(crate) use parse::split;
+pub use format::number;
+pub use parse::split;
 pub use parse::{QuantityError, parse};
 pub use table::{Dimension, LONGEST_S, Unit};

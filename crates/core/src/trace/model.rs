@@ -1,7 +1,7 @@
 //! The two models behind one face.
 
 use super::{Outcome, RunError, Sink, run_analytic, run_engine};
-use crate::scene::Scene;
+use crate::scene::{Scene, Words};
 
 /// Which of the two independent models simulates a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +18,10 @@ impl Model {
             Model::Engine => "engine",
         }
     }
+}
+
+impl Words for Model {
+    const WORDS: &'static [(&'static str, Self)] = &[("analytic", Model::Analytic), ("engine", Model::Engine)];
 }
 
 /// Simulates the scene with one of the models.

@@ -89,7 +89,7 @@ fn to_si(number: &str, factor: f64) -> Option<f64> {
 }
 
 /// The number a text begins with, and what follows it: its unit.
-pub(crate) fn split(text: &str) -> (&str, &str) {
+pub fn split(text: &str) -> (&str, &str) {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));
     (number, unit.trim_start())

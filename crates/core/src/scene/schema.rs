@@ -32,7 +32,7 @@ pub fn schema() -> String {
 }
 
 /// The schema of one kind of scene, made once: a sweep reads thousands of scenes.
-pub(crate) fn schema_of(kind: SceneKind) -> &'static Value {
+pub fn schema_of(kind: SceneKind) -> &'static Value {
     static FINGER: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Finger));
     static BODIES: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Bodies));
     match kind {
@@ -56,7 +56,7 @@ fn make(kind: SceneKind) -> Value {
 }
 
 /// Descriptions come from doc comments: their line breaks mean nothing.
-pub(crate) fn unwrap_lines(value: &mut Value) {
+pub fn unwrap_lines(value: &mut Value) {
     match value {
         Value::Object(map) => {
             if let Some(Value::String(text)) = map.get_mut("description") {

@@ -1,6 +1,6 @@
 //! The engine model: a scene as rapier bodies and joints, with the contact laws in place of rapier's own response.
 //!
-//! [How it drives rapier, and what rapier limits](crate::docs::engine). Independent of the analytic model: both share the
+//! How it drives rapier, and what rapier limits, is said in `src/docs/engine.md`. Independent of the analytic model: both share the
 //! scene, lengths, masses and scalar laws, nothing else.
 //!
 //! | file | job |

@@ -21,7 +21,7 @@ pub fn format(value_si: f64, dimension: Dimension) -> String {
 }
 
 /// The shortest decimal of a number that parses back to it: plain or with exponent.
-pub(crate) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let (plain, exponent) = (format!("{value}"), format!("{value:e}"));
     if plain.len() <= exponent.len() + 2 { plain } else { exponent }
 }
