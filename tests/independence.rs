@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 fn sources(directory: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(directory)];
+    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/core/src").join(directory)];
     while let Some(directory) = open.pop() {
         for entry in fs::read_dir(&directory).unwrap_or_else(|error| panic!("{}: {error}", directory.display())) {
             let path = entry.unwrap().path();
@@ -15,7 +15,7 @@ fn sources(directory: &str) -> Vec<PathBuf> {
             }
         }
     }
-    assert!(!found.is_empty(), "src/{directory} has no sources");
+    assert!(!found.is_empty(), "crates/core/src/{directory} has no sources");
     found
 }
 
@@ -49,7 +49,7 @@ fn modules(text: &str, depth: usize) -> Vec<String> {
 
 /// How many modules deep a source is in its directory: `discs/modes.rs` two, `discs/mod.rs` one.
 fn depth(path: &Path, directory: &str) -> usize {
-    let below = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(directory));
+    let below = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/core/src").join(directory));
     let below = below.expect("a source of the directory");
     below.components().count() - usize::from(below.ends_with("mod.rs"))
 }
@@ -99,7 +99,7 @@ fn the_reader_finds_what_it_looks_for() {
     let over = "use super::super::mode;\nuse super::super::super::engine;\n";
     assert_eq!(modules(over, 2), ["engine"]);
     assert_eq!(modules("use super::super::engine;\n", 1), ["engine"]);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/analytic");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/core/src/analytic");
     for (file, deep) in [("mod.rs", 0), ("model.rs", 1), ("discs/mod.rs", 1), ("discs/modes.rs", 2)] {
         assert_eq!(depth(&root.join(file), "analytic"), deep, "{file}");
     }

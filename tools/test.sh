@@ -36,19 +36,19 @@ done
 
 say "lints"
 # Everything with all features, so that one build serves; the default set has to be sound too.
-cargo clippy --locked --quiet -- -D warnings
-cargo clippy --locked --all-targets --all-features -- -D warnings
+cargo clippy --workspace --locked --quiet -- -D warnings
+cargo clippy --workspace --locked --all-targets --all-features -- -D warnings
 
 say "documentation"
-RUSTDOCFLAGS="-D warnings" cargo doc --locked --all-features --no-deps --quiet
-cargo test --locked --all-features --doc --quiet
+RUSTDOCFLAGS="-D warnings" cargo doc --workspace --locked --all-features --no-deps --quiet
+cargo test --workspace --locked --all-features --doc --quiet
 
 say "tests"
 if cargo nextest --version >/dev/null 2>&1; then
     # Programs of `examples/` are run as modules of a test, and need not be linked by themselves.
-    cargo nextest run --locked --all-features --no-fail-fast --lib --bins --tests
+    cargo nextest run --workspace --locked --all-features --no-fail-fast --lib --bins --tests
 else
-    cargo test --locked --all-features --no-fail-fast --lib --bins --tests
+    cargo test --workspace --locked --all-features --no-fail-fast --lib --bins --tests
 fi
 
 say "real clients"
