@@ -1,11 +1,21 @@
-//! The two models check each other only as long as neither uses the other: read from their sources.
+//! Rooms use each other in one direction, and the two models not at all: read from their sources.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 fn sources(directory: &str) -> Vec<PathBuf> {
+    sources_of("crates/core/src", directory)
+}
+
+/// All sources of a room, which is a directory or a single file.
+fn sources_of(root: &str, room: &str) -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(root);
+    let single = root.join(format!("{room}.rs"));
+    if single.is_file() {
+        return vec![single];
+    }
     let mut found = Vec::new();
-    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/core/src").join(directory)];
+    let mut open = vec![root.join(room)];
     while let Some(directory) = open.pop() {
         for entry in fs::read_dir(&directory).unwrap_or_else(|error| panic!("{}: {error}", directory.display())) {
             let path = entry.unwrap().path();
@@ -15,7 +25,7 @@ fn sources(directory: &str) -> Vec<PathBuf> {
             }
         }
     }
-    assert!(!found.is_empty(), "crates/core/src/{directory} has no sources");
+    assert!(!found.is_empty(), "{} has no {room}", root.display());
     found
 }
 
@@ -49,8 +59,13 @@ fn modules(text: &str, depth: usize) -> Vec<String> {
 
 /// How many modules deep a source is in its directory: `discs/modes.rs` two, `discs/mod.rs` one.
 fn depth(path: &Path, directory: &str) -> usize {
-    let below = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/core/src").join(directory));
-    let below = below.expect("a source of the directory");
+    depth_in(path, "crates/core/src", directory)
+}
+
+fn depth_in(path: &Path, root: &str, directory: &str) -> usize {
+    let Ok(below) = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join(root).join(directory)) else {
+        return 0;
+    };
     below.components().count() - usize::from(below.ends_with("mod.rs"))
 }
 
@@ -67,6 +82,76 @@ fn check(directory: &str, allowed: &[&str], foreign: &[&str]) {
         for word in foreign {
             assert!(!text.contains(word), "{} names `{word}`", path.display());
         }
+    }
+}
+
+/// Each may use those before it. What `ARCHITECTURE.md` says, in its order.
+const CORE: [&str; 17] = [
+    "numeric",
+    "integrator",
+    "units",
+    "limits",
+    "law",
+    "gripper",
+    "fivebar",
+    "sizing",
+    "statics",
+    "scene",
+    "analytic",
+    "engine",
+    "trace",
+    "drawing",
+    "criteria",
+    "invariants",
+    "check",
+];
+/// The same of the shell, which may use all of the core.
+const SHELL: [&str; 11] =
+    ["files", "scene", "table", "log", "validate", "study", "live", "page", "plot", "report", "cli"];
+
+/// Arrows that go the wrong way, until what they fetch has a place of its own. None may be added.
+const KNOWN: [(&str, &str); 2] = [("page", "plot"), ("plot", "report")];
+
+/// Rooms that a room may not use, but does.
+fn wrong_arrows(root: &str, order: &[&str], free: &[&str]) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for (place, room) in order.iter().enumerate() {
+        for path in sources_of(root, room) {
+            for used in modules(&code(&path), depth_in(&path, root, room)) {
+                let later = order.iter().position(|other| *other == used).is_some_and(|other| other > place);
+                let arrow = (room.to_string(), used.clone());
+                if later && !free.contains(&used.as_str()) && !found.contains(&arrow) {
+                    found.push(arrow);
+                }
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_arrow_between_rooms_goes_one_way() {
+    assert_eq!(wrong_arrows("crates/core/src", &CORE, &[]), []);
+    let known: Vec<(String, String)> = KNOWN.map(|(a, b)| (a.to_string(), b.to_string())).to_vec();
+    let mut found = wrong_arrows("src", &SHELL, &[]);
+    found.sort();
+    assert_eq!(found, known);
+}
+
+/// The lists above are all rooms there are.
+#[test]
+fn every_room_is_in_the_order() {
+    let outside = ["lib", "main", "docs", "limits"];
+    for (root, order) in [("crates/core/src", &CORE[..]), ("src", &SHELL[..])] {
+        let mut rooms: Vec<String> = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(root))
+            .expect("a directory of sources")
+            .map(|entry| entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned())
+            .filter(|room| root == "crates/core/src" && room != "lib" || !outside.contains(&room.as_str()))
+            .collect();
+        rooms.sort();
+        let mut listed = order.to_vec();
+        listed.sort_unstable();
+        assert_eq!(rooms, listed, "{root}");
     }
 }
 
