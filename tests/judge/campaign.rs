@@ -4,8 +4,6 @@
 //! A scene that is not as it should be is printed with its seed; `cargo run --release --example campaign -- --family NAME --seed SEED
 //! --scenes 1 -v --save DIR` runs and saves it, and thousands of others.
 
-#[path = "random_scenes/dice.rs"]
-mod dice;
 #[path = "../../tools/campaign/discs.rs"]
 mod discs;
 #[path = "../../tools/campaign/fingers.rs"]
@@ -19,7 +17,7 @@ mod trial;
 
 use std::ops::Range;
 
-use dice::Dice;
+use crate::dice::{self, Dice};
 use phalanx::scene::parse_any;
 use record::{Setting, difference, record};
 use trial::{Verdict, trial};

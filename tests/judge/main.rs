@@ -10,6 +10,7 @@ mod campaign;
 mod check;
 mod criteria_anchor;
 mod criteria_tracker;
+mod dice;
 mod hard_scenes;
 mod random_scenes;
 mod validate_command;

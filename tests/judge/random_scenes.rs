@@ -3,8 +3,6 @@
 //!
 //! A scene that breaks something is printed with its seed: `scene(SEED)` of its kind makes it again.
 
-#[path = "random_scenes/dice.rs"]
-mod dice;
 #[path = "random_scenes/discs.rs"]
 mod discs;
 #[path = "random_scenes/finger.rs"]
@@ -14,7 +12,7 @@ mod trial;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use dice::Dice;
+use crate::dice::{self, Dice};
 use phalanx::trace::Model;
 use trial::{Counts, trial};
 

@@ -6,7 +6,7 @@
 //!
 //! Prints a table; saves what it finds as scenes.
 
-#[path = "../../tests/judge/random_scenes/dice.rs"]
+#[path = "../../tests/judge/dice.rs"]
 mod dice;
 mod discs;
 mod fingers;

@@ -48,17 +48,17 @@ fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
 /// interval, and at both ends; and every event, in order of time.
-pub fn run_analytic(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
+pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = Model::new(scene);
     let (options, start) = (options(scene), initial_state(scene));
     let mut recorder = Recorder::new(&model, scene, start, sink);
     recorder.begin()?;
     let end = match scene.integrator.method {
         Method::Rodas5p => {
-            drive::<Rodas5p<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
+            drive::<Rodas5p<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder)
         }
         Method::RadauIIa5 => {
-            drive::<RadauOrRodas<2, QUADRATURES>, _>(&model, &options, start, scene.duration_s, &mut recorder)
+            drive::<RadauOrRodas<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder)
         }
     };
     let outcome = recorder.finish(&end.state, work(&end.counters))?;
@@ -69,12 +69,12 @@ pub fn run_analytic(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunE
 }
 
 /// The integration itself, with one of the methods.
-fn drive<K: OneStep<2, QUADRATURES>, S: Sink>(
+fn drive<K: OneStep<2, QUADRATURES>>(
     model: &Model,
     options: &Options,
     start: State<2, QUADRATURES>,
     duration_s: f64,
-    recorder: &mut Recorder<S>,
+    recorder: &mut Recorder,
 ) -> End<2, QUADRATURES> {
     integrate::<2, QUADRATURES, GUARDS, _, K, _>(model, options, 0.0, start, duration_s, recorder)
 }

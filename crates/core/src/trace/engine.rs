@@ -16,7 +16,7 @@ const SUBSTEPS_PER_STEP: u64 = 10;
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
 /// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
-pub fn run_engine(scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
+pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let unstarted = |reason: String| RunError::Simulation {
         failure: Failure { time_s: 0.0, reason: Reason::Obstacle(reason) },
         so_far: Box::default(),

@@ -10,8 +10,8 @@ use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
 use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Moment, Motion};
 use crate::scene::Scene;
 
-pub(super) struct EngineRecorder<'a, S: Sink> {
-    sink: &'a mut S,
+pub(super) struct EngineRecorder<'a> {
+    sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
     start: Start,
@@ -24,8 +24,8 @@ pub(super) struct EngineRecorder<'a, S: Sink> {
     loop_gap_m: f64,
 }
 
-impl<'a, S: Sink> EngineRecorder<'a, S> {
-    pub fn new(scene: &Scene, motion: &Motion, sink: &'a mut S) -> Self {
+impl<'a> EngineRecorder<'a> {
+    pub fn new(scene: &Scene, motion: &Motion, sink: &'a mut dyn Sink) -> Self {
         let start = Start::new(motion);
         Self {
             sink,
@@ -294,7 +294,7 @@ fn fly(sample: &mut Sample, from: &Sample, acceleration: impl Fn(usize) -> f64) 
     sample.qd22_rad_s = from.qd22_rad_s + time * (a22 - a21);
 }
 
-impl<S: Sink> Follow for EngineRecorder<'_, S> {
+impl Follow for EngineRecorder<'_> {
     fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         EngineRecorder::step(self, motion)
     }

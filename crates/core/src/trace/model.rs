@@ -25,7 +25,7 @@ impl Words for Model {
 }
 
 /// Simulates the scene with one of the models.
-pub fn run(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
+pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     match model {
         Model::Analytic => run_analytic(scene, sink),
         Model::Engine => run_engine(scene, sink),

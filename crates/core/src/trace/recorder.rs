@@ -10,9 +10,9 @@ use crate::scene::Scene;
 
 type Point = State<2, QUADRATURES>;
 
-pub(super) struct Recorder<'a, S: Sink> {
+pub(super) struct Recorder<'a> {
     model: &'a Model,
-    sink: &'a mut S,
+    sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
     mode: Mode,
@@ -28,8 +28,8 @@ pub(super) struct Recorder<'a, S: Sink> {
     error: Option<SinkError>,
 }
 
-impl<'a, S: Sink> Recorder<'a, S> {
-    pub fn new(model: &'a Model, scene: &Scene, start: Point, sink: &'a mut S) -> Self {
+impl<'a> Recorder<'a> {
+    pub fn new(model: &'a Model, scene: &Scene, start: Point, sink: &'a mut dyn Sink) -> Self {
         let mode = model.read_mode(0.0, &start.q, &start.v);
         let at_start = model.snapshot(start.q, start.v, &mode);
         Self {
@@ -187,7 +187,7 @@ impl<'a, S: Sink> Recorder<'a, S> {
     }
 }
 
-impl<S: Sink> Observer<2, QUADRATURES, Mode> for Recorder<'_, S> {
+impl Observer<2, QUADRATURES, Mode> for Recorder<'_> {
     fn step(&mut self, step: &Step<2, QUADRATURES>, mode: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) -> bool {
         self.mode = *mode;
         let end = self.model.snapshot(step.end.q, step.end.v, mode);

@@ -8,7 +8,7 @@ use crate::scene::{BodiesScene, Scene};
 /// A sink that keeps samples in columns, and events beside them; `E` is [`Event`] of a finger, [`BodiesEvent`] of discs.
 ///
 /// [`record`] and [`record_bodies`] fill one with what a log would hold. By itself it takes every step of the model. The sink
-/// of a log takes one too: [`read_file`](crate::log::read_file), and for discs [`read_any_file`](crate::log::read_any_file).
+/// of a log takes one too: `log::read_file`, and for discs `log::read_any_file`.
 ///
 /// Where there is nothing to touch (no object, no joint limit) a column holds NaN.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,7 +12,7 @@ use crate::trace::analytic::work;
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
 /// interval, and at both ends; and every event, in order of time. A scene with more discs or pairs than the model takes is
 /// refused.
-pub fn run_analytic(scene: &BodiesScene, sink: &mut impl BodiesSink) -> Result<BodiesOutcome, BodiesRunError> {
+pub fn run_analytic(scene: &BodiesScene, sink: &mut dyn BodiesSink) -> Result<BodiesOutcome, BodiesRunError> {
     match moving_discs(scene) {
         Ok(1) => run::<3, 6>(scene, sink),
         Ok(2) => run::<6, 12>(scene, sink),
@@ -32,7 +32,7 @@ pub fn run_analytic(scene: &BodiesScene, sink: &mut impl BodiesSink) -> Result<B
 
 fn run<const N: usize, const M: usize>(
     scene: &BodiesScene,
-    sink: &mut impl BodiesSink,
+    sink: &mut dyn BodiesSink,
 ) -> Result<BodiesOutcome, BodiesRunError> {
     let model = Discs::<N, M>::new(scene);
     let start = Discs::<N, M>::start(scene);

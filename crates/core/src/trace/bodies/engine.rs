@@ -9,7 +9,7 @@ use crate::trace::engine::step_through;
 
 /// Simulates `scene` with the engine model, as `scene.engine` says. Samples and events are as in
 /// [`run_engine`](crate::trace::run_engine).
-pub fn run_engine(scene: &BodiesScene, sink: &mut impl BodiesSink) -> Result<BodiesOutcome, BodiesRunError> {
+pub fn run_engine(scene: &BodiesScene, sink: &mut dyn BodiesSink) -> Result<BodiesOutcome, BodiesRunError> {
     let plan = plan_discs(scene);
     let settings = &scene.engine;
     let world = build(&plan, settings.construction, settings.response, settings.iterations);

@@ -10,9 +10,9 @@ use crate::trace::moments::Moments;
 use crate::trace::tracked::{Told, Tracked};
 use crate::trace::{SinkError, Work};
 
-pub(super) struct EngineRecorder<'a, S: BodiesSink> {
+pub(super) struct EngineRecorder<'a> {
     scene: &'a BodiesScene,
-    sink: &'a mut S,
+    sink: &'a mut dyn BodiesSink,
     grid: Grid,
     start: Start,
     pairs: Vec<Tracked>,
@@ -22,8 +22,8 @@ pub(super) struct EngineRecorder<'a, S: BodiesSink> {
     work: Work,
 }
 
-impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
-    pub fn new(scene: &'a BodiesScene, motion: &Motion, sink: &'a mut S) -> Self {
+impl<'a> EngineRecorder<'a> {
+    pub fn new(scene: &'a BodiesScene, motion: &Motion, sink: &'a mut dyn BodiesSink) -> Self {
         let start = Start::new(motion);
         let count = motion.plan.contacts.len();
         Self {
@@ -245,7 +245,7 @@ impl<'a, S: BodiesSink> EngineRecorder<'a, S> {
     }
 }
 
-impl<S: BodiesSink> Follow for EngineRecorder<'_, S> {
+impl Follow for EngineRecorder<'_> {
     fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         EngineRecorder::step(self, motion)
     }

@@ -9,10 +9,10 @@ use crate::trace::grid::Grid;
 use crate::trace::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
 use crate::trace::{ContactSample, Energy, EventKind, Instant, SinkError, SiteSummary, Work};
 
-pub(super) struct Recorder<'a, S: BodiesSink, const N: usize, const M: usize> {
+pub(super) struct Recorder<'a, const N: usize, const M: usize> {
     model: &'a Discs<N, M>,
     scene: &'a BodiesScene,
-    sink: &'a mut S,
+    sink: &'a mut dyn BodiesSink,
     grid: Grid,
     mode: DiscMode,
     start_energy: DiscEnergies,
@@ -27,8 +27,8 @@ pub(super) struct Recorder<'a, S: BodiesSink, const N: usize, const M: usize> {
     error: Option<SinkError>,
 }
 
-impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
-    pub fn new(model: &'a Discs<N, M>, scene: &'a BodiesScene, start: State<N, QUADRATURES>, sink: &'a mut S) -> Self {
+impl<'a, const N: usize, const M: usize> Recorder<'a, N, M> {
+    pub fn new(model: &'a Discs<N, M>, scene: &'a BodiesScene, start: State<N, QUADRATURES>, sink: &'a mut dyn BodiesSink) -> Self {
         let mode = model.read_mode(0.0, &start.q, &start.v);
         let start_energy = model.energies(&start.q, &start.v);
         Self {
@@ -175,7 +175,7 @@ impl<'a, S: BodiesSink, const N: usize, const M: usize> Recorder<'a, S, N, M> {
     }
 }
 
-impl<S: BodiesSink, const N: usize, const M: usize> Observer<N, QUADRATURES, DiscMode> for Recorder<'_, S, N, M> {
+impl<const N: usize, const M: usize> Observer<N, QUADRATURES, DiscMode> for Recorder<'_, N, M> {
     fn step(
         &mut self,
         step: &Step<N, QUADRATURES>,

@@ -28,7 +28,7 @@ impl BodiesRunError {
 pub fn run_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut impl BodiesSink,
+    sink: &mut dyn BodiesSink,
 ) -> Result<BodiesOutcome, BodiesRunError> {
     match model {
         Model::Analytic => run_analytic(scene, sink),
