@@ -101,8 +101,9 @@ hard! {
     v_static_1e_4 = "v-static-1e-4",
 }
 
-/// Scenes with a test of their own below.
+/// Scenes with a test of their own, below or (limit-rattles) in `check`.
 const APART: &[&str] = &[
+    "limit-rattles",
     "limit-trembles",
     "friction-well",
     "missed-reload",

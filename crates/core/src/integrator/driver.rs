@@ -423,7 +423,9 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     /// Brings contacts to rest that only tremble.
     fn settle(&mut self) {
         let t = self.clock.now();
-        if let Some(settled) = self.system.settle(t, &self.state.q, &self.state.v, &self.mode) {
+        if let Some(settled) =
+            self.system.settle(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances)
+        {
             (self.state.q, self.state.v) = (settled.q, settled.v);
             self.mode = self.system.read_mode(t, &self.state.q, &self.state.v);
             self.refresh_watch();

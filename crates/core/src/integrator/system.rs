@@ -1,5 +1,7 @@
 //! What an integrator needs to know of a system.
 
+use super::Tolerances;
+
 /// Coordinates, their rates, and quadratures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<const N: usize, const Z: usize> {
@@ -162,7 +164,13 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     fn restart_step(&self, site: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
 
     /// The state with hard contacts at rest where they only tremble: `None` where none does. See [`Settled`].
-    fn settle(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> Option<Settled<N>> {
+    fn settle(
+        &self,
+        _t: f64,
+        _state: (&[f64; N], &[f64; N]),
+        _mode: &Self::Mode,
+        _tolerances: &Tolerances,
+    ) -> Option<Settled<N>> {
         None
     }
 

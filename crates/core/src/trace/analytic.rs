@@ -54,9 +54,7 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     let mut recorder = Recorder::new(&model, scene, start, sink);
     recorder.begin()?;
     let end = match scene.integrator.method {
-        Method::Rodas5p => {
-            drive::<Rodas5p<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder)
-        }
+        Method::Rodas5p => drive::<Rodas5p<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder),
         Method::RadauIIa5 => {
             drive::<RadauOrRodas<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder)
         }

@@ -28,7 +28,12 @@ pub(super) struct Recorder<'a, const N: usize, const M: usize> {
 }
 
 impl<'a, const N: usize, const M: usize> Recorder<'a, N, M> {
-    pub fn new(model: &'a Discs<N, M>, scene: &'a BodiesScene, start: State<N, QUADRATURES>, sink: &'a mut dyn BodiesSink) -> Self {
+    pub fn new(
+        model: &'a Discs<N, M>,
+        scene: &'a BodiesScene,
+        start: State<N, QUADRATURES>,
+        sink: &'a mut dyn BodiesSink,
+    ) -> Self {
         let mode = model.read_mode(0.0, &start.q, &start.v);
         let start_energy = model.energies(&start.q, &start.v);
         Self {
