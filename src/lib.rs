@@ -48,6 +48,7 @@ pub mod scene;
 pub mod study;
 pub mod table;
 pub mod validate;
+pub mod wording;
 
 pub use phalanx_core::{
     analytic, check, criteria, drawing, engine, fivebar, gripper, integrator, invariants, law, numeric, sizing,

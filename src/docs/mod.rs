@@ -12,6 +12,9 @@ pub mod design_work {}
 #[doc = include_str!("engine.md")]
 pub mod engine {}
 
+#[doc = include_str!("equations.md")]
+pub mod equations {}
+
 #[doc = include_str!("errata.md")]
 pub mod errata {}
 

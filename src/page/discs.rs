@@ -2,10 +2,10 @@
 
 use super::film::{Contact, Curve, Film, Mark, Plan, Scale, Shown, film, mark, plan};
 use crate::drawing;
-use crate::report::Sheet;
 use crate::scene::BodiesScene;
 use crate::trace::ContactSample;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
+use crate::wording::Sheet;
 
 /// A quantity of a disc, by its name.
 type OfDisc = (&'static str, fn(&DiscState) -> f64, Option<fn(&DiscState) -> f64>);

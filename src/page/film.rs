@@ -2,8 +2,8 @@
 
 use super::thin::{MOST_SAMPLES, kept};
 use crate::drawing::{Drawing, Pose, Shape};
-use crate::report::Sheet;
 use crate::trace::{ContactSample, EventKind};
+use crate::wording::Sheet;
 
 /// A run as the page shows it. Every list of values has one for each time.
 #[derive(Clone, Debug, PartialEq)]

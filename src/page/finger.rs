@@ -2,10 +2,10 @@
 
 use super::film::{Curve, Film, Mark, Plan, Scale, Shown, film, mark, plan};
 use crate::drawing;
-use crate::report::Sheet;
 use crate::scene::Scene;
 use crate::trace::{ContactSample, Event, Sample, Site};
 use crate::validate::turned;
+use crate::wording::Sheet;
 
 /// A run of a finger as the page shows it; `summary` is what is said of it below.
 ///

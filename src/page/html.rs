@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Note, Page, Picture, data};
-use crate::report::Sheet;
+use crate::wording::{Sheet, escaped};
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 4] = [
@@ -82,24 +82,6 @@ pub(super) fn filled(template: &str, fields: &[(&str, String)]) -> String {
         text.push_str(rest);
     }
     text
-}
-
-/// Text between tags or in an attribute with quotes.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            // HTML knows no such characters, and parsers differ in what they put there.
-            c if c.is_control() && !matches!(c, '\n' | '\t') => out.push('\u{fffd}'),
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 /// JSON within a script element: nothing in it may look like the end of the element or the start of a comment.

@@ -30,13 +30,12 @@ mod volume_data;
 pub use discs::discs_film;
 pub use film::{Body, Film, Mark, Panel, Scale, Series, Touch};
 pub use finger::finger_film;
-pub(crate) use html::escaped;
 pub use html::page;
 pub use reel::Reel;
 pub use thin::MOST_SAMPLES;
 pub use volume::{VolumePage, volume_page};
 
-use crate::report::Sheet;
+use crate::wording::Sheet;
 
 /// What a page shows.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,10 +1,10 @@
 //! A sink that keeps what a page needs of a run, in bounded memory however long the run is.
 
 use super::{Film, discs_film, finger_film};
-use crate::report::Sheet;
 use crate::scene::{BodiesScene, Scene};
 use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::wording::Sheet;
 
 /// Samples that are held at most; 350 bytes each of a finger.
 const MOST_HELD: usize = 60_000;

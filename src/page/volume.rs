@@ -1,9 +1,10 @@
 //! The page of grasp-state volumes: one self-contained file that turns them in three dimensions.
 
-use super::html::{Script, escaped, filled, in_script, notes, pictures};
+use super::html::{Script, filled, in_script, notes, pictures};
 use super::volume_data::{is_thinned, json};
 use super::{Note, Picture};
 use crate::study::volume::Volume;
+use crate::wording::escaped;
 
 const TEMPLATE: &str = include_str!("assets/volume/page.html");
 const STYLES: [&str; 4] = [

@@ -3,8 +3,8 @@
 use plotters::style::RGBColor;
 
 use super::canvas::{Area, BLACK, DrawError, GREY, Pixel, WHITE, picture, tile, titled, words, words_from};
-use crate::report::duration;
 use crate::study::stability::{Cell, Stability, Verdict};
+use crate::wording::duration;
 
 /// Panels side by side; their heads, feet and left margins; a row of tiles; the legend above them. In pixels.
 const ACROSS: usize = 2;

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::sheet::Sheet;
-use super::table::figure;
 use crate::check::{Check, MOST_STEPS, PUSH};
+use crate::wording::figures::figure;
+use crate::wording::sheet::Sheet;
 
 /// The check of a run. Errors are estimates: differences to what the run was held to.
 #[derive(Clone, Debug, PartialEq, Serialize)]

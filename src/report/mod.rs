@@ -5,17 +5,14 @@ mod check;
 mod csv;
 mod document;
 mod paper;
-mod quantity;
 mod replay;
 mod reproduce;
 mod select;
-mod sheet;
 mod sizing;
 mod stability;
 mod statics;
 mod step_size;
 mod sweep;
-mod table;
 mod text;
 mod validation;
 mod volume;
@@ -28,7 +25,6 @@ pub use document::{
     WorkReport,
 };
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
-pub use quantity::Quantity;
 pub use replay::{
     AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
     GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
@@ -39,10 +35,9 @@ pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
 };
 pub use select::{
-    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, condition_name,
-    criterion_key, criterion_name, is_ranking, percent_of, ranking_table, selection_json, selection_text,
+    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, is_ranking,
+    ranking_table, selection_json, selection_text,
 };
-pub use sheet::Sheet;
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use statics::{
@@ -52,7 +47,7 @@ pub use statics::{
 };
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use sweep::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
-pub use text::{duration, text};
+pub use text::text;
 pub use validation::{
     AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,
     DifferencesReport, DiscDifference, DiscDifferences, DiscErrors, FindingReport, ImpactReport, JointErrors,
@@ -66,6 +61,8 @@ pub use volume::{
 pub use volume_points::volume_points;
 
 use serde::Serialize;
+
+pub use crate::wording::{Quantity, Sheet, condition_name, criterion_key, criterion_name, duration, percent_of};
 
 /// The report as one JSON document with a line end.
 ///

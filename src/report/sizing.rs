@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::csv;
-use super::sheet::{Sheet, table};
-use super::table::{figure, row};
 use super::{document_text, duration};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
 
 /// A finger's sizing, with what its scene has now.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! The map of stability as tables, JSON and CSV.
 
-use super::sheet::{Sheet, table};
-use super::table::figure;
 use super::{document_text, duration};
 use crate::study::stability::{Cell, Stability, Verdict};
+use crate::wording::figures::figure;
+use crate::wording::sheet::{Sheet, table};
 
 /// Tables for people: one for each damping factor, and what failed and why.
 pub fn stability_text(study: &Stability) -> Sheet {

@@ -1,9 +1,9 @@
 //! The study of step sizes as tables, JSON and CSV.
 
-use super::sheet::{Sheet, Table, table};
-use super::table::{figure, row};
 use super::{document_text, duration};
 use crate::study::step_size::{Crossing, Formulation, LEVELS, Row, StepSize};
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, Table, table};
 
 /// Tables for people.
 pub fn step_size_text(study: &StepSize) -> Sheet {

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::document_text;
-use super::sheet::{Sheet, list, table};
-use super::table::figure;
 use crate::study::sweep::{Study, Summary};
 use crate::table::Value;
+use crate::wording::figures::figure;
+use crate::wording::sheet::{Sheet, list, table};
 
 /// A finished sweep.
 #[derive(Clone, Debug, Serialize)]

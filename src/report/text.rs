@@ -6,8 +6,9 @@ use super::check;
 use super::document::{
     Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, PhalanxReport, RunReport, WorkReport,
 };
-use super::sheet::{Sheet, table};
-use super::table::{figure, row};
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
 
 /// The whole summary, with a line end.
 pub fn text(report: &RunReport) -> Sheet {
@@ -222,39 +223,4 @@ pub(super) fn dynamics(criteria: &Dynamics) -> Sheet {
 
 pub(super) fn milliseconds(time_s: Option<f64>) -> String {
     time_s.map_or("–".to_string(), |time_s| format!("{:.6}", time_s * 1e3))
-}
-
-/// A length of time in the unit that suits it.
-pub fn duration(time_s: f64) -> String {
-    let (value, unit) = match time_s {
-        t if t >= 1.0 => (t, "s"),
-        t if t >= 1e-3 || t == 0.0 => (t * 1e3, "ms"),
-        t => (t * 1e6, "µs"),
-    };
-    // Six digits, without the zeros behind them.
-    let text = figure(value, 6);
-    let text = match text.contains('.') && !text.contains('e') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => &text,
-    };
-    format!("{text} {unit}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::duration;
-
-    #[test]
-    fn durations_in_the_unit_that_suits_them() {
-        for (time_s, expected) in [
-            (20e-3, "20 ms"),
-            (10.0, "10 s"),
-            (1.5, "1.5 s"),
-            (412e-6, "412 µs"),
-            (4.501317e-3, "4.50132 ms"),
-            (0.0, "0 ms"),
-        ] {
-            assert_eq!(duration(time_s), expected);
-        }
-    }
 }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::document_text;
-use super::sheet::{Sheet, Table};
 use crate::study::volume::{Axis, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
+use crate::wording::sheet::{Sheet, Table};
 
 /// Reasons for missing fingers that are told of one volume; there may be as many as points.
 const MOST_REASONS: usize = 3;

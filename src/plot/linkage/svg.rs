@@ -7,9 +7,9 @@ use super::Linkage;
 use super::marks::{Form, LABEL_PX, Line, Marks, Stroke, WIDTH};
 use super::mechanism::Mechanism;
 use super::place::{Point, placed};
-use crate::page::escaped;
 use crate::plot::PICTURE_MARK;
 use crate::scene::Scene;
+use crate::wording::escaped;
 
 /// Parts and their colours in light and dark, as in the style sheet of the page.
 const FILLS: [(&str, &str, &str); 5] = [

@@ -6,9 +6,9 @@ use super::strip::{NEUTRAL, PALE_BLUE, key, shortened, strip, text_width};
 use crate::plot::canvas::{
     AMBER, Area, BLACK, BLUE, DrawError, GREY, WHITE, WIDTH, line_between, picture, titled, words, words_from, words_to,
 };
-use crate::report::{Quantity, condition_name, percent_of};
 use crate::study::select::{Axis, Candidate, Selection};
 use crate::table::Value;
+use crate::wording::{Quantity, condition_name, percent_of};
 
 /// Left and right of the cells; heights of a variable's head, of a band, of the shares below it, of its foot. In pixels.
 const LEFT: i32 = 150;

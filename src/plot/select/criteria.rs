@@ -8,8 +8,8 @@ use crate::plot::canvas::{
     Area, BLACK, BLUE, DrawError, GREEN, GREY, Mark, ORANGE, WHITE, WIDTH, mark, picture, titled, words, words_from,
     words_to,
 };
-use crate::report::{condition_name, criterion_name};
 use crate::study::select::{Selection, Verdict};
+use crate::wording::{condition_name, criterion_name};
 
 /// Left and right of the cells, heights of a block's head, a row, the row of marks, and of the foot. In pixels.
 const LEFT: i32 = 190;

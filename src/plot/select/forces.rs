@@ -8,8 +8,8 @@ use crate::plot::canvas::{
     AMBER, BLACK, BLUE, DrawError, Entry, GREEN, GREY, Mark, ORANGE, PURPLE, WIDTH, frame, legend_across, line,
     picture, point, titled, words_from,
 };
-use crate::report::condition_name;
 use crate::study::select::{Candidate, Selection};
+use crate::wording::condition_name;
 
 const TITLE: u32 = 40;
 const KEY: u32 = 34;

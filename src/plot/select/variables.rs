@@ -5,9 +5,9 @@ use plotters::style::RGBColor;
 use super::criteria::designs;
 use crate::plot::axis::Axis;
 use crate::plot::canvas::{BLACK, BLUE, DrawError, GREEN, Mark, frame, picture, point, titled, words_from};
-use crate::report::Quantity;
 use crate::study::select::Selection;
 use crate::table::{Table, Value};
+use crate::wording::Quantity;
 
 const TITLE: u32 = 40;
 const HEAD: u32 = 24;

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use super::super::check;
 use super::super::document::Energies;
-use super::super::sheet::{Sheet, table};
-use super::super::table::{figure, row};
-use super::super::text::{Heading, duration, heading, milliseconds};
+use super::super::text::{Heading, heading, milliseconds};
 use super::document::{BodiesReport, DiscReport, PairReport};
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
 
 /// The whole summary, with a line end.
 pub fn bodies_text(report: &BodiesReport) -> Sheet {

@@ -1,7 +1,7 @@
 //! A paper as one HTML file: styles, figures and one small script are in it, and its policy forbids everything else.
 
 use super::{Block, Cell, Figure, Grid, Paper, Section, Tone};
-use crate::page::escaped;
+use crate::wording::escaped;
 
 const STYLES: [&str; 3] = [
     include_str!("../../page/assets/theme.css"),

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::super::sheet::{Sheet, table};
-use super::super::table::{figure, row};
-use super::super::text::duration;
 use super::document::ReplayReport;
 use crate::validate::turned;
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
 
 /// Two logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]

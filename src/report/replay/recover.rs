@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::super::text::duration;
 use super::document::Lost;
 use crate::log::{Gap, Recovery};
+use crate::wording::duration;
 
 /// One recovery.
 #[derive(Clone, Debug, PartialEq, Serialize)]

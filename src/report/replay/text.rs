@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::super::bodies::text as bodies;
-use super::super::sheet::Sheet;
-use super::super::text::{contacts, duration, dynamics, energies, engine, final_state, integrator};
+use super::super::text::{contacts, dynamics, energies, engine, final_state, integrator};
 use super::document::{ReplayReport, Touches};
 use super::verify::verification_text;
+use crate::wording::duration;
+use crate::wording::sheet::Sheet;
 
 /// The whole summary, with a line end.
 pub fn replay_text(report: &ReplayReport) -> Sheet {

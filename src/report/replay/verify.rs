@@ -5,10 +5,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::super::sheet::{Sheet, Table};
-use super::super::table::{figure, row};
-use super::super::text::duration;
 use crate::log::{Difference, FieldTally, Leaf, Reading, Verification};
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, Table};
 
 /// Rows of the table for people; the JSON document has them all.
 const MOST_ROWS: usize = 15;

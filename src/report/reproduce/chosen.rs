@@ -4,9 +4,9 @@ use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
-use crate::report::table::figure;
 use crate::study::reproduce::{Closing, Reproduction};
 use crate::trace::Site;
+use crate::wording::figures::figure;
 
 /// The section.
 pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {

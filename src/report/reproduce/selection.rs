@@ -4,10 +4,10 @@ use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
-use crate::report::table::figure;
 use crate::report::{Quantity, condition_name, criterion_name};
 use crate::study::reproduce::{CHOSEN, Reproduction};
 use crate::study::select::{Ranked, Tally};
+use crate::wording::figures::figure;
 
 /// How many of the ranking are shown.
 const BEST: usize = 20;

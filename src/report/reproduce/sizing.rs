@@ -4,8 +4,8 @@ use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
-use crate::report::table::figure;
 use crate::study::reproduce::Reproduction;
+use crate::wording::figures::figure;
 
 const EXAMPLE: &str = "base 12 mm, l21 18.9 mm, φ22 100°, r_l 0.5";
 

@@ -5,10 +5,10 @@ use super::parts::{compared, of_section};
 use crate::criteria::Class;
 use crate::plot::{self, DrawError};
 use crate::report::paper::{Cell, Section};
-use crate::report::table::figure;
 use crate::report::{condition_name, duration, percent_of};
 use crate::study::reproduce::{Chaos, Checks, DRIFT_S, Reproduction, Variation};
 use crate::study::select::{CLASSES, Classes, RunStatus, Selection};
+use crate::wording::figures::figure;
 
 /// The section.
 pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {

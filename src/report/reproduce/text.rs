@@ -3,9 +3,9 @@
 use super::sweep::checked;
 use super::{Comparison, ReproductionReport, Verdict};
 use crate::report::duration;
-use crate::report::sheet::{Sheet, table};
-use crate::report::table::row;
 use crate::study::reproduce::{DRIFT_S, Reproduction};
+use crate::wording::figures::row;
+use crate::wording::sheet::{Sheet, table};
 
 /// Every figure with its verdict, the near-chaotic runs, and what is outside.
 pub fn reproduction_text(found: &Reproduction) -> Sheet {

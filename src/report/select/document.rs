@@ -3,10 +3,10 @@
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::words::{criterion_key, criterion_name};
 use crate::report::document_text;
 use crate::study::select::{CLASSES, Criterion, Parts, RunStatus, Selection, Side, Weights};
 use crate::table::Value;
+use crate::wording::{criterion_key, criterion_name};
 
 /// Everything the tables say, with SI values.
 #[derive(Clone, Debug, Serialize)]

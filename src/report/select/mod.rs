@@ -2,7 +2,6 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `words` | criteria, conditions and counts as people say them |
 //! | `text` | tables for people |
 //! | `document` | the JSON document |
 //! | `data` | the ranking as a typed table |
@@ -10,11 +9,9 @@
 mod data;
 mod document;
 mod text;
-mod words;
 
 pub use data::{is_ranking, ranking_table};
 pub use document::{
     ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, selection_json,
 };
 pub use text::selection_text;
-pub use words::{condition_name, criterion_key, criterion_name, percent_of};

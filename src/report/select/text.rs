@@ -1,10 +1,10 @@
 //! A selection as tables for people.
 
-use super::words::{condition_name, criterion_name, percent_of};
-use crate::report::quantity::Quantity;
-use crate::report::sheet::{Sheet, table};
-use crate::report::table::{figure, row};
 use crate::study::select::{CLASSES, Ranked, RunStatus, Selection};
+use crate::wording::figures::{figure, row};
+use crate::wording::quantity::Quantity;
+use crate::wording::sheet::{Sheet, table};
+use crate::wording::{condition_name, criterion_name, percent_of};
 
 /// Tables: classes, what each criterion removed, and the best `most` of those that are left.
 pub fn selection_text(source: &str, selection: &Selection, most: usize) -> Sheet {

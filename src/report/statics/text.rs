@@ -2,8 +2,8 @@
 
 use super::closure::{ClosureReport, MotionReport, MultiplierReport};
 use super::document::{BirglenReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport};
-use crate::report::sheet::{Sheet, list, table};
-use crate::report::table::{figure, row};
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, list, table};
 
 /// The whole report, with a line end.
 pub fn statics_text(report: &StaticsReport) -> Sheet {

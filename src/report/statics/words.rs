@@ -1,7 +1,7 @@
 //! A free motion in words.
 
 use super::closure::{FingerMotionReport, MotionReport};
-use crate::report::table::figure;
+use crate::wording::figures::figure;
 
 /// One sentence for the object, one for each finger (one for both if they move alike), one for contacts.
 pub fn motion_words(motion: &MotionReport) -> Vec<String> {

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use super::super::sheet::{Sheet, table};
-use super::super::table::{figure, row};
-use super::super::text::duration;
 use super::bodies_document::{BodiesModelReport, BodiesValidationReport, DiscDifferences, DiscErrors};
 use super::text::{Columns, Heading, broken, checks, cost_of, heading, number, percent, settings};
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
 
 /// The whole report, with a line end.
 pub fn bodies_validation_text(report: &BodiesValidationReport) -> Sheet {

@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::super::sheet::{Sheet, table};
-use super::super::table::figure;
-use super::super::text::duration;
 use crate::validate::{RUNS, SPREAD, Spread, Statistic, Statistics};
+use crate::wording::duration;
+use crate::wording::figures::figure;
+use crate::wording::sheet::{Sheet, table};
 
 /// Means over many runs from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize)]

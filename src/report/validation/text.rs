@@ -2,15 +2,15 @@
 
 use std::fmt::Write;
 
-use super::super::sheet::{Sheet, Table, table};
-use super::super::table::{figure, row};
-use super::super::text::duration;
 use super::document::{
     CheckReport, DifferencesReport, ImpactReport, JointErrors, ModelReport, SettingReport, Status, ValidationReport,
 };
 use super::invariants::FindingReport;
 use super::statistics::statistics_text;
 use crate::validate::turned;
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, Table, table};
 
 /// The whole report, with a line end.
 pub fn validation_text(report: &ValidationReport) -> Sheet {

@@ -1,8 +1,8 @@
 //! Criteria, conditions and counts as people say them.
 
-use crate::report::quantity::Quantity;
 use crate::study::select::{Bound, Condition, Criterion};
 use crate::table::Value;
+use crate::wording::quantity::Quantity;
 
 /// A criterion in a few words.
 pub fn criterion_name(criterion: &Criterion) -> String {

@@ -181,7 +181,7 @@ pub fn list(rows: &[Vec<String>]) -> Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::table::row;
+    use crate::wording::figures::row;
 
     #[test]
     fn a_sheet_is_plain_in_files_and_narrow_where_there_is_little_room() {

@@ -1,7 +1,7 @@
 //! Words and tables as elements of a page.
 
 use super::{Part, Table};
-use crate::page::escaped;
+use crate::wording::escaped;
 
 pub(super) fn parts(parts: &[Part], title: &str) -> String {
     let mut tables = 0;
@@ -75,8 +75,8 @@ fn rest(row: &[String], columns: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::report::sheet::{Sheet, table};
-    use crate::report::table::row;
+    use crate::wording::figures::row;
+    use crate::wording::sheet::{Sheet, table};
 
     #[test]
     fn words_and_tables_are_elements_and_nothing_in_them_is_markup() {

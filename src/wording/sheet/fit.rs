@@ -166,7 +166,7 @@ fn widths(table: &Table, columns: &[Column], shown: &[usize], width: usize) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::table::row;
+    use crate::wording::figures::row;
 
     fn fitted(heads: usize, rows: &[Vec<String>], width: usize) -> String {
         let text = table(&Table::new(rows).heads(heads), width);

@@ -1,6 +1,6 @@
 //! Columns and keys as people read them: a short name, and a unit of everyday size.
 
-use super::table::figure;
+use super::figures::figure;
 use crate::table::Value;
 
 /// How a column of SI values is shown.

@@ -24,6 +24,22 @@ pub fn figure(value: f64, digits: usize) -> String {
     format!("{value:.places$}")
 }
 
+/// A length of time in the unit that suits it.
+pub fn duration(time_s: f64) -> String {
+    let (value, unit) = match time_s {
+        t if t >= 1.0 => (t, "s"),
+        t if t >= 1e-3 || t == 0.0 => (t * 1e3, "ms"),
+        t => (t * 1e6, "µs"),
+    };
+    // Six digits, without the zeros behind them.
+    let text = figure(value, 6);
+    let text = match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    format!("{text} {unit}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,6 +56,20 @@ mod tests {
             (f64::INFINITY, "–"),
         ] {
             assert_eq!(figure(value, 5), expected);
+        }
+    }
+
+    #[test]
+    fn durations_in_the_unit_that_suits_them() {
+        for (time_s, expected) in [
+            (20e-3, "20 ms"),
+            (10.0, "10 s"),
+            (1.5, "1.5 s"),
+            (412e-6, "412 µs"),
+            (4.501317e-3, "4.50132 ms"),
+            (0.0, "0 ms"),
+        ] {
+            assert_eq!(duration(time_s), expected);
         }
     }
 }
