@@ -85,7 +85,7 @@ pub struct Contact<const N: usize> {
 }
 
 /// What the normal law makes of a contact: the forces of its spring and its damper, N (limit: N·m), which may pull.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Press {
     spring: f64,
     damper: f64,

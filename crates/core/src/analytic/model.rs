@@ -5,7 +5,7 @@ use super::mode::SiteState;
 use crate::fivebar::dynamics::{
     Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms,
 };
-use crate::fivebar::kinematics::{directions, reference_gamma};
+use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
 
 use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, Site};
@@ -112,10 +112,22 @@ impl Model {
         terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
     }
 
+    /// Link directions and passive rates at q_a: all that geometry needs of [`Model::terms`].
+    #[inline(always)]
+    pub(super) fn place(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
+        let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
+        let rates = passive_rates(&self.dynamics.lengths, &pose);
+        (pose, rates)
+    }
+
     /// Geometry of one site; `None` where the scene has no such contact.
     #[inline(always)]
-    pub(super) fn geometry<T: Real>(&self, terms: &Terms<T>, site: Site) -> Option<Geometry<T>> {
-        let (pose, rates) = (&terms.pose, &terms.rates);
+    pub(super) fn geometry<T: Real>(
+        &self,
+        pose: &Directions<T>,
+        rates: &PassiveRates<T>,
+        site: Site,
+    ) -> Option<Geometry<T>> {
         match site {
             Site::Proximal => {
                 let disc = self.object?;
@@ -198,7 +210,7 @@ impl Model {
     #[inline(always)]
     fn touching<T: Real>(&self, terms: &Terms<T>, mode: &Mode) -> [Option<Geometry<T>>; 3] {
         Site::ALL.map(|site| match mode[site as usize] {
-            SiteState::Active | SiteState::Natural => self.geometry(terms, site),
+            SiteState::Active | SiteState::Natural => self.geometry(&terms.pose, &terms.rates, site),
             SiteState::Free | SiteState::Released => None,
         })
     }
@@ -209,7 +221,7 @@ impl Model {
     }
 
     fn reading_at(&self, terms: &Terms<f64>, v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
-        let geometry = self.geometry(terms, site)?;
+        let geometry = self.geometry(&terms.pose, &terms.rates, site)?;
         let law = self.normal_law(site)?;
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);

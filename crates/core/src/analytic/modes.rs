@@ -2,8 +2,8 @@
 
 use super::mode::{Contact, DamperRange, Landing, Press, SiteState, is_kinked};
 use super::model::{GUARDS, Mode, Model, QUADRATURES};
-use crate::fivebar::dynamics::{Terms, absolute_rates, solve_mass};
-use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
+use crate::fivebar::dynamics::{absolute_rates, solve_mass};
+use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, Settled, System, Tolerances, Watch};
 use crate::law::{FrictionRange, NormalLaw, damping, friction_range, unclamped_normal_force};
@@ -25,10 +25,49 @@ fn site_of(guard: usize) -> Site {
 impl Model {
     /// What a guard asks of a site; `None` where the scene has no such contact.
     #[inline(always)]
-    fn contact(&self, terms: &Terms<f64>, v: &[f64; 2], site: Site) -> Option<Contact<2>> {
-        let geometry = self.geometry(terms, site)?;
+    fn contact(
+        &self,
+        pose: &Directions<f64>,
+        rates: &PassiveRates<f64>,
+        v: &[f64; 2],
+        site: Site,
+    ) -> Option<Contact<2>> {
+        let geometry = self.geometry(pose, rates, site)?;
         let (row, tangent) = (geometry.normal_row, geometry.tangent_row);
         Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), row, tangent })
+    }
+
+    /// The wanted guards of a state; a slip's strain is whole only beside its normal law's guard.
+    #[inline(always)]
+    fn guards(
+        &self,
+        pose: &Directions<f64>,
+        rates: &PassiveRates<f64>,
+        v: &[f64; 2],
+        mode: &Mode,
+        wanted: &[bool; GUARDS],
+    ) -> [Guard<2>; GUARDS] {
+        const SITES: usize = Site::ALL.len();
+        let mut guards = [Guard::QUIET; GUARDS];
+        for site in Site::ALL {
+            let index = site as usize;
+            let asked = wanted[index] || wanted[index + SITES] || wanted[index + 2 * SITES];
+            if !asked || mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
+                continue;
+            }
+            let Some((at, law)) = self.contact(pose, rates, v, site).zip(self.normal_law(site)) else { continue };
+            let press = if wanted[index] { Press::of(law, &at) } else { Press::default() };
+            if wanted[index] {
+                guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
+            }
+            if wanted[index + 2 * SITES] {
+                guards[index + 2 * SITES] = mode.damper_guard(index, law, &at);
+            }
+            if let Some(friction) = self.friction_law(site).filter(|_| wanted[index + SITES]) {
+                guards[index + SITES] = mode.slip_guard(index, friction, &at, &press);
+            }
+        }
+        guards
     }
 }
 
@@ -52,7 +91,7 @@ impl Model {
         fastest: f64,
     ) -> Option<Settled<2>> {
         let terms = self.terms(*q);
-        let (at, law) = self.contact(&terms, v, site).zip(self.normal_law(site))?;
+        let (at, law) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.normal_law(site))?;
         let small = at.delta.abs() <= TREMBLING_DEPTH && at.rate.abs() <= fastest;
         if !small || law.stiffness_n_per_m_e == 0.0 {
             return None;
@@ -63,7 +102,8 @@ impl Model {
         // Along the free motion rows turn: their part in the gap's acceleration, by a central difference.
         let moved = |h: f64| -> Option<f64> {
             let q = [q[0] + h * v[0], q[1] + h * v[1]];
-            Some(dot(self.geometry(&self.terms(q), site)?.normal_row, *v))
+            let (pose, rates) = self.place(q);
+            Some(dot(self.geometry(&pose, &rates, site)?.normal_row, *v))
         };
         let turning = (moved(TURNING_S)? - moved(-TURNING_S)?) / (2.0 * TURNING_S);
         let response = solve_mass(&terms.mass, at.row);
@@ -97,29 +137,21 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
 
     #[inline(always)]
     fn watch(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Watch<2, GUARDS> {
-        let terms = self.terms(*q);
-        let pose = &terms.pose;
+        let (pose, rates) = self.place(*q);
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
-        let [_, _, rate3, rate4] = absolute_rates(&terms.rates, *v);
-        let mut guards = [Guard::QUIET; GUARDS];
-        for site in Site::ALL {
-            let index = site as usize;
-            if mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
-                continue;
-            }
-            let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
-            let press = Press::of(law, &at);
-            guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
-            guards[index + 2 * Site::ALL.len()] = mode.damper_guard(index, law, &at);
-            if let Some(friction) = self.friction_law(site) {
-                guards[index + Site::ALL.len()] = mode.slip_guard(index, friction, &at, &press);
-            }
-        }
+        let [_, _, rate3, rate4] = absolute_rates(&rates, *v);
+        let guards = self.guards(&pose, &rates, v, mode, &[true; GUARDS]);
         Watch {
             guards,
             clearance: sine.abs() - SINGULAR_SINE,
             clearance_rate: sine.signum() * cosine * (rate4 - rate3),
         }
+    }
+
+    #[inline(always)]
+    fn glance(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, wanted: &[bool; GUARDS]) -> [Guard<2>; GUARDS] {
+        let (pose, rates) = self.place(*q);
+        self.guards(&pose, &rates, v, mode, wanted)
     }
 
     fn landing_tolerance(&self, guard: usize, mode: &Mode) -> f64 {
@@ -130,7 +162,11 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
 
     fn switch(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Mode {
         let site = site_of(guard);
-        let at = self.contact(&self.terms(*q), v, site).zip(self.normal_law(site));
+        let at = {
+            let (pose, rates) = self.place(*q);
+            self.contact(&pose, &rates, v, site)
+        }
+        .zip(self.normal_law(site));
         at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.friction_law(site), &at))
     }
 
@@ -153,7 +189,9 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         let mut touching = [None; 3];
         for site in Site::ALL {
             let index = site as usize;
-            let Some((at, law)) = self.contact(&terms, v, site).zip(self.normal_law(site)) else { continue };
+            let Some((at, law)) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.normal_law(site)) else {
+                continue;
+            };
             let Contact { delta, rate, slip, row, .. } = at;
             mode.dampers[index] = DamperRange::of(law, delta);
             mode.slips[index] = self.friction_law(site).map_or(FrictionRange::Any, |law| friction_range(law, slip));
@@ -181,7 +219,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
             return None;
         }
         let terms = self.terms(*q);
-        let (geometry, law) = (self.geometry(&terms, which)?, self.normal_law(which)?);
+        let (geometry, law) = (self.geometry(&terms.pose, &terms.rates, which)?, self.normal_law(which)?);
         let row = geometry.normal_row;
         let speed = dot(row, *v).abs();
         let mobility = dot(row, solve_mass(&terms.mass, row));

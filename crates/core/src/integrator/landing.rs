@@ -27,28 +27,29 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     h: f64,
     dense: impl Fn() -> Dense<N, Z>,
 ) -> Option<Crossing> {
-    let suspect = |site: usize| end[site].value < 0.0 || may_dip(&start[site], &end[site], h);
-    if !(0..S).any(suspect) {
+    let suspects: [bool; S] = std::array::from_fn(|site| end[site].value < 0.0 || may_dip(&start[site], &end[site], h));
+    if !suspects.contains(&true) {
         return None;
     }
     let dense = dense();
     let guard = |theta: f64, site: usize| {
         let state = dense.at(theta);
-        system.watch(&state.q, &state.v, mode).guards[site]
+        let alone = std::array::from_fn(|other| other == site);
+        system.glance(&state.q, &state.v, mode, &alone)[site]
     };
-    // Of all sites at once: most steps ask no more.
+    // Of all suspects at once: most steps ask no more.
     let thirds = OnceCell::new();
     let at_thirds = |site: usize| {
         let guards = thirds.get_or_init(|| {
             THIRDS.map(|theta| {
                 let state = dense.at(theta);
-                system.watch(&state.q, &state.v, mode).guards
+                system.glance(&state.q, &state.v, mode, &suspects)
             })
         });
         [guards[0][site].value, guards[1][site].value]
     };
     let mut first: Option<Crossing> = None;
-    for site in (0..S).filter(|site| suspect(*site)) {
+    for site in (0..S).filter(|site| suspects[*site]) {
         let value = |theta: f64| guard(theta, site).value;
         let over = end[site].value < 0.0;
         let bracket = match look(&start[site], &end[site]) {

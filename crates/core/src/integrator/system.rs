@@ -138,6 +138,12 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
 
     fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<N, S>;
 
+    /// The wanted guards as [`Hybrid::watch`] has them, but for their strain: looks within a step, several in most, ask no more.
+    #[inline(always)]
+    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _wanted: &[bool; S]) -> [Guard<N>; S] {
+        self.watch(q, v, mode).guards
+    }
+
     /// How near to zero a guard must be for its event to be taken.
     fn landing_tolerance(&self, site: usize, mode: &Self::Mode) -> f64;
 
