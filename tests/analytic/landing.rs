@@ -71,3 +71,49 @@ fn events_are_landed_on_as_exactly_as_is_said() {
     }
     assert!(touches >= 40 && lifts >= 20, "{touches} touch-downs and {lifts} lift-offs were seen");
 }
+
+/// Depths of both phalanges at every step, in δ_max.
+#[derive(Default)]
+struct Depths {
+    of_sites: [Vec<f64>; 2],
+    transitions_m: [f64; 2],
+}
+
+impl Sink for Depths {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        for (site, contact) in [&sample.proximal, &sample.distal].into_iter().enumerate() {
+            self.of_sites[site].push(-contact.gap_m / self.transitions_m[site]);
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+/// A damper that engages bends its force at δ_max, a hundredth of it late on the way in and on the way out: a step ends there, to a
+/// third of that hundredth, and none goes over it.
+#[test]
+fn no_step_goes_over_where_a_damper_engages() {
+    let mut ends = 0;
+    for name in ["hard/missed-reload", "hard/friction-well"] {
+        let scene = load(Path::new(&format!("scenes/{name}.toml"))).expect("a scene");
+        for rtol in [1e-3, 1e-4, 1e-5] {
+            let scene = Scene { integrator: scene.integrator.with_rtol(rtol), ..scene.clone() };
+            let transitions_m =
+                [&scene.contact.proximal, &scene.contact.distal].map(|contact| contact.normal.transition_m);
+            let mut found = Depths { transitions_m, ..Depths::default() };
+            run(Model::Analytic, &scene, &mut found).expect("a whole run");
+            for depths in &found.of_sites {
+                for pair in depths.windows(2) {
+                    let over = pair[0] < 1.006 && pair[1] > 1.014 || pair[0] > 0.994 && pair[1] < 0.986;
+                    assert!(!over, "{name}, rtol {rtol:e}: a step from {} to {} δ_max", pair[0], pair[1]);
+                }
+                let lands = |depth: f64| (depth - 1.01).abs() < 3.1e-3 || (depth - 0.99).abs() < 3.1e-3;
+                ends += depths.iter().filter(|depth| lands(**depth)).count();
+            }
+        }
+    }
+    assert!(ends >= 12, "{ends} steps end where a damper engages");
+}
