@@ -72,7 +72,7 @@ fn events_are_landed_on_as_exactly_as_is_said() {
     assert!(touches >= 40 && lifts >= 20, "{touches} touch-downs and {lifts} lift-offs were seen");
 }
 
-/// Depths of both phalanges at every step, in δ_max.
+/// Depths of both phalanges at every step, in δ_max; not a number where nothing presses, as in a contact that has let go.
 #[derive(Default)]
 struct Depths {
     of_sites: [Vec<f64>; 2],
@@ -82,7 +82,8 @@ struct Depths {
 impl Sink for Depths {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         for (site, contact) in [&sample.proximal, &sample.distal].into_iter().enumerate() {
-            self.of_sites[site].push(-contact.gap_m / self.transitions_m[site]);
+            let depth = -contact.gap_m / self.transitions_m[site];
+            self.of_sites[site].push(if contact.normal_n > 0.0 { depth } else { f64::NAN });
         }
         Ok(())
     }
@@ -115,5 +116,5 @@ fn no_step_goes_over_where_a_damper_engages() {
             }
         }
     }
-    assert!(ends >= 12, "{ends} steps end where a damper engages");
+    assert!(ends >= 9, "{ends} steps end where a damper engages");
 }
