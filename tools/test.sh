@@ -39,6 +39,9 @@ say "lints"
 cargo clippy --workspace --locked --quiet -- -D warnings
 cargo clippy --workspace --locked --all-targets --all-features -- -D warnings
 
+# The comparison with published solvers is a workspace of its own; what is built for it serves nothing else.
+cargo check --locked --quiet --manifest-path benches/solvers/Cargo.toml --target-dir target
+
 say "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --locked --all-features --no-deps --quiet
 cargo test --workspace --locked --all-features --doc --quiet

@@ -6,7 +6,6 @@ use std::cell::Cell;
 use phalanx::analytic::{Mode, Model, SiteState};
 use phalanx::gripper::Site;
 use phalanx::integrator::System;
-use phalanx::law::FrictionRange;
 
 use crate::support::problem::Problem;
 use crate::support::track::{Cost, Ended, GRID_S, Track};
@@ -16,8 +15,6 @@ pub const FIRST_STEP_S: f64 = 1e-8;
 
 /// q11, q21 and their rates.
 pub type Vector = [f64; 4];
-
-const NATURAL: Mode = Mode { sites: [SiteState::Natural; 3], slips: [FrictionRange::Any; 3] };
 
 /// ẏ = f(t, y) and ∂f/∂y.
 pub struct Field<'a> {
@@ -35,7 +32,7 @@ impl<'a> Field<'a> {
     pub fn rates(&self, t: f64, y: &Vector) -> Vector {
         self.rhs.set(self.rhs.get() + 1);
         let [q11, q21, v11, v21] = *y;
-        let a = self.model.rates(t, &[q11, q21], &[v11, v21], &NATURAL).a;
+        let a = self.model.rates(t, &[q11, q21], &[v11, v21], &Mode::NATURAL).a;
         [v11, v21, a[0], a[1]]
     }
 
@@ -43,7 +40,7 @@ impl<'a> Field<'a> {
     pub fn jacobian(&self, t: f64, y: &Vector) -> [Vector; 4] {
         self.jacobians.set(self.jacobians.get() + 1);
         let [q11, q21, v11, v21] = *y;
-        let at = self.model.linearise(t, &[q11, q21], &[v11, v21], &NATURAL);
+        let at = self.model.linearise(t, &[q11, q21], &[v11, v21], &Mode::NATURAL);
         let row = |i: usize| [at.a_q[i][0], at.a_q[i][1], at.a_v[i][0], at.a_v[i][1]];
         [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], row(0), row(1)]
     }

@@ -142,6 +142,9 @@ const RANGE_LANDING: f64 = 0.3;
 impl<const S: usize> Mode<S> {
     pub const FREE: Self =
         Self { sites: [SiteState::Free; S], slips: [FrictionRange::Any; S], dampers: [DamperRange::Any; S] };
+    /// The laws left to themselves: what an integrator without events takes.
+    pub const NATURAL: Self =
+        Self { sites: [SiteState::Natural; S], slips: [FrictionRange::Any; S], dampers: [DamperRange::Any; S] };
 
     /// Guard of the normal law of a site.
     #[inline(always)]
