@@ -323,7 +323,6 @@ impl Geometry<Dual<2>> {
 impl Terms<Dual<2>> {
     #[inline(always)]
     fn widen(&self) -> Terms<Dual<4>> {
-        use crate::fivebar::kinematics::{Directions, PassiveRates};
         let Directions { e1, e2, e3, e4 } = self.pose;
         Terms {
             pose: Directions {
