@@ -30,7 +30,8 @@ pub fn terminal(columns: u16) -> (File, File) {
 /// Whatever is set around the tests says nothing about widths, colours and the kind of the terminal.
 pub fn command(args: &[&str], settings: &[(&str, &str)]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
-    for name in ["COLUMNS", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"] {
+    // CI is one of them: where it is set, colours are taken to be wanted on a dumb terminal too.
+    for name in ["COLUMNS", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "CI"] {
         command.env_remove(name);
     }
     command.args(args).stdin(Stdio::null()).env("TERM", "xterm-256color").envs(settings.iter().copied());
