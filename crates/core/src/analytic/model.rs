@@ -164,13 +164,13 @@ impl Model {
         }
     }
 
-    /// q̈_a and the rates of the quadratures (2.24), from the position-dependent terms and the geometry of the sites in contact.
+    /// q̈_a and the rates of the quadratures (2.24), from the position-dependent terms and the geometry of the sites that press.
     #[inline(always)]
     fn accelerations<T: Real>(
         &self,
         motor_torque: T,
         terms: &Terms<T>,
-        sites: &[Option<Geometry<T>>; 3],
+        geometry: impl Fn(Site) -> Option<Geometry<T>>,
         mode: &Mode,
         v: [T; 2],
     ) -> ([T; 2], [T; QUADRATURES]) {
@@ -184,9 +184,10 @@ impl Model {
         let mut contact_power = T::zero();
         for site in Site::ALL {
             let index = site as usize;
-            let (Some(geometry), Some(law)) = (&sites[index], self.normal_law(site)) else {
+            if !Self::presses(mode, site) {
                 continue;
-            };
+            }
+            let (Some(geometry), Some(law)) = (geometry(site), self.normal_law(site)) else { continue };
             let gap_rate = dot(geometry.normal_row, v);
             let normal = normal_over_gap(|d, rate| branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
@@ -206,22 +207,27 @@ impl Model {
         (solve_mass(&terms.mass, load), quadratures)
     }
 
-    /// Geometry of the sites whose branch has a force.
+    /// Whether the branch of a site has a force.
     #[inline(always)]
-    fn touching<T: Real>(&self, terms: &Terms<T>, mode: &Mode) -> [Option<Geometry<T>>; 3] {
-        Site::ALL.map(|site| match mode[site as usize] {
-            SiteState::Active | SiteState::Natural => self.geometry(&terms.pose, &terms.rates, site),
-            SiteState::Free | SiteState::Released => None,
-        })
+    fn presses(mode: &Mode, site: Site) -> bool {
+        matches!(mode[site as usize], SiteState::Active | SiteState::Natural)
     }
 
     /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
     pub fn reading(&self, q: [f64; 2], v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
-        self.reading_at(&self.terms(q), v, site, state)
+        let (pose, rates) = self.place(q);
+        self.reading_at(&pose, &rates, v, site, state)
     }
 
-    fn reading_at(&self, terms: &Terms<f64>, v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
-        let geometry = self.geometry(&terms.pose, &terms.rates, site)?;
+    fn reading_at(
+        &self,
+        pose: &Directions<f64>,
+        rates: &PassiveRates<f64>,
+        v: [f64; 2],
+        site: Site,
+        state: SiteState,
+    ) -> Option<SiteReading> {
+        let geometry = self.geometry(pose, rates, site)?;
         let law = self.normal_law(site)?;
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);
@@ -233,7 +239,7 @@ impl Model {
     /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
     pub fn snapshot(&self, q: [f64; 2], v: [f64; 2], mode: &Mode) -> Snapshot {
         let terms = self.terms(q);
-        let sites = Site::ALL.map(|site| self.reading_at(&terms, v, site, mode[site as usize]));
+        let sites = Site::ALL.map(|site| self.reading_at(&terms.pose, &terms.rates, v, site, mode[site as usize]));
         let elastic = Site::ALL.map(|site| match (self.normal_law(site), &sites[site as usize]) {
             (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
             _ => 0.0,
@@ -279,9 +285,9 @@ impl System<2, QUADRATURES> for Model {
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Rates<2, QUADRATURES> {
         let terms = self.terms(*q);
-        let sites = self.touching(&terms, mode);
         let torque = torque(&self.actuation, t).0;
-        let (a, g) = self.accelerations(torque, &terms, &sites, mode, *v);
+        let geometry = |site| self.geometry(&terms.pose, &terms.rates, site);
+        let (a, g) = self.accelerations(torque, &terms, geometry, mode, *v);
         Rates { a, g }
     }
 
@@ -289,11 +295,11 @@ impl System<2, QUADRATURES> for Model {
     fn linearise(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Linearised<2, QUADRATURES> {
         // Positions first, with two derivatives; rates only then, with four.
         let narrow = self.terms([Dual::<2>::variable(q[0], 0), Dual::variable(q[1], 1)]);
-        let sites = self.touching(&narrow, mode).map(|site| site.map(|geometry| geometry.widen()));
         let wide = narrow.widen();
         let rate = [Dual::<4>::variable(v[0], 2), Dual::variable(v[1], 3)];
         let (torque, slope) = torque(&self.actuation, t);
-        let (a, g) = self.accelerations(Dual::constant(torque), &wide, &sites, mode, rate);
+        let geometry = |site| self.geometry(&narrow.pose, &narrow.rates, site).map(Geometry::widen);
+        let (a, g) = self.accelerations(Dual::constant(torque), &wide, geometry, mode, rate);
         let mass = narrow.mass.map(|m| m.value);
         Linearised {
             rates: Rates { a: a.map(|x| x.value), g: g.map(|x| x.value) },
