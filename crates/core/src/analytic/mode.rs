@@ -106,6 +106,9 @@ impl Press {
     }
 }
 
+/// Noise of a depth, m or rad: some last digits of the coordinates it is the difference of.
+const DEPTH_NOISE: f64 = 2e-15;
+
 /// How exactly events are landed on: forces in N (limit: N·m).
 #[derive(Clone, Copy, Debug)]
 pub struct Landing {
@@ -115,9 +118,14 @@ pub struct Landing {
 }
 
 impl Landing {
+    /// No finer than what a spring makes of the last digits of its depth.
+    fn force(&self, law: &NormalLaw) -> f64 {
+        self.force.max(spring_force(law, DEPTH_NOISE))
+    }
+
     /// A released contact takes up again above this force, so that lift-off and reload do not answer each other.
-    fn reload(&self) -> f64 {
-        3.0 * self.force
+    fn reload(&self, law: &NormalLaw) -> f64 {
+        3.0 * self.force(law)
     }
 }
 
@@ -181,7 +189,7 @@ impl<const S: usize> Mode<S> {
             }
             // The force of a released contact may come and go within a step.
             SiteState::Released => {
-                Guard { value: landing.reload() - press.force(), look: Look::Inside, apart: delta < 0.0, ..quiet }
+                Guard { value: landing.reload(law) - press.force(), look: Look::Inside, apart: delta < 0.0, ..quiet }
             }
         }
     }
@@ -237,8 +245,8 @@ impl<const S: usize> Mode<S> {
             return friction.map_or(0.0, |law| RANGE_LANDING * RANGE_MARGIN * law.finest_m_s());
         }
         match self.sites[site] {
-            SiteState::Active if law.damping_max_n_s_per_m > 0.0 => landing.force,
-            SiteState::Released | SiteState::Natural => landing.force,
+            SiteState::Active if law.damping_max_n_s_per_m > 0.0 => landing.force(law),
+            SiteState::Released | SiteState::Natural => landing.force(law),
             SiteState::Free | SiteState::Active => landing.depth_share * law.transition_m,
         }
     }

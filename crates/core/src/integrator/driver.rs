@@ -206,7 +206,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Found<N, Z>, Reason> {
         let (state, mode) = (self.state, self.mode);
         let mut tolerances = self.pacing.tolerances(&self.options.tolerances, &self.counters);
-        strain::above_noise(&mut tolerances, &self.watch.guards, &self.state, linearised);
+        strain::above_noise(&mut tolerances, &self.watch.guards, &self.state, linearised, self.pace.loudness());
         let origin = Origin {
             system: self.system,
             mode: &mode,

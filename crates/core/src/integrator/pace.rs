@@ -9,17 +9,31 @@ const FINER: f64 = 0.08;
 /// A pace is taken over so many parts of these.
 const PARTS: f64 = 100.0;
 
+/// A run that has been lost so often, and nothing else has helped, …
+const PATIENCE: u32 = 30;
+/// …may take more for noise, by this each time, so often at most: a stiff contact that rests rings from rounding alone, and steps longer
+/// than its period damp that, once they are let.
+const LOUDER: f64 = 4.0;
+const MOST_LOUDER: u32 = 4;
+
 /// The last stretch of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     most: f64,
     steps: u64,
     time: f64,
+    lost: u32,
 }
 
 impl Pace {
     pub fn new(tolerances: &Tolerances, time: f64) -> Self {
-        Self { most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER), steps: 0, time }
+        Self { most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER), steps: 0, time, lost: 0 }
+    }
+
+    /// What steps may take for noise, in parts of what rounding makes.
+    #[inline(always)]
+    pub fn loudness(&self) -> f64 {
+        LOUDER.powi(self.lost.saturating_sub(PATIENCE).min(MOST_LOUDER) as i32)
     }
 
     /// Whether the run, going on as in its last stretch, would take too many steps; asked once a stretch.
@@ -31,7 +45,9 @@ impl Pace {
         }
         let ahead = taken * (end - time) / (time - self.time);
         (self.steps, self.time) = (steps, time);
-        ahead > self.most
+        let lost = ahead > self.most;
+        self.lost += u32::from(lost);
+        lost
     }
 }
 
@@ -47,5 +63,17 @@ mod tests {
         assert!(pace.is_lost(300, 1e-9, 0.02));
         assert!(!pace.is_lost(500, 2e-9, 0.02), "the next stretch has just begun");
         assert!(!pace.is_lost(600, 0.01, 0.02), "half the way in 300 steps");
+    }
+
+    #[test]
+    fn what_is_taken_for_noise_grows_only_where_a_run_stays_lost() {
+        let mut pace = Pace::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, 0.0);
+        let mut loudness = Vec::new();
+        for stretch in 1..=40u64 {
+            assert!(pace.is_lost(300 * stretch, 1e-9 * stretch as f64, 0.02));
+            loudness.push(pace.loudness());
+        }
+        assert!(loudness[..30].iter().all(|loudness| *loudness == 1.0), "{loudness:?}");
+        assert_eq!(loudness[30..35], [4.0, 16.0, 64.0, 256.0, 256.0]);
     }
 }

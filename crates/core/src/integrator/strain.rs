@@ -13,13 +13,14 @@ const NOISE_DIGITS: f64 = 8.0 * f64::EPSILON;
 /// Part of the terms that make up a depth or slip below which it has no digits.
 const DIGITS: f64 = 4.0 * f64::EPSILON;
 
-/// Raises the tolerance of rates above the noise that a stiff contact's rate has of the last digit of a coordinate.
+/// Raises the tolerance of rates above so many times the noise that a stiff contact's rate has of the last digit of a coordinate.
 #[inline(always)]
 pub fn above_noise<const N: usize, const Z: usize, const S: usize>(
     tolerances: &mut Tolerances,
     guards: &[Guard<N>; S],
     state: &State<N, Z>,
     linearised: &Linearised<N, Z>,
+    loudness: f64,
 ) {
     for guard in guards {
         // A damper that is stronger makes nothing of it.
@@ -34,7 +35,7 @@ pub fn above_noise<const N: usize, const Z: usize, const S: usize>(
         }
         // ω² = nᵀ M⁻¹ n ∂F/∂δ, of which a_q has M⁻¹ n nᵀ ∂F/∂δ.
         let noise = (stiffness.max(0.0) / square).sqrt() * NOISE_DIGITS * digits / square.sqrt();
-        tolerances.atol_v = tolerances.atol_v.max(noise);
+        tolerances.atol_v = tolerances.atol_v.max(loudness * noise);
     }
 }
 
