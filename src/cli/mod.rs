@@ -37,6 +37,7 @@ mod run_page;
 pub mod scene;
 mod scene_figure;
 mod select;
+mod set;
 mod simulate;
 mod size;
 mod statics;

@@ -9,13 +9,14 @@ use super::live::{Live, LiveArgs};
 use super::output::{print, show};
 use super::overrides::Overrides;
 use super::run_page::PageArgs;
+use super::set::SetArgs;
 use super::simulate::{self, Broken, Checking, Limits, Simulated};
 use super::words::ModelArg;
 use super::{Failure, Status, run_bodies, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
 use crate::page::Reel;
 use crate::report::{self, RunCheckReport, RunReport};
-use crate::scene::{self, AnyScene, Scene};
+use crate::scene::{AnyScene, Scene};
 use crate::trace::{Model, SinkError};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
@@ -30,6 +31,9 @@ use crate::trace::{Model, SinkError};
 pub struct RunArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     pub(super) scene: PathBuf,
+
+    #[command(flatten)]
+    pub(super) set: SetArgs,
 
     /// Which of the two independent models simulates the scene
     #[arg(long, value_enum, default_value_t = ModelArg::Analytic)]
@@ -95,7 +99,7 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 
 /// One run; `first` of those that are to be made.
 fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
-    match scene::load_any(&args.scene)? {
+    match args.set.load_any(&args.scene)? {
         AnyScene::Finger(scene) => finger(args, *scene, first),
         AnyScene::Bodies(scene) => run_bodies::run(args, *scene, first),
     }

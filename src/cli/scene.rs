@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::output::{complain, print, show};
+use super::set::SetArgs;
 use super::{Failure, Status, scene_figure};
 use crate::gripper::total_mass;
 use crate::report::Sheet;
@@ -22,6 +23,9 @@ pub enum SceneCommand {
     Show {
         /// Scene file (TOML)
         scene: PathBuf,
+
+        #[command(flatten)]
+        set: SetArgs,
 
         /// Instead of printing it: draw the finger with the letters of scenes and results on it (l11, φ22, q21, F22, …)
         #[arg(long, value_name = "FILE.svg")]
@@ -71,8 +75,8 @@ pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
 pub fn answer(command: &SceneCommand) -> Answer {
     match command {
         SceneCommand::Schema => Answer { stdout: scene::schema(), good: true, ..Answer::default() },
-        SceneCommand::Show { scene, figure: Some(figure), .. } => scene_figure::answer(scene, figure),
-        SceneCommand::Show { scene, figure: None, resolved } => match scene::load_any(scene) {
+        SceneCommand::Show { scene, set, figure: Some(figure), .. } => scene_figure::answer(scene, set, figure),
+        SceneCommand::Show { scene, set, figure: None, resolved } => match set.load_any(scene) {
             Ok(scene) => {
                 let stdout = if *resolved { scene::show_any(&scene) } else { scene::show_written(&scene) };
                 Answer { stdout, good: true, ..Answer::default() }

@@ -4,14 +4,15 @@ use std::path::Path;
 
 use super::own::{Form, writable};
 use super::scene::Answer;
+use super::set::SetArgs;
 use crate::files::replace;
 use crate::plot::linkage;
-use crate::scene::{self, AnyScene};
+use crate::scene::AnyScene;
 
 /// Draws the figure; says what was written, or why not.
-pub(super) fn answer(scene: &Path, figure: &Path) -> Answer {
+pub(super) fn answer(scene: &Path, set: &SetArgs, figure: &Path) -> Answer {
     let refused = |why: String| Answer { stderr: format!("error: {why}\n"), ..Answer::default() };
-    let found = match scene::load_any(scene) {
+    let found = match set.load_any(scene) {
         Ok(AnyScene::Finger(found)) => found,
         Ok(AnyScene::Bodies(_)) => {
             return refused(format!(

@@ -8,12 +8,13 @@ use clap::Args;
 use super::folder::write_all;
 use super::output::{print, show};
 use super::overrides::positive;
+use super::set::SetArgs;
 use super::words::RuleArg;
 use super::{Failure, Status};
 use crate::gripper::contact_angle_proximal;
 use crate::plot::{self, DrawError};
 use crate::report::{SizingReport, sizing_csv, sizing_json, sizing_text};
-use crate::scene::{self, Actuation, Scene, SpringKind};
+use crate::scene::{Actuation, Scene, SpringKind};
 use crate::sizing::{CLOSING_S, SizingError, Task, profile};
 use crate::units::Dimension;
 
@@ -33,6 +34,9 @@ const SAMPLES: usize = 400;
 pub struct SizeArgs {
     /// Scene file of a finger (TOML)
     scene: PathBuf,
+
+    #[command(flatten)]
+    set: SetArgs,
 
     /// Over what the motor torque is averaged
     #[arg(long, value_enum, default_value_t = RuleArg::Rigid)]
@@ -58,7 +62,7 @@ pub struct SizeArgs {
 
 /// Runs the command.
 pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
-    let scene = scene::load(&args.scene)?;
+    let scene = args.set.load(&args.scene)?;
     let task = task(&scene, args.closing_time.unwrap_or(CLOSING_S))?;
     let preload_rad = args.preload.unwrap_or(0.5 * PI);
     let profile = profile(&scene.finger, &task, preload_rad, SAMPLES).map_err(Failure::bad_input)?;

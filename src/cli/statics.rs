@@ -6,11 +6,12 @@ use clap::Args;
 
 use super::output::{print, show};
 use super::own::{Form, writable};
+use super::set::SetArgs;
 use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{StaticsReport, statics_json, statics_text};
-use crate::scene::{self, AnyScene};
+use crate::scene::AnyScene;
 use crate::statics::StaticsError;
 use crate::study::grasp::{GraspStudyError, Instead, grasp};
 use crate::units::{self, Dimension};
@@ -31,6 +32,9 @@ use crate::units::{self, Dimension};
 pub struct StaticsArgs {
     /// Scene of a finger with an object (TOML)
     scene: PathBuf,
+
+    #[command(flatten)]
+    set: SetArgs,
 
     /// Friction coefficients of both contacts, instead of 0 and those of the scene
     #[arg(long, value_name = "MU,...", value_delimiter = ',', value_parser = friction)]
@@ -55,7 +59,7 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.svg {
         writable(path, Form::Picture)?;
     }
-    let AnyScene::Finger(scene) = scene::load_any(&args.scene)? else {
+    let AnyScene::Finger(scene) = args.set.load_any(&args.scene)? else {
         return Err(Failure::bad_input(format!(
             "{} is a scene of discs (kind = \"bodies\"), and statics is about the grasp of a finger; give a scene like \
              scenes/experiment-95.toml",

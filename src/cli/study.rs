@@ -8,12 +8,13 @@ use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
 use super::output::{print, show};
 use super::progress::Count;
+use super::set::SetArgs;
 use super::study_stability::{self, StabilityArgs};
 use super::validate_files::save;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{step_size_csv, step_size_json, step_size_text};
-use crate::scene::{self, AnyScene, BodiesScene};
+use crate::scene::{AnyScene, BodiesScene};
 use crate::study::step_size::{StudyError, step_size};
 
 /// The shipped scene, so that the command works from anywhere.
@@ -43,6 +44,9 @@ pub struct StepSizeArgs {
     /// Scene of discs (TOML) with an impact that rebounds; the shipped scenes/laws/step-size.toml if none is given
     scene: Option<PathBuf>,
 
+    #[command(flatten)]
+    set: SetArgs,
+
     /// Write step-size.txt, .json, .csv and .svg there; the directory is made if need be
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -65,7 +69,7 @@ pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
 }
 
 fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
-    let scene = discs(args.scene.as_deref())?;
+    let scene = discs(args.scene.as_deref(), &args.set)?;
     let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
@@ -97,10 +101,10 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
 }
 
 /// The scene of discs in a file, or the shipped one.
-fn discs(path: Option<&Path>) -> Result<BodiesScene, Failure> {
+fn discs(path: Option<&Path>, set: &SetArgs) -> Result<BodiesScene, Failure> {
     let scene = match path {
-        Some(path) => scene::load_any(path)?,
-        None => scene::parse_any(STEP_SIZE_SCENE, "step-size.toml")?,
+        Some(path) => set.load_any(path)?,
+        None => set.parse_any(STEP_SIZE_SCENE, "step-size.toml")?,
     };
     match (scene, path) {
         (AnyScene::Bodies(scene), _) => Ok(*scene),

@@ -8,11 +8,12 @@ use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
 use super::progress::Count;
+use super::set::SetArgs;
 use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{stability_csv, stability_json, stability_text};
-use crate::scene::{self, AnyScene};
+use crate::scene::AnyScene;
 use crate::study::stability::{ACCURACY_RAD, Grid, StudyError, stability};
 use crate::units::{self, Dimension};
 
@@ -34,6 +35,9 @@ use crate::units::{self, Dimension};
 pub struct StabilityArgs {
     /// Scene of a finger with an object (TOML)
     scene: PathBuf,
+
+    #[command(flatten)]
+    set: SetArgs,
 
     /// Fixed steps with their units [default: 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6 and 1e-6 s]
     #[arg(long, value_name = "TIMES", value_parser = steps, conflicts_with = "quick")]
@@ -74,7 +78,7 @@ struct List(Vec<f64>);
 
 /// Runs the command.
 pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
-    let AnyScene::Finger(scene) = scene::load_any(&args.scene)? else {
+    let AnyScene::Finger(scene) = args.set.load_any(&args.scene)? else {
         return Err(Failure::bad_input(format!(
             "{} is a scene of discs; this study takes the scene of a finger (kind = \"finger\"), like \
              scenes/experiment-95.toml",

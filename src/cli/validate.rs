@@ -8,12 +8,13 @@ use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
 use super::progress::Count;
+use super::set::SetArgs;
 use super::validate_files::{FILES, write};
 use super::{Failure, Status, validate_bodies};
 use crate::integrator;
 use crate::limits::MOST_VALIDATED_SAMPLES;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
-use crate::scene::{self, AnyScene, Scene};
+use crate::scene::{AnyScene, Scene};
 use crate::trace::{Model, RunError};
 use crate::validate::{Progress, StudyError, Subject, Validation, validate};
 
@@ -28,6 +29,9 @@ use crate::validate::{Progress, StudyError, Subject, Validation, validate};
 pub struct ValidateArgs {
     /// Scene file (TOML); `phalanx scene schema` describes it
     pub(super) scene: PathBuf,
+
+    #[command(flatten)]
+    pub(super) set: SetArgs,
 
     /// Write everything there: reports, a page to look at in a browser, series of both models, pictures, both logs; the
     /// directory is made if need be, and an older file is replaced only when the new one is whole
@@ -45,7 +49,7 @@ pub struct ValidateArgs {
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
-    match scene::load_any(&args.scene)? {
+    match args.set.load_any(&args.scene)? {
         AnyScene::Finger(scene) => finger(args, &scene),
         AnyScene::Bodies(scene) => validate_bodies::run(args, &scene),
     }

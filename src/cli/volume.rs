@@ -9,6 +9,7 @@ use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{complain, print, show};
 use super::progress::Count;
+use super::set::SetArgs;
 use super::volume_args::{
     DataArg, Limits, List, Resolution, angle_limits, bases, fraction_limits, frictions, ratio_limits, resolution,
     threads,
@@ -17,7 +18,7 @@ use super::volume_files::{FILES, write};
 use super::words::RuleArg;
 use super::{Failure, Status};
 use crate::report::{Effort, ShareReport, VolumeReport, volume_json, volume_text};
-use crate::scene::{self, Template};
+use crate::scene::Template;
 use crate::sizing::Rule;
 use crate::study::volume::{Axes, Quantity, VolumeError, VolumeRequest, all_cores, volumes_with};
 use crate::units::{self, Dimension};
@@ -42,6 +43,9 @@ use crate::units::{self, Dimension};
 pub struct VolumeArgs {
     /// Scene of a finger with a [design] (TOML), from which all that is not varied is taken
     scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    set: SetArgs,
 
     /// Distances from the ground joints to the object's centre, with their units; may be given again [default: "12 mm, 15.5
     /// mm, 19 mm, 22.5 mm", or that of the scene]
@@ -160,8 +164,13 @@ fn refuse_nothing(report: &VolumeReport) -> Result<(), Failure> {
 fn request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
     let usual = VolumeRequest::thesis();
     let template = match &args.scene {
-        Some(path) => scene::load_template(path)?,
-        None => usual.template,
+        Some(path) => args.set.load_template(path)?,
+        None if args.set.is_empty() => usual.template,
+        None => {
+            return Err(Failure::bad_input(
+                "--set sets fields of a scene, and none is given: name one, as in phalanx volume scenes/experiment-95.toml --set …",
+            ));
+        }
     };
     let given = |lists: &[List]| lists.iter().flat_map(|List(values)| values.clone()).collect::<Vec<_>>();
     let (bases_m, mu_static) = (given(&args.base), given(&args.mu_static));

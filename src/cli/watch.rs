@@ -1,12 +1,13 @@
 //! `phalanx run --watch`: the run again whenever its scene is saved.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
 use super::interrupt::Interrupt;
 use super::output::{complain, note};
+use super::set::files;
 use super::{Failure, Status};
 
 /// How often the file is looked at, and how long an editor may take to write it.
@@ -18,7 +19,8 @@ pub(super) fn watch(scene: &Path, mut once: impl FnMut(bool) -> Result<Status, F
     let interrupt = Interrupt::listen()?;
     let mut first = true;
     loop {
-        let seen = stamp(scene);
+        let files = files(scene);
+        let seen = stamps(&files);
         let status = once(first).unwrap_or_else(|failure| {
             complain(&failure.message);
             failure.status
@@ -29,7 +31,7 @@ pub(super) fn watch(scene: &Path, mut once: impl FnMut(bool) -> Result<Status, F
         }
         note(&format!("\nwatching {}: save it and it runs again; Ctrl-C ends", scene.display()));
         // A file that is gone is about to be replaced, as many editors save.
-        while matches!(stamp(scene), found if found == seen || found.is_none()) {
+        while matches!(stamps(&files), found if found == seen || found.is_none()) {
             if interrupt.signal().is_some() {
                 return Ok(Status::Done);
             }
@@ -39,7 +41,11 @@ pub(super) fn watch(scene: &Path, mut once: impl FnMut(bool) -> Result<Status, F
     }
 }
 
-/// What changes when a file is saved.
+/// What changes when one of the files is saved; `None` where one is not there.
+fn stamps(paths: &[PathBuf]) -> Option<Vec<(SystemTime, u64)>> {
+    paths.iter().map(|path| stamp(path)).collect()
+}
+
 fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
     let found = fs::metadata(path).ok()?;
     Some((found.modified().ok()?, found.len()))

@@ -4,7 +4,9 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use super::error::line_column;
-use super::{AnyScene, Scene, SceneError, Template, parse, parse_any, parse_template};
+use super::{
+    AnyScene, Layer, Problem, Scene, SceneError, Template, extended, parse, parse_any, parse_layers, parse_template,
+};
 use crate::files::read_at_most;
 use crate::limits::LARGEST_SCENE_BYTES;
 
@@ -13,14 +15,28 @@ use crate::limits::LARGEST_SCENE_BYTES;
 /// # Errors
 /// What is wrong with the file, or that it is a scene of another kind.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    let (text, file) = read(path.as_ref())?;
-    parse(&text, &file)
+    load_with(path, &[])
+}
+
+/// The same with single fields set besides: lines of `key = value`, as a scene file would have them.
+///
+/// # Errors
+/// What is wrong with the file or with what is set, or that it is a scene of another kind.
+pub fn load_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
+    parse_layers(&layers(path.as_ref())?, settings, parse)
 }
 
 /// Reads, checks and resolves a scene file of either kind.
 pub fn load_any(path: impl AsRef<Path>) -> Result<AnyScene, SceneError> {
-    let (text, file) = read(path.as_ref())?;
-    parse_any(&text, &file)
+    load_any_with(path, &[])
+}
+
+/// The same with single fields set besides; see [`load_with`].
+///
+/// # Errors
+/// As for [`load_with`].
+pub fn load_any_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<AnyScene, SceneError> {
+    parse_layers(&layers(path.as_ref())?, settings, parse_any)
 }
 
 /// Reads the scene of a finger as what many designs have in common.
@@ -28,8 +44,59 @@ pub fn load_any(path: impl AsRef<Path>) -> Result<AnyScene, SceneError> {
 /// # Errors
 /// What is wrong with the file, or what ties the scene to one design.
 pub fn load_template(path: impl AsRef<Path>) -> Result<Template, SceneError> {
-    let (text, file) = read(path.as_ref())?;
-    parse_template(&text, &file)
+    load_template_with(path, &[])
+}
+
+/// The same with single fields set besides; see [`load_with`].
+///
+/// # Errors
+/// As for [`load_template`].
+pub fn load_template_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Template, SceneError> {
+    parse_layers(&layers(path.as_ref())?, settings, parse_template)
+}
+
+/// Scenes that may extend one another in a row.
+const MOST_LAYERS: usize = 16;
+
+/// The text of a scene file, behind those of the scenes it extends.
+///
+/// # Errors
+/// A file that cannot be read, or scenes that extend each other.
+pub fn layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
+    let (text, file) = read(path)?;
+    let mut layers = vec![Layer { file, text }];
+    let mut seen = vec![path.canonicalize().ok()];
+    let mut here = path.to_path_buf();
+    while let Some((base, span)) = layers.last().and_then(|layer| extended(&layer.text)) {
+        let Layer { file, text } = layers.last().cloned().unwrap_or(Layer { file: String::new(), text: String::new() });
+        let refuse = |message: String, label: &str, help: &str| SceneError::Invalid {
+            file: file.clone(),
+            text: text.clone(),
+            problems: vec![Problem { span: Some(span.clone()), message, label: label.into(), help: help.into() }],
+        };
+        here = here.parent().unwrap_or(Path::new("")).join(&base);
+        let found = here.canonicalize().ok();
+        if found.is_some() && seen.contains(&found) {
+            let help = "leave one of them out: what is extended last says all that the others do not";
+            return Err(refuse(format!("{} extends itself", here.display()), "comes back to a scene before it", help));
+        }
+        if layers.len() == MOST_LAYERS {
+            let message = format!("more than {MOST_LAYERS} scenes extend one another");
+            return Err(refuse(message, "one too many", "put some of them together"));
+        }
+        let (text, file) = read(&here).map_err(|error| match error {
+            SceneError::Read { file, reason } => refuse(
+                format!("cannot read the scene {file}: {reason}"),
+                "this file",
+                "name a scene file; its path is seen from the directory of the scene that extends it",
+            ),
+            error => error,
+        })?;
+        layers.push(Layer { file, text });
+        seen.push(found);
+    }
+    layers.reverse();
+    Ok(layers)
 }
 
 /// The text of a file, and what messages call it.

@@ -2,5 +2,5 @@
 
 pub(crate) mod file;
 
-pub use file::{load, load_any, load_template};
+pub use file::{layers, load, load_any, load_any_with, load_template, load_template_with, load_with};
 pub use phalanx_core::scene::*;

@@ -12,12 +12,11 @@ use toml::{Spanned, Table};
 use super::field::{Holds, join};
 use super::read::problem;
 use crate::scene::entry::Any;
-use crate::scene::file::read;
 use crate::scene::kinds::Words;
 use crate::scene::schema::schema_of;
 use crate::scene::text::syntax;
 use crate::scene::words::SceneKind;
-use crate::scene::{Problem, SceneError, keys};
+use crate::scene::{Problem, SceneError, keys, layers, parse_layers};
 
 /// A base scene.
 pub struct Base {
@@ -35,7 +34,7 @@ pub enum Refusal {
 /// Reads the scene file that a study names, from the study's directory; `span`: where it does.
 pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result<Base, Refusal> {
     let path = Path::new(study_file).parent().unwrap_or(Path::new("")).join(scene);
-    let (text, file) = read(&path).map_err(|error| match error {
+    let layers = layers(&path).map_err(|error| match error {
         SceneError::Read { file, reason } => Refusal::Study(problem(
             span.clone(),
             format!("cannot read the base scene {file}: {reason}"),
@@ -44,14 +43,14 @@ pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result
         )),
         error => Refusal::Scene(error),
     })?;
-    let refuse = |problems| Refusal::Scene(SceneError::Invalid { file: file.clone(), text: text.clone(), problems });
-    let document = DeTable::parse(&text).map_err(|error| refuse(vec![syntax(&error)]))?;
-    let mut problems = Vec::new();
-    let table = check(document, "", &mut problems);
-    match problems.is_empty() {
-        true => Ok(Base { table, text }),
-        false => Err(refuse(problems)),
-    }
+    let read = |text: &str, file: &str| {
+        let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
+        let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
+        let mut problems = Vec::new();
+        let table = check(document, "", &mut problems);
+        if problems.is_empty() { Ok(Base { table, text: text.to_string() }) } else { Err(refuse(problems)) }
+    };
+    parse_layers(&layers, &[], read).map_err(Refusal::Scene)
 }
 
 /// Checks a scene or a part of one, which stands under `path` in its file.

@@ -29,10 +29,12 @@ pub enum SceneError {
     NotUtf8 { file: String, line: usize, column: usize },
     /// The file was read, but is no scene. Problems are in the order of the file.
     Invalid { file: String, text: String, problems: Vec<Problem> },
+    /// Several of the texts that make up a scene are wrong.
+    Layers(Vec<SceneError>),
 }
 
 impl SceneError {
-    /// The problems found in the text; empty when it could not be read.
+    /// The problems found in the text; empty when it could not be read, or is several.
     pub fn problems(&self) -> &[Problem] {
         match self {
             SceneError::Invalid { problems, .. } => problems,
@@ -57,6 +59,10 @@ impl fmt::Display for SceneError {
                 "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene \
                  is a TOML file"
             ),
+            SceneError::Layers(errors) => {
+                let said: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                f.write_str(&said.join("\n\n"))
+            }
             SceneError::Invalid { file, text, problems } => {
                 for (index, problem) in problems.iter().take(SHOWN_PROBLEMS).enumerate() {
                     if index > 0 {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `raw`, `raw_bodies` | the file as it is written, of either kind; source of the JSON Schema |
 //! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
+//! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
 //! | `text`, `keys` | text → raw, unknown keys |
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
 //! | `resolve`, `defaults` | raw → [`Scene`] or [`BodiesScene`], physics checked |
@@ -14,6 +15,7 @@
 
 mod bodies;
 pub mod check;
+mod compose;
 mod defaults;
 pub mod entry;
 pub mod error;
@@ -31,6 +33,7 @@ mod torque;
 pub mod words;
 
 pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
+pub use compose::{Layer, extended, parse_layers};
 pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
 pub use kinds::Words;

@@ -19,6 +19,9 @@ use crate::sizing::Rule;
 #[serde(default, deny_unknown_fields)]
 #[schemars(title = "scene of a finger")]
 pub struct RawScene {
+    /// Scene file that this one extends, seen from the directory of this one: whatever is not said here is as it is there, but for
+    /// its name and description. A section that says its `type` or `profile` replaces the one there; [lengths] replaces [design].
+    pub extends: Entry<Text>,
     /// Name in reports and logs. Default: the file's name without its extension.
     pub name: Entry<Text>,
     /// What the scene is for; not used by the simulation.

@@ -14,7 +14,7 @@ const NO_GRAVITY_M_S2: [f64; 2] = [0.0, 0.0];
 /// Resolves a scene of discs; `file_name` gives its default name.
 pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Result<BodiesScene, Vec<Problem>> {
     let Heading { name, description, duration } =
-        heading(&mut c, &raw.kind, &raw.name, &raw.description, &raw.duration, file_name);
+        heading(&mut c, &raw.kind, [&raw.name, &raw.description, &raw.extends], &raw.duration, file_name);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, NO_GRAVITY_M_S2);
     let discs = discs(&mut c, raw, gravity_m_s2);
     let half_plane = raw

@@ -31,7 +31,7 @@ use super::{LogRates, Scene};
 /// Resolves the scene of a finger; `file_name` gives its default name.
 pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let Heading { name, description, duration } =
-        heading(&mut c, &raw.kind, &raw.name, &raw.description, &raw.duration, file_name);
+        heading(&mut c, &raw.kind, [&raw.name, &raw.description, &raw.extends], &raw.duration, file_name);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
     let palm = c.or("palm", &raw.palm, true);
 
@@ -95,13 +95,21 @@ struct Heading {
 fn heading(
     c: &mut Checker<'_>,
     kind: &Entry<Choice<SceneKind>>,
-    name: &Entry<Text>,
-    description: &Entry<Text>,
+    [name, description, extends]: [&Entry<Text>; 3],
     duration: &Entry<Time>,
     file_name: &str,
 ) -> Heading {
     // The kind is known already, as far as it can be; a wrong word is noted here.
     c.get("kind", kind);
+    if extends.is_given() {
+        let message = "`extends` names another file, but this text is read by itself".to_string();
+        c.push(
+            extends.span(),
+            message,
+            "no file to look from",
+            "give the scene as a file, or put what it extends into it",
+        );
+    }
     Heading {
         description: c.get("description", description).unwrap_or_default(),
         name: c.get("name", name).unwrap_or_else(|| stem(file_name)),
