@@ -191,7 +191,9 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         self.take_step(&linearised, &accepted, stop, observer)?;
         if self.pace.is_lost(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.is_lost();
-            self.settle();
+            if self.pace.may_settle() {
+                self.settle();
+            }
         }
         if let Some(site) = accepted.event {
             self.apply_event(site, observer);

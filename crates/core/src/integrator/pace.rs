@@ -16,6 +16,11 @@ const PATIENCE: u32 = 30;
 const LOUDER: f64 = 4.0;
 const MOST_LOUDER: u32 = 4;
 
+/// A finer run than the everyday one follows a trembling contact so many stretches before it is brought to rest: it is there to tell
+/// whether that was right.
+const CURIOSITY: u32 = 15;
+const FINE: f64 = 3e-6;
+
 /// The last stretch of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
@@ -23,11 +28,18 @@ pub struct Pace {
     steps: u64,
     time: f64,
     lost: u32,
+    curiosity: u32,
 }
 
 impl Pace {
     pub fn new(tolerances: &Tolerances, time: f64) -> Self {
-        Self { most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER), steps: 0, time, lost: 0 }
+        Self { most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER), steps: 0, time, lost: 0, curiosity: if tolerances.rtol_v < FINE { CURIOSITY } else { 0 } }
+    }
+
+    /// Whether what trembles is to be brought to rest.
+    #[inline(always)]
+    pub fn may_settle(&self) -> bool {
+        self.lost > self.curiosity
     }
 
     /// What steps may take for noise, in parts of what rounding makes.
@@ -75,5 +87,17 @@ mod tests {
         }
         assert!(loudness[..30].iter().all(|loudness| *loudness == 1.0), "{loudness:?}");
         assert_eq!(loudness[30..35], [4.0, 16.0, 64.0, 256.0, 256.0]);
+    }
+
+    #[test]
+    fn a_finer_run_follows_what_trembles_for_longer() {
+        for (rtol, after) in [(1e-5, 1), (1e-7, 16)] {
+            let mut pace = Pace::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: rtol }, 0.0);
+            let settles = (1..=20u64).find(|stretch| {
+                assert!(pace.is_lost(1000 * stretch, 1e-9 * *stretch as f64, 0.02));
+                pace.may_settle()
+            });
+            assert_eq!(settles, Some(after), "rtol {rtol}");
+        }
     }
 }
