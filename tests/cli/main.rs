@@ -18,6 +18,7 @@ mod replay;
 mod report;
 mod run;
 mod select;
+mod set;
 mod size;
 mod status;
 #[cfg(unix)]

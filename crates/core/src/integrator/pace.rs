@@ -33,7 +33,13 @@ pub struct Pace {
 
 impl Pace {
     pub fn new(tolerances: &Tolerances, time: f64) -> Self {
-        Self { most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER), steps: 0, time, lost: 0, curiosity: if tolerances.rtol_v < FINE { CURIOSITY } else { 0 } }
+        Self {
+            most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER),
+            steps: 0,
+            time,
+            lost: 0,
+            curiosity: if tolerances.rtol_v < FINE { CURIOSITY } else { 0 },
+        }
     }
 
     /// Whether what trembles is to be brought to rest.
