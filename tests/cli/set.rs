@@ -96,7 +96,8 @@ fn a_scene_says_only_what_differs_from_the_one_it_extends() {
     let dir = directory("cli_extends");
     anchor(&dir);
     fs::create_dir_all(dir.join("variants")).expect("a directory");
-    let rough = write(&dir, "variants/rough.toml", "extends = \"../anchor.toml\"\n[contact.friction]\nmu_static = 0.6\n");
+    let rough =
+        write(&dir, "variants/rough.toml", "extends = \"../anchor.toml\"\n[contact.friction]\nmu_static = 0.6\n");
     let soft = write(
         &dir,
         "soft.toml",
@@ -148,6 +149,7 @@ fn what_is_wrong_is_told_of_the_file_it_stands_in() {
         }
     }
     assert!(!stderr(&phalanx(&["scene", "check", &base])).contains("own.toml"));
-    let text = scene::parse_any("extends = \"base.toml\"\n", "text.toml").expect_err("no file to look from").to_string();
+    let text =
+        scene::parse_any("extends = \"base.toml\"\n", "text.toml").expect_err("no file to look from").to_string();
     assert!(text.contains("read by itself"), "{text}");
 }

@@ -32,8 +32,10 @@ pub const ENGINE_BAR: f64 = 1e-4;
 /// Steps a run may have to be checked without being asked to: at a few microseconds each the check then takes some tenths of a second.
 pub const MOST_STEPS: u64 = 20_000;
 
-/// Steps that the runs of a check may take for each of the run itself, beside [`MOST_STEPS`].
+/// Steps that each run of a check may take for each of the run itself, and beside: a finer run follows what trembles for some 30,000
+/// steps before it lets it be damped (`integrator::pace`), and a check that broke off there would say nothing.
 const STEPS_PER_STEP: u64 = 10;
+const BESIDE: u64 = 50_000;
 
 /// What is to be said of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +103,7 @@ pub fn check_bodies(model: Model, scene: &BodiesScene, go_on: &dyn Fn() -> bool)
 fn judge<S: Subject>(model: Model, scene: &S, go_on: &dyn Fn() -> bool) -> Check {
     let way = Way { finer: false, push: 0.0, budget: u64::MAX, go_on };
     let run = scene.run(model, &way);
-    let budget = Way { budget: STEPS_PER_STEP * run.steps + MOST_STEPS, ..way };
+    let budget = Way { budget: STEPS_PER_STEP * run.steps + BESIDE, ..way };
     let finer = Way { finer: true, ..budget };
     let analytic = (model == Model::Analytic || scene.is_comparable()).then(|| scene.run(Model::Analytic, &finer));
     // The analytic model speaks for the engine as far as it gets; beyond, the engine itself does.
