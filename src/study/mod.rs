@@ -3,6 +3,7 @@
 //! | file | job |
 //! |---|---|
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
+//! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
 //! | `stability` | where the engine is stable, and where it is right |
@@ -11,6 +12,7 @@
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
 pub mod grasp;
+mod pool;
 pub mod reproduce;
 pub mod select;
 pub mod stability;

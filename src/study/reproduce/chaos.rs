@@ -3,15 +3,11 @@
 //! A rebound multiplies small differences. After a few of them two runs that began alike can come to rest at other times, or
 //! one of them not at all; then the class is not a property of the design alone.
 
-use std::num::NonZeroUsize;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
-
 use super::{ReproduceError, STOPPED};
 use crate::check::pushed;
 use crate::criteria::{Class, Tracker, at_rest};
 use crate::scene::{Preset, Scene};
+use crate::study::pool;
 use crate::study::select::{Candidate, Selection};
 use crate::trace::{self, RunError};
 
@@ -162,30 +158,11 @@ fn ends(
     threads: usize,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<End>, ReproduceError> {
-    let threads = match threads {
-        0 => thread::available_parallelism().map_or(1, NonZeroUsize::get),
-        given => given,
+    let work = |&(variation, run): &(usize, usize), _: &_| match go_on() {
+        true => end(&variations[variation].apply(&scenes[run])),
+        false => Err(ReproduceError::of("a variation")(&STOPPED)),
     };
-    let next = AtomicUsize::new(0);
-    let found = Mutex::new(vec![None; jobs.len()]);
-    let work = || {
-        loop {
-            let job = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&(variation, run)) = jobs.get(job).filter(|_| go_on()) else { break };
-            let end = end(&variations[variation].apply(&scenes[run]));
-            if let Ok(mut found) = found.lock() {
-                found[job] = Some(end);
-            }
-        }
-    };
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    found.into_iter().map(|end| end.unwrap_or_else(|| Err(ReproduceError::of("a variation")(&STOPPED)))).collect()
+    pool::map(threads, jobs, work, |()| ()).into_iter().collect()
 }
 
 /// The end of one run. One that breaks off is unstable.

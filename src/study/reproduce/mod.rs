@@ -147,7 +147,6 @@ fn swept(study: &Study, threads: usize, go_on: &(dyn Fn() -> bool + Sync)) -> Re
 fn volumes(quick: bool, threads: usize, go_on: &dyn Fn() -> bool) -> Result<Vec<Volume>, ReproduceError> {
     let points = if quick { QUICK_RESOLUTION } else { RESOLUTION };
     let request = VolumeRequest { axes: volume::Axes::thesis([points; 3]), ..VolumeRequest::thesis() };
-    let threads = if threads == 0 { volume::all_cores() } else { threads };
     volume::volumes_with(&request, threads, &mut |_, _| (), go_on)
         .map_err(|error| ReproduceError::of("the volumes")(&error))
 }

@@ -19,14 +19,13 @@
 
 mod map;
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, mpsc};
-use std::thread;
+use std::sync::mpsc::Sender;
 use std::time::Instant;
 
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
 use crate::scene::{Response, Scene, Stepping};
+use crate::study::pool;
 use crate::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 use crate::validate::{Comparison, Recording, While, member, record_while, reference, sampled};
 
@@ -63,31 +62,13 @@ pub fn stability(
     let columns = grid.columns();
     let total = columns.len() * (grid.steps_s.len() + 1);
     let task = Task { steps_s: &grid.steps_s, accuracy_rad, go_on };
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; columns.len()]));
     let mut done = 0;
     tell(done, total, "references");
-    thread::scope(|scope| {
-        let (sender, notes) = mpsc::channel::<&str>();
-        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(columns.len()) {
-            let (sender, columns, next, found, task) = (sender.clone(), &columns, &next, &found, &task);
-            scope.spawn(move || {
-                loop {
-                    let at = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(&factors) = columns.get(at) else { break };
-                    let result = column(scene, factors, task, &sender);
-                    if let Ok(mut found) = found.lock() {
-                        found[at] = result;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for note in notes {
-            done += 1;
-            tell(done, total, note);
-        }
+    let work = |&factors: &_, sender: &_| column(scene, factors, &task, sender);
+    let found = pool::map(0, &columns, work, |note| {
+        done += 1;
+        tell(done, total, note);
     });
-    let found = found.into_inner().unwrap_or_default();
     let found: Option<Vec<(ReferenceRun, Vec<Cell>)>> = found.into_iter().collect();
     let (references, cells): (Vec<_>, Vec<_>) = found.ok_or(StudyError::Stopped { done, total })?.into_iter().unzip();
     let laws = [scene.contact.proximal.normal, scene.contact.distal.normal];
@@ -138,12 +119,7 @@ fn scaled(scene: &Scene, stiffness: f64, damping: f64) -> Scene {
 }
 
 /// The reference of a pair of factors and the cells judged by it; `None` if it was told to stop.
-fn column(
-    scene: &Scene,
-    factors: (f64, f64),
-    task: &Task,
-    sender: &mpsc::Sender<&str>,
-) -> Option<(ReferenceRun, Vec<Cell>)> {
+fn column(scene: &Scene, factors: (f64, f64), task: &Task, sender: &Sender<&str>) -> Option<(ReferenceRun, Vec<Cell>)> {
     let scene = scaled(scene, factors.0, factors.1);
     let (found, recording) = expected(&scene, factors, task)?;
     // Nobody listening is no reason to stop.

@@ -1,14 +1,15 @@
 //! All runs of a study, on as many threads as are wanted.
 
 use std::collections::HashSet;
-use std::num::NonZeroUsize;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::thread;
 use std::time::Instant;
+
+use rayon::prelude::*;
 
 use super::one::one;
 use super::{Row, Study};
+use crate::study::pool::pool;
 
 /// What running a study came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +36,8 @@ pub fn run(study: &Study, threads: usize, done: &HashSet<u64>, mut each: impl Fn
 /// Makes the first `most` runs of a study except those `done`, until `go_on` or `each` says no. A run that is stopped on its
 /// way has no row.
 ///
-/// Threads take the next run when they are free, and hand over its row themselves: nobody has to be woken for it.
+/// Threads take the next run when they are free, one after the other, so that rows come nearly in order; and hand over its
+/// row themselves: nobody has to be woken for it.
 pub fn run_while(
     study: &Study,
     threads: usize,
@@ -47,38 +49,20 @@ pub fn run_while(
     let start = Instant::now();
     let last = study.runs().min(most);
     let left = last - done.iter().filter(|run| **run <= last).count() as u64;
-    let threads = match threads {
-        0 => thread::available_parallelism().map_or(1, NonZeroUsize::get),
-        given => given,
-    };
-    let threads = threads.min(usize::try_from(left).unwrap_or(usize::MAX)).max(1);
-    let (next, ran) = (AtomicU64::new(1), AtomicU64::new(0));
-    let (stopped, each) = (AtomicBool::new(false), Mutex::new(each));
+    let pool = pool(threads, usize::try_from(left).unwrap_or(usize::MAX));
+    let (stopped, ran, each) = (AtomicBool::new(false), AtomicU64::new(0), Mutex::new(each));
     let may = || !stopped.load(Ordering::Relaxed) && go_on();
-    let work = || {
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            if at > last || !may() {
-                break;
-            }
-            if done.contains(&at) {
-                continue;
-            }
-            let Some(row) = one(study, at, &may) else { break };
-            // A listener that panicked on another thread has seen the end of this one too.
-            let Ok(mut each) = each.lock() else { break };
-            if !each(row) {
-                stopped.store(true, Ordering::Relaxed);
-            }
-            ran.fetch_add(1, Ordering::Relaxed);
+    // `None` where it is stopped, and then no thread takes another run.
+    let work = |at| {
+        let row = may().then(|| one(study, at, &may))??;
+        // A listener that panicked on another thread has seen the end of this one too.
+        if !each.lock().ok()?(row) {
+            stopped.store(true, Ordering::Relaxed);
         }
+        ran.fetch_add(1, Ordering::Relaxed);
+        Some(())
     };
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let runs = ran.into_inner();
+    pool.install(|| (1..=last).filter(|at| !done.contains(at)).par_bridge().try_for_each(work));
+    let (runs, threads) = (ran.into_inner(), pool.current_num_threads());
     Ran { runs, threads, wall_s: start.elapsed().as_secs_f64(), complete: runs == left }
 }

@@ -21,11 +21,12 @@ mod quantity;
 mod run;
 mod shares;
 
+pub use crate::study::pool::all_cores;
 pub use axes::{Axes, Axis};
 pub use cells::{Cell, cells, intersection_cells};
 pub use point::{Closed, NoFinger, Point, Sized, State, close, design, hold};
 pub use quantity::{Quantity, Worst};
-pub use run::{MOST_POINTS, all_cores, volumes, volumes_with};
+pub use run::{MOST_POINTS, volumes, volumes_with};
 pub use shares::{Best, Intersection, Shares, intersection, intersections, percent, shares};
 
 use crate::scene::Template;

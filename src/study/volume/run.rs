@@ -1,12 +1,12 @@
 //! All points of all volumes, on as many threads as asked for: the same points whatever their number.
 
-use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
 
 use super::point::{Point, close, design, hold};
 use super::{Volume, VolumeError, VolumeRequest};
+use crate::study::pool;
 
 /// Designs that a thread takes at a time: a few milliseconds of work.
 const SHARE: usize = 64;
@@ -35,49 +35,32 @@ pub fn volumes_with(
     request.check()?;
     let designs = request.axes.len();
     let total = designs * request.bases_m.len();
-    let shares = designs.div_ceil(SHARE);
-    let jobs = shares * request.bases_m.len();
-    let mut found: Vec<Option<Vec<Vec<Point>>>> = (0..jobs).map(|_| None).collect();
-    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-    thread::scope(|scope| {
-        let (send, receive) = mpsc::channel();
-        for _ in 0..threads.clamp(1, jobs.max(1)) {
-            let (send, next, stopped) = (send.clone(), &next, &stopped);
-            scope.spawn(move || {
-                while !stopped.load(Ordering::Relaxed) {
-                    let job = next.fetch_add(1, Ordering::Relaxed);
-                    if job >= jobs {
-                        break;
-                    }
-                    let from = job % shares * SHARE;
-                    let points = share(request, request.bases_m[job / shares], from..designs.min(from + SHARE));
-                    if send.send((job, points)).is_err() {
-                        break;
-                    }
-                }
-            });
+    let shares = (0..designs).step_by(SHARE).map(|from| from..designs.min(from + SHARE));
+    let bases = request.bases_m.iter();
+    let jobs: Vec<_> = bases.flat_map(|&base_m| shares.clone().map(move |share| (base_m, share))).collect();
+    let (stopped, mut done) = (AtomicBool::new(false), 0);
+    let work = |(base_m, designs): &(f64, Range<usize>), sender: &Sender<usize>| {
+        let points = (!stopped.load(Ordering::Relaxed)).then(|| share(request, *base_m, designs.clone()))?;
+        // Nobody listens any more where the listener panicked.
+        sender.send(designs.len()).unwrap_or_else(|_| stopped.store(true, Ordering::Relaxed));
+        Some(points)
+    };
+    let found = pool::map(threads, &jobs, work, |more| {
+        done += more;
+        show(done, total);
+        if !go_on() {
+            stopped.store(true, Ordering::Relaxed);
         }
-        drop(send);
-        let mut done = 0;
-        for (job, points) in receive {
-            done += points.first().map_or(0, Vec::len);
-            found[job] = Some(points);
-            show(done, total);
-            if !go_on() {
-                stopped.store(true, Ordering::Relaxed);
-            }
-        }
-        if done < total { Err(VolumeError::Stopped { done, total }) } else { Ok(()) }
-    })?;
-
-    let mut found = found.into_iter().flatten();
+    });
+    let found: Option<Vec<_>> = found.into_iter().collect();
+    let mut found = found.ok_or(VolumeError::Stopped { done, total })?.into_iter();
     let mut volumes = Vec::with_capacity(request.bases_m.len() * request.mu_static.len());
     for &base_m in &request.bases_m {
         let start = volumes.len();
         for &mu_static in &request.mu_static {
             volumes.push(Volume { base_m, mu_static, axes: request.axes, points: Vec::with_capacity(designs) });
         }
-        for share in found.by_ref().take(shares) {
+        for share in found.by_ref().take(shares.len()) {
             for (volume, points) in volumes[start..].iter_mut().zip(share) {
                 volume.points.extend(points);
             }
@@ -87,7 +70,7 @@ pub fn volumes_with(
 }
 
 /// The points of some designs of one base, a list for each coefficient of friction.
-fn share(request: &VolumeRequest, base_m: f64, designs: std::ops::Range<usize>) -> Vec<Vec<Point>> {
+fn share(request: &VolumeRequest, base_m: f64, designs: Range<usize>) -> Vec<Vec<Point>> {
     let mut lists: Vec<Vec<Point>> = request.mu_static.iter().map(|_| Vec::with_capacity(designs.len())).collect();
     for index in designs {
         let at = request.axes.at(index);
@@ -99,9 +82,4 @@ fn share(request: &VolumeRequest, base_m: f64, designs: std::ops::Range<usize>) 
         }
     }
     lists
-}
-
-/// The cores of this machine.
-pub fn all_cores() -> usize {
-    thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
