@@ -1,10 +1,13 @@
 //! From messages back to samples and events.
 
+use foxglove::Decode;
+use foxglove::messages::Log;
+
 use super::Ended;
 use super::bytes::Malformed;
 use super::channels::{Carries, Channels};
 use super::record::{ChannelRecord, MessageRecord, Names, SchemaRecord};
-use super::wire::{log_line, numbers};
+use super::wire::numbers;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
 use crate::trace::{self, ContactSample, Event, EventKind, LimitSample, Sample, Site};
 
@@ -117,9 +120,9 @@ impl Assembler {
                 return Ok(Found::DiscsEvent(BodiesEvent { time_s, pair, kind, approach_m_s, impulse_n_s }));
             }
             Carries::Lines => {
-                let (text, name) = log_line(data)?;
-                if name == "run" {
-                    return Ok(Found::Ended(Ended::new(message.log_time_ns as f64 * 1e-9, text)));
+                let line = Log::decode(data).map_err(|_| Malformed("a line of the log is not protobuf"))?;
+                if line.name == "run" {
+                    return Ok(Found::Ended(Ended::new(message.log_time_ns as f64 * 1e-9, line.message)));
                 }
             }
             Carries::Picture => {}

@@ -1,58 +1,28 @@
-//! The protobuf wire format, as far as messages of phalanx use it: doubles, booleans, texts; fields by number.
+//! The protobuf wire format, as far as phalanx's own messages use it: doubles and booleans, by number.
 
 use super::bytes::{Cursor, Malformed};
 
-/// The value of one field.
-enum Value<'a> {
-    Number(f64),
-    Bytes(&'a [u8]),
-}
-
 /// The fields 1…N of a flat message of doubles and booleans; what is not there is 0, what is further is skipped.
 pub fn numbers<const N: usize>(message: &[u8]) -> Result<[f64; N], Malformed> {
-    let mut values = [0.0; N];
-    each(message, |number, value| {
-        if let (Some(slot), Value::Number(value)) =
-            (usize::try_from(number).ok().and_then(|n| values.get_mut(n.checked_sub(1)?)), value)
-        {
-            *slot = value;
-        }
-    })?;
-    Ok(values)
-}
-
-/// The fields 3 (message) and 4 (name) of a `foxglove.Log`.
-pub fn log_line(message: &[u8]) -> Result<(String, String), Malformed> {
-    let (mut text, mut name) = (String::new(), String::new());
-    each(message, |number, value| {
-        if let Value::Bytes(bytes) = value {
-            match number {
-                3 => text = String::from_utf8_lossy(bytes).into_owned(),
-                4 => name = String::from_utf8_lossy(bytes).into_owned(),
-                _ => {}
-            }
-        }
-    })?;
-    Ok((text, name))
-}
-
-fn each<'a>(message: &'a [u8], mut field: impl FnMut(u64, Value<'a>)) -> Result<(), Malformed> {
-    let mut cursor = Cursor::new(message);
+    let (mut values, mut cursor) = ([0.0; N], Cursor::new(message));
     while !cursor.is_empty() {
         let key = varint(&mut cursor)?;
         let value = match key & 7 {
-            0 => Value::Number(varint(&mut cursor)? as f64),
-            1 => Value::Number(cursor.f64()?),
+            0 => varint(&mut cursor)? as f64,
+            1 => cursor.f64()?,
             2 => {
                 let length = varint(&mut cursor)?;
-                Value::Bytes(cursor.take(length)?)
+                cursor.take(length)?;
+                continue;
             }
-            5 => Value::Number(f64::from(f32::from_bits(cursor.u32()?))),
+            5 => f64::from(f32::from_bits(cursor.u32()?)),
             _ => return Err(Malformed("a message is not protobuf")),
         };
-        field(key >> 3, value);
+        if let Some(slot) = usize::try_from(key >> 3).ok().and_then(|number| values.get_mut(number.checked_sub(1)?)) {
+            *slot = value;
+        }
     }
-    Ok(())
+    Ok(values)
 }
 
 fn varint(cursor: &mut Cursor<'_>) -> Result<u64, Malformed> {
