@@ -7,28 +7,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-say() { printf '\n== clients: %s\n' "$*"; }
-
-# A program of the system: there, or installed where that is possible without asking, or asked for.
-# Usage: need "what it is" PACKAGES test...
-need() {
-    local what=$1 packages=$2
-    shift 2
-    if "$@" >/dev/null 2>&1; then
-        return
-    fi
-    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        say "installing $packages"
-        # shellcheck disable=SC2086  # several packages
-        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages) >/dev/null || true
-        hash -r
-        if "$@" >/dev/null 2>&1; then
-            return
-        fi
-    fi
-    echo "the tests with real clients need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install $packages)" >&2
-    exit 1
-}
+# shellcheck source=tools/need.sh
+. tools/need.sh
+clients="the tests with real clients"
 
 python_works() { python3 -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))'; }
 node_works() { npm --version && node -e 'process.exit(parseInt(process.versions.node) < 18 ? 1 : 0)'; }
@@ -40,9 +21,9 @@ browser() {
     fi
 }
 
-need "Python 3.11 or later with venv" "python3 python3-venv" python_works
-need "Node 18 or later with npm" "nodejs npm" node_works
-need "Chromium or Chrome" "chromium" browser
+need "$clients" "Python 3.11 or later with venv" "python3 python3-venv" python_works
+need "$clients" "Node 18 or later with npm" "nodejs npm" node_works
+need "$clients" "Chromium or Chrome" "chromium" browser
 CHROMIUM=$(browser)
 export CHROMIUM
 
@@ -56,7 +37,7 @@ stale() {
 venv=$PWD/target/clients/venv
 wanted=$( (python3 --version; pwd; cat tests/clients/requirements.txt) | cksum)
 if stale "$venv" "$wanted"; then
-    say "installing tests/clients/requirements.txt"
+    say "clients: installing tests/clients/requirements.txt"
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check -r tests/clients/requirements.txt
     echo "$wanted" >"$venv/.installed-from"
@@ -64,7 +45,7 @@ fi
 
 wanted=$( (node --version; cat tests/clients/package-lock.json) | cksum)
 if stale tests/clients/node_modules "$wanted"; then
-    say "installing tests/clients/package-lock.json"
+    say "clients: installing tests/clients/package-lock.json"
     (cd tests/clients && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
     echo "$wanted" >tests/clients/node_modules/.installed-from
 fi
@@ -80,8 +61,8 @@ if [ -z "${PHALANX:-}" ]; then
 fi
 export PHALANX
 
-say "Python"
+say "clients: Python"
 "$venv/bin/python" -m unittest discover --start-directory tests/clients --pattern 'test_*.py'
 
-say "Node"
+say "clients: Node"
 node --test tests/clients/*.test.mjs

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Every check of the project: formatting, lints, all tests, the documentation and its examples, and real clients of the logs.
-# Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed. What else the clients need,
-# tools/clients.sh installs or names.
+# Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, and real
+# clients of the logs. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed. What else the
+# browser's target and the clients need, tools/wasm.sh and tools/clients.sh install or name.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-say() { printf '\n== %s\n' "$*"; }
+# shellcheck source=tools/need.sh
+. tools/need.sh
 
 # Everything is built once here: what lets the next build be partial only fills the disk.
 export CARGO_INCREMENTAL=0
@@ -27,7 +28,7 @@ cargo fmt --check
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
-for apart in benches/solvers tests/fuzz; do
+for apart in benches/solvers tests/fuzz tests/wasm; do
     if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
         echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
         exit 1
@@ -53,6 +54,9 @@ if cargo nextest --version >/dev/null 2>&1; then
 else
     cargo test --workspace --locked --all-features --no-fail-fast --lib --bins --tests
 fi
+
+say "the core in the browser"
+tools/wasm.sh
 
 say "real clients"
 tools/clients.sh

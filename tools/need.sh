@@ -1,0 +1,24 @@
+# To be sourced: says what goes on, and gets what a script cannot do without.
+
+say() { printf '\n== %s\n' "$*"; }
+
+# A program of the system: there, or installed where that is possible without asking, or asked for.
+# Usage: need "who needs it" "what it is" PACKAGES test...
+need() {
+    local who=$1 what=$2 packages=$3
+    shift 3
+    if "$@" >/dev/null 2>&1; then
+        return
+    fi
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        say "installing $packages"
+        # shellcheck disable=SC2086  # several packages
+        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages) >/dev/null || true
+        hash -r
+        if "$@" >/dev/null 2>&1; then
+            return
+        fi
+    fi
+    echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install $packages)" >&2
+    exit 1
+}
