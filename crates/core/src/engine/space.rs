@@ -101,6 +101,12 @@ impl Space {
         }
     }
 
+    /// Whether the surfaces of a site close at the start of the step, or are at rest there and about to.
+    pub fn closes(&self, site: &Site) -> bool {
+        let rate = self.rate[site.normal];
+        rate < -RESTING || (rate <= RESTING && self.free[site.normal] < 0.0)
+    }
+
     /// Adds what impulses along all rows do to every body, reactions of the joints included, as generalised impulses.
     pub fn add_impulses(&self, linkage: &Linkage, along: &[f64], out: &mut [Twist]) {
         let bodies = out.len();
@@ -133,4 +139,6 @@ pub fn respond(rows: &[Row], linkage: &mut Linkage, bodies: usize, response: &mu
 
 /// A touch is taken in when its gap is below this many times what it closes freely in a step.
 const SAFETY: f64 = 1.5;
+/// Rates below this are rounding, m/s (stop: rad/s): the analytic model reads the start of a run by the same.
+const RESTING: f64 = 1e-12;
 const SHORTEST_LOOK_S: f64 = 1e-7;

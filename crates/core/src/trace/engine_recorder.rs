@@ -82,16 +82,13 @@ impl<'a> EngineRecorder<'a> {
         self.emit(&now, dt)
     }
 
-    /// Surfaces that the last step left apart, in its frozen geometry, and that overlap where this one starts.
+    /// Surfaces that the last step left apart, in its frozen geometry, or that the run starts with, and that overlap where this
+    /// one starts. What recedes has just been left, and overlaps by rounding.
     fn meet_between_steps(&mut self, motion: &Motion, start_s: f64) -> Result<(), SinkError> {
-        for at in motion.space.sites.iter().filter(|at| at.touch.gap <= 0.0) {
-            self.change(
-                engine::site(motion.plan, at.touch.index),
-                ChangeKind::Meets,
-                start_s,
-                -motion.space.rate[at.normal],
-                0.0,
-            )?;
+        let meets = |at: &&engine::Site| at.touch.gap <= 0.0 && motion.space.closes(at);
+        for at in motion.space.sites.iter().filter(meets) {
+            let closing = (-motion.space.rate[at.normal]).max(0.0);
+            self.change(engine::site(motion.plan, at.touch.index), ChangeKind::Meets, start_s, closing, 0.0)?;
         }
         Ok(())
     }

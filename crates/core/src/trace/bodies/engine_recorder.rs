@@ -2,7 +2,7 @@
 
 use super::engine_reading::{Start, sample};
 use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
-use crate::engine::{Change, ChangeKind, Motion};
+use crate::engine::{Change, ChangeKind, Motion, Site};
 use crate::scene::BodiesScene;
 use crate::trace::engine::Follow;
 use crate::trace::grid::Grid;
@@ -64,13 +64,12 @@ impl<'a> EngineRecorder<'a> {
             .map(|(pair, tracked)| tracked.impulse + motion.normal_impulse(pair))
             .collect();
         let now = sample(self.scene, motion, &self.start, &impulses);
-        // Surfaces that the last step left apart, in its frozen geometry, and that overlap where this one starts.
-        // What recedes has just been left, and overlaps by rounding.
-        for at in motion.space.sites.iter().filter(|at| at.touch.gap <= 0.0) {
-            let closing = -motion.space.rate[at.normal];
-            if closing > 0.0 {
-                self.change(at.touch.index, ChangeKind::Meets, end_s - dt, closing, 0.0)?;
-            }
+        // Surfaces that the last step left apart, in its frozen geometry, or that the run starts with, and that overlap where
+        // this one starts. What recedes has just been left, and overlaps by rounding.
+        let meets = |at: &&Site| at.touch.gap <= 0.0 && motion.space.closes(at);
+        for at in motion.space.sites.iter().filter(meets) {
+            let closing = (-motion.space.rate[at.normal]).max(0.0);
+            self.change(at.touch.index, ChangeKind::Meets, end_s - dt, closing, 0.0)?;
         }
         self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
