@@ -2,7 +2,7 @@
 
 use super::{ContactSample, Energy, LimitSample, Sample, Site};
 use crate::engine::{self, L11, L12, L21, L22, Motion, Touch, kinetic, potential};
-use crate::law::elastic_energy;
+use crate::law::{elastic_energy, friction_force, normal_force};
 use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
 
 /// Energies at the start of the run, from which works and losses count.
@@ -78,11 +78,25 @@ pub(super) fn forces(motion: &Motion, site: Site) -> (f64, f64) {
     engine::index_of(motion.plan, site).map_or((0.0, 0.0), |index| motion.forces(index))
 }
 
+/// Normal and tangential force of a touch at the end of the last step; before the first one, from the laws themselves.
+pub(super) fn pressing(motion: &Motion, touch: &Touch) -> (f64, f64) {
+    if motion.last_dt_s > 0.0 {
+        return motion.forces(touch.index);
+    }
+    if !touch.governed {
+        return (0.0, 0.0);
+    }
+    let [rate, slip] = [&touch.normal_row, &touch.slip_row].map(|row| row.rate(&motion.velocities));
+    let normal = normal_force(&touch.law, -touch.gap, -rate).force;
+    let friction = touch.friction.filter(|_| normal > 0.0);
+    (normal, friction.map_or(0.0, |law| friction_force(&law, slip, normal)))
+}
+
 fn contact(motion: &Motion, site: Site, impulses: &[f64; 3]) -> ContactSample {
     let Some(touch) = touch(motion, site) else {
         return ContactSample::NONE;
     };
-    let (normal_n, tangential_n) = forces(motion, site);
+    let (normal_n, tangential_n) = pressing(motion, touch);
     ContactSample {
         gap_m: touch.gap,
         gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
@@ -102,7 +116,7 @@ fn limit(motion: &Motion, impulses: &[f64; 3]) -> LimitSample {
     LimitSample {
         gap_rad: touch.gap,
         gap_rate_rad_s: touch.normal_row.rate(&motion.velocities),
-        torque_n_m: forces(motion, Site::Limit).0,
+        torque_n_m: pressing(motion, touch).0,
         impulse_n_m_s: impulses[Site::Limit as usize],
     }
 }

@@ -47,10 +47,10 @@ impl<'a> EngineRecorder<'a> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
             let site = engine::site(motion.plan, touch.index);
             self.change(site, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
-            self.sites[site as usize].summary.deepen(-touch.gap);
+            let summary = &mut self.sites[site as usize].summary;
+            summary.take(self.last.pressed(site as usize));
         }
-        let first = self.last;
-        self.sink.sample(&first)
+        self.sink.sample(&self.last)
     }
 
     /// One step: its events, its samples, its figures.

@@ -1,10 +1,9 @@
 //! Turns a node of the engine model of discs into a sample.
 
 use super::{BodiesSample, DiscState};
-use crate::engine::{Motion, Touch, kinetic, potential};
-use crate::law::{friction_force, normal_force};
+use crate::engine::{Motion, kinetic, potential};
 use crate::scene::BodiesScene;
-use crate::trace::engine_reading::elastic;
+use crate::trace::engine_reading::{elastic, pressing};
 use crate::trace::{ContactSample, Energy};
 
 /// Energies at the start of the run, from which works and losses count.
@@ -55,26 +54,15 @@ pub(super) fn sample(scene: &BodiesScene, motion: &Motion, start: &Start, impuls
 
 fn contact(motion: &Motion, pair: usize, impulse_n_s: f64) -> ContactSample {
     let Some(touch) = motion.touches.iter().find(|touch| touch.index == pair) else { return ContactSample::NONE };
-    let (rate, slip) = (touch.normal_row.rate(&motion.velocities), touch.slip_row.rate(&motion.velocities));
-    let (normal_n, tangential_n) =
-        if motion.last_dt_s == 0.0 { at_start(touch, rate, slip) } else { motion.forces(pair) };
+    let (normal_n, tangential_n) = pressing(motion, touch);
     ContactSample {
         gap_m: touch.gap,
-        gap_rate_m_s: rate,
-        slip_m_s: slip,
+        gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
+        slip_m_s: touch.slip_row.rate(&motion.velocities),
         normal_n,
         tangential_n,
         impulse_n_s,
         point_m: touch.point,
         normal: touch.normal,
     }
-}
-
-/// Forces before the first step, from the laws themselves.
-fn at_start(touch: &Touch, rate: f64, slip: f64) -> (f64, f64) {
-    if !touch.governed {
-        return (0.0, 0.0);
-    }
-    let normal = normal_force(&touch.law, -touch.gap, -rate).force;
-    (normal, touch.friction.map_or(0.0, |law| friction_force(&law, slip, normal)))
 }
