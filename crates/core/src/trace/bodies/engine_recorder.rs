@@ -8,7 +8,7 @@ use crate::trace::engine::Follow;
 use crate::trace::grid::Grid;
 use crate::trace::moments::Moments;
 use crate::trace::tracked::{Told, Tracked};
-use crate::trace::{SinkError, Work};
+use crate::trace::{Instant, SinkError, Work};
 
 pub(super) struct EngineRecorder<'a> {
     scene: &'a BodiesScene,
@@ -112,6 +112,7 @@ impl<'a> EngineRecorder<'a> {
             }
             if time_s > self.emitted_s && time_s < now.time_s {
                 self.emit_grid(now, time_s)?;
+                take(&mut self.pairs, &sample);
                 self.sink.extreme(&sample)?;
             }
         }
@@ -153,6 +154,7 @@ impl<'a> EngineRecorder<'a> {
         (contact.gap_m, contact.gap_rate_m_s) = (0.0, -closing);
         self.emit_grid(&touch, time_s)?;
         self.emitted_s = time_s;
+        take(&mut self.pairs, &touch);
         self.sink.sample(&touch)?;
         // Whatever comes until the end of the step comes at the rates after the impact.
         for (state, end) in touch.discs.iter_mut().zip(&now.discs) {
@@ -198,6 +200,7 @@ impl<'a> EngineRecorder<'a> {
         // Rates jump soon after an event: whoever interpolates needs the sample just before it.
         if self.emitted_s < self.last.time_s {
             self.emitted_s = self.last.time_s;
+            take(&mut self.pairs, &self.last);
             self.sink.sample(&self.last)?;
         }
         self.sink.event(&BodiesEvent { time_s, pair, kind, approach_m_s: approach, impulse_n_s: impulse })
@@ -211,8 +214,10 @@ impl<'a> EngineRecorder<'a> {
         let time_s = self.last.time_s;
         if self.grid.takes_end(time_s, dt) || time_s >= self.scene.duration_s {
             self.emitted_s = time_s;
+            take(&mut self.pairs, &self.last);
             self.sink.sample(&self.last)
         } else if self.moments.at_end {
+            take(&mut self.pairs, &self.last);
             self.sink.extreme(&self.last)
         } else {
             Ok(())
@@ -228,20 +233,28 @@ impl<'a> EngineRecorder<'a> {
             }
             if t > self.last.time_s {
                 self.emitted_s = t;
-                self.sink.sample(&between(&self.last, end, t))?;
+                let sample = between(&self.last, end, t);
+                take(&mut self.pairs, &sample);
+                self.sink.sample(&sample)?;
             }
         }
         Ok(())
     }
 
     /// The last sample, if the run broke off between grid points, and the summary.
-    pub fn finish(self) -> Result<BodiesOutcome, SinkError> {
+    pub fn finish(mut self) -> Result<BodiesOutcome, SinkError> {
         if self.emitted_s < self.last.time_s {
+            take(&mut self.pairs, &self.last);
             self.sink.sample(&self.last)?;
         }
         let pairs = self.pairs.into_iter().map(|tracked| tracked.summary).collect();
         Ok(BodiesOutcome { last: self.last, pairs, work: self.work })
     }
+}
+
+/// By rounding, and where a step has frozen the geometry, a sample can be above the extremes within the steps.
+fn take(pairs: &mut [Tracked], sample: &BodiesSample) {
+    pairs.iter_mut().enumerate().for_each(|(pair, tracked)| tracked.summary.take(sample.pressed(pair)));
 }
 
 impl Follow for EngineRecorder<'_> {
