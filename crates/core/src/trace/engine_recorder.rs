@@ -71,7 +71,7 @@ impl<'a> EngineRecorder<'a> {
             let time_s = end_s - dt + after_s;
             self.pass_extremes(&now, dt, after_s)?;
             if kind == ChangeKind::Meets && !self.sites[site as usize].touching {
-                self.pass_touch(motion, &now, site, time_s)?;
+                self.pass_touch(motion, &now, site, time_s, closing)?;
             }
             self.change(site, kind, time_s, closing, impulse)?;
         }
@@ -138,7 +138,14 @@ impl<'a> EngineRecorder<'a> {
 
     /// A sample at a touch within the step: up to here the site has had no impulse and the bodies have moved freely, from
     /// here on not.
-    fn pass_touch(&mut self, motion: &Motion, now: &Sample, site: Site, time_s: f64) -> Result<(), SinkError> {
+    fn pass_touch(
+        &mut self,
+        motion: &Motion,
+        now: &Sample,
+        site: Site,
+        time_s: f64,
+        closing: f64,
+    ) -> Result<(), SinkError> {
         if time_s <= self.last.time_s {
             return Ok(());
         }
@@ -147,11 +154,14 @@ impl<'a> EngineRecorder<'a> {
         for (contact, before) in [(&mut touch.proximal, &self.last.proximal), (&mut touch.distal, &self.last.distal)] {
             contact.press_on(before);
         }
+        let (limit, before) = (&mut touch.limit, &self.last.limit);
+        (limit.torque_n_m, limit.gap_rate_rad_s) = (before.torque_n_m, before.gap_rate_rad_s);
         match site {
-            Site::Proximal => touch.proximal.not_yet_pressed(&self.last.proximal),
-            Site::Distal => touch.distal.not_yet_pressed(&self.last.distal),
+            Site::Proximal => touch.proximal.not_yet_pressed(&self.last.proximal, closing),
+            Site::Distal => touch.distal.not_yet_pressed(&self.last.distal, closing),
             Site::Limit => {
-                (touch.limit.torque_n_m, touch.limit.impulse_n_m_s) = (0.0, self.last.limit.impulse_n_m_s);
+                (limit.torque_n_m, limit.impulse_n_m_s) = (0.0, before.impulse_n_m_s);
+                (limit.gap_rad, limit.gap_rate_rad_s) = (0.0, -closing);
             }
         }
         self.emit_grid(&touch, time_s)?;

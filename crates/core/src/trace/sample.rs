@@ -36,8 +36,9 @@ impl ContactSample {
         (self.slip_m_s, self.gap_rate_m_s) = (before.slip_m_s, before.gap_rate_m_s);
     }
 
-    /// At its own touch within a step: nothing has pressed so far, whatever does at the step's end.
-    pub(super) fn not_yet_pressed(&mut self, before: &Self) {
+    /// At its own touch within a step: the surfaces meet, and nothing has pressed so far, whatever does at the step's end.
+    pub(super) fn not_yet_pressed(&mut self, before: &Self, closing: f64) {
+        (self.gap_m, self.gap_rate_m_s) = (0.0, -closing);
         (self.normal_n, self.tangential_n, self.impulse_n_s) = (0.0, 0.0, before.impulse_n_s);
     }
 }

@@ -149,9 +149,7 @@ impl<'a> EngineRecorder<'a> {
         for (contact, before) in touch.contacts.iter_mut().zip(&self.last.contacts) {
             contact.press_on(before);
         }
-        let contact = &mut touch.contacts[pair];
-        contact.not_yet_pressed(&self.last.contacts[pair]);
-        (contact.gap_m, contact.gap_rate_m_s) = (0.0, -closing);
+        touch.contacts[pair].not_yet_pressed(&self.last.contacts[pair], closing);
         self.emit_grid(&touch, time_s)?;
         self.emitted_s = time_s;
         take(&mut self.pairs, &touch);
