@@ -46,7 +46,7 @@ pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> 
     if !readings[0].is_of_discs() && readings.iter().all(|reading| reading.samples > 0) {
         let last = sides.each_ref().map(|side| &side.finger.outcome.last);
         let objects = last.map(|sample| sample.proximal.gap_m.is_finite());
-        let limits = last.map(|sample| sample.limit.gap_rad.is_finite());
+        let limits = last.map(|sample| sample.limit.gap_m.is_finite());
         for (what, there) in [("an object", objects), ("a joint limit", limits)] {
             if there[0] != there[1] {
                 notes.push(format!("only {} has {what}", labels[usize::from(there[1])]));

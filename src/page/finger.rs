@@ -82,8 +82,8 @@ fn panels(scene: &Scene) -> Vec<Plan<'static, Sample>> {
     ];
     let mut torques = vec![curve("motor", |s| s.motor_torque_n_m)];
     if scene.limit.is_some() {
-        angles.push(moving("to limit", |s| s.limit.gap_rad, |s| s.limit.gap_rate_rad_s));
-        torques.push(curve("limit", |s| s.limit.torque_n_m));
+        angles.push(moving("to limit", |s| s.limit.gap_m, |s| s.limit.gap_rate_m_s));
+        torques.push(curve("limit", |s| s.limit.normal_n));
     }
     vec![
         plan("Normal force", "N", Scale::Logarithmic, contacts(scene, |contact| contact.normal_n)),

@@ -213,7 +213,7 @@ impl From<&Outcome> for Contacts {
             limit: LimitReport {
                 first_s: limit.first_s,
                 touchdowns: limit.touchdowns,
-                final_torque_n_m: outcome.last.limit.torque_n_m,
+                final_torque_n_m: outcome.last.limit.normal_n,
                 peak_torque_n_m: limit.peak_normal_n,
                 max_penetration_rad: limit.max_penetration_m,
                 impulse_n_m_s: limit.impulse_n_s,

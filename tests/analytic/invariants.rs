@@ -5,7 +5,7 @@ use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
 use phalanx::scene::{Response, Scene, Stepping};
 use phalanx::trace::bodies::{BodiesSample, BodiesSink, DiscState};
-use phalanx::trace::{ContactSample, Energy, LimitSample, Model, Sample, Sink};
+use phalanx::trace::{ContactSample, Energy, Model, Sample, Sink};
 
 const SPEED_M_S: f64 = 1.0;
 const START: Energy = Energy {
@@ -46,7 +46,7 @@ fn clean() -> Vec<Sample> {
             time_s: 1e-3 * f64::from(k),
             proximal: pressed(1e-2 * f64::from(k)),
             distal: ContactSample { gap_m: 1e-3, ..ContactSample::default() },
-            limit: LimitSample { gap_rad: 0.1, ..LimitSample::default() },
+            limit: ContactSample { gap_m: 0.1, ..ContactSample::default() },
             energy: Energy { kinetic_j: START.kinetic_j - lost_j, dissipated_j: lost_j, ..START },
             ..Sample::default()
         }
@@ -93,13 +93,13 @@ fn numbers_that_are_none() {
         breaks(Invariant::Finite, None, |sample| sample.qd22_rad_s = strange);
         breaks(Invariant::Finite, None, |sample| sample.proximal.normal_n = strange);
         breaks(Invariant::Finite, None, |sample| sample.proximal.point_m[1] = strange);
-        breaks(Invariant::Finite, None, |sample| sample.limit.torque_n_m = strange);
+        breaks(Invariant::Finite, None, |sample| sample.limit.normal_n = strange);
         breaks(Invariant::Finite, None, |sample| sample.energy.spring_j = strange);
     }
     // A gap to nothing is infinite and breaks nothing, one that is no number does.
-    breaks(Invariant::Finite, None, |sample| sample.limit.gap_rad = f64::NAN);
+    breaks(Invariant::Finite, None, |sample| sample.limit.gap_m = f64::NAN);
     let mut samples = clean();
-    samples.iter_mut().for_each(|sample| (sample.distal, sample.limit) = (ContactSample::NONE, LimitSample::NONE));
+    samples.iter_mut().for_each(|sample| (sample.distal, sample.limit) = (ContactSample::NONE, ContactSample::NONE));
     assert_eq!(broken(Model::Analytic, &scene(), &samples, 0.0), []);
 }
 
@@ -108,9 +108,9 @@ fn contacts_that_pull_or_push_from_afar() {
     breaks(Invariant::NoAdhesion, Some("proximal"), |sample| {
         (sample.proximal.normal_n, sample.proximal.tangential_n) = (-1e-3, 0.0);
     });
-    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.limit.torque_n_m = -1e-6);
+    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.limit.normal_n = -1e-6);
     breaks(Invariant::NoAdhesion, Some("distal"), |sample| sample.distal.normal_n = 1.0);
-    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.limit.torque_n_m = 1e-3);
+    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.limit.normal_n = 1e-3);
 }
 
 #[test]
@@ -184,9 +184,9 @@ fn a_joint_past_its_limit() {
     let law = scene().limit.expect("a limit");
     let e = law.exponent;
     let deepest = ((e + 1.0) * START.kinetic_j / law.stiffness_n_per_m_e).powf((e + 1.0).recip());
-    breaks(Invariant::JointLimit, Some("limit"), |sample| sample.limit.gap_rad = -1.1 * deepest);
+    breaks(Invariant::JointLimit, Some("limit"), |sample| sample.limit.gap_m = -1.1 * deepest);
     let mut samples = clean();
-    samples[3].limit.gap_rad = -0.9 * deepest;
+    samples[3].limit.gap_m = -0.9 * deepest;
     assert_eq!(broken(Model::Analytic, &scene(), &samples, 0.0), []);
 }
 

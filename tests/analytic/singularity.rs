@@ -27,7 +27,7 @@ fn numbers(s: &Sample) -> [f64; 14] {
         s.qd21_rad_s,
         s.qd12_rad_s,
         s.qd22_rad_s,
-        s.limit.torque_n_m,
+        s.limit.normal_n,
         s.energy.kinetic_j,
         s.energy.balance_j,
         s.proximal.normal_n + s.distal.normal_n + s.proximal.tangential_n + s.distal.tangential_n,

@@ -110,7 +110,7 @@ fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
         assert_eq!(series("Normal force", "distal"), bits(samples.iter().map(|s| s.distal.normal_n)));
         assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.qd22_rad_s)));
         assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
-        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.limit.torque_n_m)));
+        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.limit.normal_n)));
         let times: Vec<f64> =
             list(&run["events"]).iter().map(|event| event["time_s"].as_f64().expect("a time")).collect();
         assert_eq!(times.len(), recording.events.len());

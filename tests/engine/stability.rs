@@ -34,7 +34,7 @@ fn rebound(run: &Collect, site: Site) -> f64 {
 fn finite(sample: &Sample) -> bool {
     let contacts = [&sample.proximal, &sample.distal];
     mechanical(sample).is_finite()
-        && [sample.q11_rad, sample.q21_rad, sample.q22_rad, sample.qd11_rad_s, sample.limit.torque_n_m]
+        && [sample.q11_rad, sample.q21_rad, sample.q22_rad, sample.qd11_rad_s, sample.limit.normal_n]
             .iter()
             .chain(contacts.iter().flat_map(|c| [&c.normal_n, &c.tangential_n, &c.gap_m, &c.slip_m_s]))
             .all(|x| x.is_finite())

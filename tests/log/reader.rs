@@ -66,7 +66,7 @@ fn what_a_scene_does_not_have_is_not_there() {
     assert!(reading.is_whole());
     let Some(Item::Sample(sample)) = found.0.first() else { panic!("no sample") };
     assert_eq!(sample.distal.gap_m, f64::INFINITY);
-    assert_eq!(sample.limit.gap_rad, f64::INFINITY);
+    assert_eq!(sample.limit.gap_m, f64::INFINITY);
 }
 
 #[test]

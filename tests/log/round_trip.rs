@@ -136,10 +136,10 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
             "/limit",
             vec![
                 ("timestamp", sample.time_s),
-                ("gap_rad", sample.limit.gap_rad),
-                ("gap_rate_rad_s", sample.limit.gap_rate_rad_s),
-                ("torque_n_m", sample.limit.torque_n_m),
-                ("impulse_n_m_s", sample.limit.impulse_n_m_s),
+                ("gap_rad", sample.limit.gap_m),
+                ("gap_rate_rad_s", sample.limit.gap_rate_m_s),
+                ("torque_n_m", sample.limit.normal_n),
+                ("impulse_n_m_s", sample.limit.impulse_n_s),
             ],
         ),
         (

@@ -105,7 +105,7 @@ pub fn impact_impulse(run: &Collect, site: Site, window_s: f64) -> f64 {
         match site {
             Site::Proximal => sample.proximal.impulse_n_s,
             Site::Distal => sample.distal.impulse_n_s,
-            Site::Limit => sample.limit.impulse_n_m_s,
+            Site::Limit => sample.limit.impulse_n_s,
         }
     };
     at(touch + window_s) - at(touch)

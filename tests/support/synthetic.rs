@@ -6,7 +6,7 @@ use phalanx::scene::{
     Actuation, Bounds, Contacts, Disc, Engine, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring,
     SpringKind, show,
 };
-use phalanx::trace::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
+use phalanx::trace::{ContactSample, Energy, Event, EventKind, Sample, Site};
 
 /// A scene whose text says what it is.
 pub fn scene() -> Scene {
@@ -90,7 +90,13 @@ pub fn sample(time_s: f64) -> Sample {
         motor_torque_n_m: 0.48,
         proximal: contact(10),
         distal: contact(20),
-        limit: LimitSample { gap_rad: f(30), gap_rate_rad_s: f(31), torque_n_m: f(32), impulse_n_m_s: f(33) },
+        limit: ContactSample {
+            gap_m: f(30),
+            gap_rate_m_s: f(31),
+            normal_n: f(32),
+            impulse_n_s: f(33),
+            ..ContactSample::default()
+        },
         energy: Energy {
             kinetic_j: f(40),
             gravity_j: f(41),

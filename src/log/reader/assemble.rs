@@ -9,7 +9,7 @@ use super::channels::{Carries, Channels};
 use super::record::{ChannelRecord, MessageRecord, Names, SchemaRecord};
 use super::wire::numbers;
 use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
-use crate::trace::{self, ContactSample, Event, EventKind, LimitSample, Sample, Site};
+use crate::trace::{self, ContactSample, Event, EventKind, Sample, Site};
 
 const BACK: Malformed = Malformed("the time of a sample is not a number, or goes back");
 
@@ -87,9 +87,10 @@ impl Assembler {
                 }
             }
             Carries::Limit => {
-                let [_, gap_rad, gap_rate_rad_s, torque_n_m, impulse_n_m_s] = numbers(data)?;
+                let [_, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = numbers(data)?;
                 if let Some(sample) = &mut self.pending {
-                    sample.limit = LimitSample { gap_rad, gap_rate_rad_s, torque_n_m, impulse_n_m_s };
+                    sample.limit =
+                        ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() };
                 }
             }
             Carries::Energy => {
@@ -196,7 +197,7 @@ impl Assembler {
             motor_torque_n_m,
             proximal: ContactSample::NONE,
             distal: ContactSample::NONE,
-            limit: LimitSample::NONE,
+            limit: ContactSample::NONE,
             energy: trace::Energy::default(),
         })
     }

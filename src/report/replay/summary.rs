@@ -40,7 +40,7 @@ impl Sink for Summary {
         let now = [
             [proximal.normal_n, proximal.gap_m, proximal.impulse_n_s],
             [distal.normal_n, distal.gap_m, distal.impulse_n_s],
-            [limit.torque_n_m, limit.gap_rad, limit.impulse_n_m_s],
+            [limit.normal_n, limit.gap_m, limit.impulse_n_s],
         ];
         self.outcome.sites.iter_mut().zip(now).for_each(|(site, now)| take(site, now));
         Ok(())

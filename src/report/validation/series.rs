@@ -25,7 +25,7 @@ pub const COLUMNS: [Column; 15] = [
     ("distal_normal_n", |s| s.distal.normal_n),
     ("proximal_tangential_n", |s| s.proximal.tangential_n),
     ("distal_tangential_n", |s| s.distal.tangential_n),
-    ("limit_torque_n_m", |s| s.limit.torque_n_m),
+    ("limit_torque_n_m", |s| s.limit.normal_n),
     ("kinetic_j", |s| s.energy.kinetic_j),
     ("balance_j", |s| s.energy.balance_j),
 ];

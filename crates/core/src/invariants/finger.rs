@@ -3,7 +3,7 @@
 use super::measure::{Place, Reading};
 use super::{Invariant, Invariants, Tolerances};
 use crate::scene::Scene;
-use crate::trace::{ContactSample, Event, LimitSample, Model, Sample, Sink, SinkError};
+use crate::trace::{ContactSample, Event, Model, Sample, Sink, SinkError};
 
 impl Invariants {
     /// For a run of `scene` with `model`, held to the tolerances of its settings.
@@ -36,9 +36,8 @@ impl Sink for Invariants {
         let Sample { proximal, distal, limit, .. } = sample;
         // A gap to nothing is infinite: that place is not watched.
         let there = |gap: f64| gap != f64::INFINITY;
-        let contacts = [proximal, distal].into_iter().filter(|contact| there(contact.gap_m)).map(contact);
-        let stop = Some(limit).filter(|limit| there(limit.gap_rad)).map(stop);
-        self.look(sample.time_s, strange(sample), &sample.energy, contacts.chain(stop));
+        let contacts = [proximal, distal, limit].into_iter().filter(|contact| there(contact.gap_m)).map(contact);
+        self.look(sample.time_s, strange(sample), &sample.energy, contacts);
         Ok(())
     }
 
@@ -52,26 +51,13 @@ pub(super) fn contact(contact: &ContactSample) -> Reading {
     Reading { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s }
 }
 
-fn stop(limit: &LimitSample) -> Reading {
-    Reading {
-        gap_m: limit.gap_rad,
-        gap_rate_m_s: limit.gap_rate_rad_s,
-        normal_n: limit.torque_n_m,
-        tangential_n: 0.0,
-        slip_m_s: 0.0,
-        impulse_n_s: limit.impulse_n_m_s,
-    }
-}
-
 /// How many numbers are none.
 fn strange(sample: &Sample) -> usize {
     let Sample { proximal, distal, limit, energy, .. } = sample;
     let angles = [sample.q11_rad, sample.q21_rad, sample.q12_rad, sample.q22_rad, sample.q13_rad];
     let rates = [sample.qd11_rad_s, sample.qd21_rad_s, sample.qd12_rad_s, sample.qd22_rad_s];
-    let stop = [limit.gap_rate_rad_s, limit.torque_n_m, limit.impulse_n_m_s];
-    let gap = Some(limit.gap_rad).filter(|gap| *gap != f64::INFINITY);
-    let plain = [sample.time_s, sample.motor_torque_n_m].into_iter().chain(angles).chain(rates).chain(stop).chain(gap);
-    let contacts = [proximal, distal].into_iter().flat_map(numbers);
+    let plain = [sample.time_s, sample.motor_torque_n_m].into_iter().chain(angles).chain(rates);
+    let contacts = [proximal, distal, limit].into_iter().flat_map(numbers);
     plain.chain(energy.values_j()).chain(contacts).filter(|number| !number.is_finite()).count()
 }
 

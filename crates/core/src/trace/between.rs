@@ -1,6 +1,6 @@
 //! A sample between two others.
 
-use super::{ContactSample, Energy, LimitSample, Sample};
+use super::{ContactSample, Energy, Sample};
 use crate::numeric::plane::near_turn;
 
 /// The sample at time `t` between `a` and `b`: angles by cubic Hermite interpolation with their rates, all else linear.
@@ -33,12 +33,7 @@ pub fn between(a: &Sample, b: &Sample, t: f64) -> Sample {
         motor_torque_n_m: of(|s| s.motor_torque_n_m),
         proximal: contact(&a.proximal, &b.proximal, &line),
         distal: contact(&a.distal, &b.distal, &line),
-        limit: LimitSample {
-            gap_rad: line(a.limit.gap_rad, b.limit.gap_rad),
-            gap_rate_rad_s: line(a.limit.gap_rate_rad_s, b.limit.gap_rate_rad_s),
-            torque_n_m: line(a.limit.torque_n_m, b.limit.torque_n_m),
-            impulse_n_m_s: line(a.limit.impulse_n_m_s, b.limit.impulse_n_m_s),
-        },
+        limit: contact(&a.limit, &b.limit, &line),
         energy: energy(&a.energy, &b.energy, &line),
     }
 }

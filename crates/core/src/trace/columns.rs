@@ -79,7 +79,7 @@ pub fn finger_values(sample: &Sample) -> impl Iterator<Item = f64> {
         sample.motor_torque_n_m,
     ];
     let limit = &sample.limit;
-    let limit = [limit.gap_rad, limit.gap_rate_rad_s, limit.torque_n_m, limit.impulse_n_m_s];
+    let limit = [limit.gap_m, limit.gap_rate_m_s, limit.normal_n, limit.impulse_n_s];
     let contacts = contact(&sample.proximal).into_iter().chain(contact(&sample.distal));
     state.into_iter().chain(contacts).chain(where_there(limit)).chain(sample.energy.values_j())
 }

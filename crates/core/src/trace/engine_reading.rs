@@ -1,6 +1,6 @@
 //! Turns a node of the engine model into a sample.
 
-use super::{ContactSample, Energy, LimitSample, Sample, Site};
+use super::{ContactSample, Energy, Sample, Site};
 use crate::engine::{self, L11, L12, L21, L22, Motion, Touch, kinetic, potential};
 use crate::law::{elastic_energy, friction_force, normal_force};
 use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
@@ -55,7 +55,7 @@ pub(super) fn sample(motion: &Motion, phi22_rad: f64, start: &Start, impulses: &
         motor_torque_n_m: motion.plan.motor_torque(time_s),
         proximal: contact(motion, Site::Proximal, impulses),
         distal: contact(motion, Site::Distal, impulses),
-        limit: limit(motion, impulses),
+        limit: contact(motion, Site::Limit, impulses),
         energy: Energy {
             kinetic_j: now.kinetic,
             gravity_j: now.gravity,
@@ -106,17 +106,5 @@ fn contact(motion: &Motion, site: Site, impulses: &[f64; 3]) -> ContactSample {
         impulse_n_s: impulses[site as usize],
         point_m: touch.point,
         normal: touch.normal,
-    }
-}
-
-fn limit(motion: &Motion, impulses: &[f64; 3]) -> LimitSample {
-    let Some(touch) = touch(motion, Site::Limit) else {
-        return LimitSample::NONE;
-    };
-    LimitSample {
-        gap_rad: touch.gap,
-        gap_rate_rad_s: touch.normal_row.rate(&motion.velocities),
-        torque_n_m: pressing(motion, touch).0,
-        impulse_n_m_s: impulses[Site::Limit as usize],
     }
 }

@@ -124,16 +124,12 @@ impl<'a> EngineRecorder<'a> {
     }
 
     fn put_moment(&self, sample: &mut Sample, site: usize, moment: &Moment) {
-        let impulse = self.sites[site].impulse;
-        match Site::ALL[site] {
-            Site::Proximal => sample.proximal.at(moment, impulse),
-            Site::Distal => sample.distal.at(moment, impulse),
-            Site::Limit => {
-                let limit = &mut sample.limit;
-                (limit.gap_rad, limit.gap_rate_rad_s) = (moment.gap, moment.gap_rate);
-                (limit.torque_n_m, limit.impulse_n_m_s) = (moment.normal, impulse + moment.impulse);
-            }
-        }
+        let contact = match Site::ALL[site] {
+            Site::Proximal => &mut sample.proximal,
+            Site::Distal => &mut sample.distal,
+            Site::Limit => &mut sample.limit,
+        };
+        contact.at(moment, self.sites[site].impulse);
     }
 
     /// A sample at a touch within the step: up to here the site has had no impulse and the bodies have moved freely, from
@@ -151,17 +147,15 @@ impl<'a> EngineRecorder<'a> {
         }
         let mut touch = between(&self.last, now, time_s);
         fly(&mut touch, &self.last, |body| motion.step_accelerations[body][2]);
-        for (contact, before) in [(&mut touch.proximal, &self.last.proximal), (&mut touch.distal, &self.last.distal)] {
+        let last = &self.last;
+        for (contact, before, at) in [
+            (&mut touch.proximal, &last.proximal, Site::Proximal),
+            (&mut touch.distal, &last.distal, Site::Distal),
+            (&mut touch.limit, &last.limit, Site::Limit),
+        ] {
             contact.press_on(before);
-        }
-        let (limit, before) = (&mut touch.limit, &self.last.limit);
-        (limit.torque_n_m, limit.gap_rate_rad_s) = (before.torque_n_m, before.gap_rate_rad_s);
-        match site {
-            Site::Proximal => touch.proximal.not_yet_pressed(&self.last.proximal, closing),
-            Site::Distal => touch.distal.not_yet_pressed(&self.last.distal, closing),
-            Site::Limit => {
-                (limit.torque_n_m, limit.impulse_n_m_s) = (0.0, before.impulse_n_m_s);
-                (limit.gap_rad, limit.gap_rate_rad_s) = (0.0, -closing);
+            if at == site {
+                contact.not_yet_pressed(before, closing);
             }
         }
         self.emit_grid(&touch, time_s)?;

@@ -26,6 +26,6 @@ pub use engine::run_engine;
 pub use model::{Model, run};
 pub use outcome::{Outcome, SiteSummary, Work};
 pub use recording::{Recording, record, record_bodies};
-pub use sample::{ContactSample, Energy, Event, EventKind, LimitSample, Sample, Site};
+pub use sample::{ContactSample, Energy, Event, EventKind, Sample, Site};
 pub use sink::{Sink, SinkError};
 pub use thin::{Instant, Thin, Thinned};

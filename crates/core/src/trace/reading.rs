@@ -1,6 +1,6 @@
 //! Turns a state of the analytic model into a sample.
 
-use super::{ContactSample, Energy, LimitSample, Sample, Site};
+use super::{ContactSample, Energy, Sample, Site};
 use crate::analytic::{Energies, Model, QUADRATURES, SiteReading, Snapshot};
 use crate::integrator::State;
 
@@ -32,12 +32,7 @@ pub(super) fn sample(
         motor_torque_n_m: model.motor_torque(t),
         proximal: contact_sample(&sites[Site::Proximal as usize], state.z[0]),
         distal: contact_sample(&sites[Site::Distal as usize], state.z[1]),
-        limit: sites[Site::Limit as usize].map_or(LimitSample::NONE, |r| LimitSample {
-            gap_rad: -r.delta,
-            gap_rate_rad_s: -r.delta_rate,
-            torque_n_m: r.normal,
-            impulse_n_m_s: state.z[2],
-        }),
+        limit: contact_sample(&sites[Site::Limit as usize], state.z[2]),
         energy: Energy {
             kinetic_j: energies.kinetic,
             gravity_j: energies.gravity,

@@ -2,7 +2,11 @@
 
 pub use crate::gripper::Site;
 
-/// One phalanx against the object. Without an object every field is zero and `gap_m` infinite.
+/// One place of contact: a phalanx against the object, a disc against another, the joint limit. Where there is nothing to
+/// touch every field is zero and `gap_m` infinite.
+///
+/// The joint limit is a contact whose gap is an angle, δ = −φ22 − q22, and whose force is a torque on q22: for it read rad for
+/// m and N·m for N. It has no slip, no friction, no point and no normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSample {
     /// Distance between the surfaces, negative in penetration (−δ).
@@ -43,17 +47,6 @@ impl ContactSample {
     }
 }
 
-/// The joint limit: δ = −φ22 − q22 and the torque it puts on q22.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LimitSample {
-    /// Angle to the stop, negative in penetration (−δ).
-    pub gap_rad: f64,
-    pub gap_rate_rad_s: f64,
-    pub torque_n_m: f64,
-    /// Impulse of the torque since the start of the run.
-    pub impulse_n_m_s: f64,
-}
-
 impl ContactSample {
     /// Where there is nothing to touch.
     pub const NONE: Self = Self {
@@ -66,11 +59,6 @@ impl ContactSample {
         point_m: [0.0; 2],
         normal: [0.0; 2],
     };
-}
-
-impl LimitSample {
-    /// Where there is no joint limit.
-    pub const NONE: Self = Self { gap_rad: f64::INFINITY, gap_rate_rad_s: 0.0, torque_n_m: 0.0, impulse_n_m_s: 0.0 };
 }
 
 /// Energies and works since the start, in joules.
@@ -121,7 +109,8 @@ pub struct Sample {
     pub motor_torque_n_m: f64,
     pub proximal: ContactSample,
     pub distal: ContactSample,
-    pub limit: LimitSample,
+    /// In rad, rad/s, N·m and N·m·s.
+    pub limit: ContactSample,
     pub energy: Energy,
 }
 

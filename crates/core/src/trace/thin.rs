@@ -5,7 +5,7 @@
 
 use super::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use super::grid::is_point;
-use super::{ContactSample, Event, Sample, Sink, SinkError};
+use super::{Event, Sample, Sink, SinkError};
 
 /// An impact lasts as long as some force changes by more than this part of itself in an interval of the grid…
 const CHANGE: f64 = 0.1;
@@ -33,12 +33,12 @@ impl Instant for Sample {
     }
 
     fn pressed(&self, place: usize) -> (f64, f64) {
-        let of = |contact: &ContactSample| (contact.normal_n, -contact.gap_m);
-        match place {
-            0 => of(&self.proximal),
-            1 => of(&self.distal),
-            _ => (self.limit.torque_n_m, -self.limit.gap_rad),
-        }
+        let contact = match place {
+            0 => &self.proximal,
+            1 => &self.distal,
+            _ => &self.limit,
+        };
+        (contact.normal_n, -contact.gap_m)
     }
 
     fn copy_from(&mut self, other: &Self) {
