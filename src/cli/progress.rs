@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::output::is_quiet;
 use crate::report::duration;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Nothing is shown before this.
@@ -133,7 +133,7 @@ impl Sink for Progress {
     }
 }
 
-impl BodiesSink for Progress {
+impl Sink<BodiesSample> for Progress {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.reached(sample.time_s);
         Ok(())

@@ -19,7 +19,7 @@ use crate::page::{Note, Page, page};
 use crate::plot::{self, Apart, Differences, Touches};
 use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
 use crate::scene::Bounds;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 use crate::validate::{Angle, BodiesComparison, BodiesRecording, Recording, compare};
 

@@ -13,7 +13,7 @@ use crate::log::{self, LogSink, Names, Reading};
 use crate::page::{Film, Page, Reel, page};
 use crate::report::{Sheet, replay_text};
 use crate::scene::{AnyScene, BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// A run kept for a page, in bounded memory: one of many samples is thinned out.

@@ -13,7 +13,7 @@ use crate::criteria::{AtRest, Criteria, Tracker};
 use crate::log::{self, LARGEST_RECORD, LogSink, Names, ReadError, Reading};
 use crate::report::{CsvHead, DiscsSummary, ReplayReport, Summary, csv_discs, csv_finger};
 use crate::scene::{self, AnyScene, BodiesScene, SceneError};
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
 use crate::trace::{Event, Outcome, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
@@ -114,7 +114,7 @@ impl LogSink for Listeners<'_> {
 
     fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.check()?;
-        BodiesSink::sample(&mut self.progress, sample)?;
+        Sink::sample(&mut self.progress, sample)?;
         self.discs.sample(sample)
     }
 

@@ -12,7 +12,7 @@ use crate::integrator;
 use crate::log::{self, Beside, BodiesChannels, FingerChannels, Ran};
 use crate::report;
 use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample};
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError};
 
 /// A simulation that is over.
@@ -99,7 +99,7 @@ pub(super) fn bodies<W: Write + Send + 'static>(
     scene: &BodiesScene,
     log: Option<Beside<W, BodiesChannels>>,
     limits: &Limits<'_>,
-    also: &mut impl BodiesSink,
+    also: &mut impl Sink<BodiesSample>,
 ) -> Simulated<W, BodiesOutcome, Vec<Rebound>> {
     let mut watched = Watched::new(scene.duration_s, limits, also);
     let Ran { result, found, last_s, wall_s, log } = log::run_bodies(model, scene, log, &mut watched);
@@ -176,10 +176,10 @@ impl<A: Sink> Sink for Watched<'_, A> {
     }
 }
 
-impl<A: BodiesSink> BodiesSink for Watched<'_, A> {
+impl<A: Sink<BodiesSample>> Sink<BodiesSample> for Watched<'_, A> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
-        BodiesSink::sample(&mut self.progress, sample)?;
+        Sink::sample(&mut self.progress, sample)?;
         self.also.sample(sample)
     }
 

@@ -16,7 +16,7 @@ use super::file::LogFile;
 use super::finger::FingerChannels;
 use super::metadata::{Logged, RunInfo};
 use super::writer::{Channels, Writer};
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Entries that are handed over at once…
@@ -179,7 +179,7 @@ impl<W: Write + Send + 'static> Sink for Beside<W, FingerChannels> {
     }
 }
 
-impl<W: Write + Send + 'static> BodiesSink for Beside<W, BodiesChannels> {
+impl<W: Write + Send + 'static> Sink<BodiesSample> for Beside<W, BodiesChannels> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.take(Entry::Sample(sample.clone()))
     }

@@ -11,8 +11,8 @@ use super::pictures::Pictures;
 use super::writer::{Channels, Writer};
 use crate::drawing;
 use crate::scene::BodiesScene;
-use crate::trace::SinkError;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, DiscState};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
+use crate::trace::{Sink, SinkError};
 
 /// One channel for every disc, two for every pair.
 pub struct BodiesChannels {
@@ -82,7 +82,7 @@ impl Channels for BodiesChannels {
     }
 }
 
-impl<W: Write> BodiesSink for Writer<W, BodiesChannels> {
+impl<W: Write> Sink<BodiesSample> for Writer<W, BodiesChannels> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.take(sample)
     }

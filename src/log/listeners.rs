@@ -13,7 +13,7 @@ use super::writer::Channels;
 use crate::check::Check;
 use crate::criteria::{Criteria, Rebound, Rebounds, Tracker, at_rest};
 use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, run_bodies};
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
 
 /// A run that is over, and its log, which is not.
@@ -64,7 +64,7 @@ pub fn bodies<W: Write + Send + 'static>(
     model: Model,
     scene: &BodiesScene,
     log: Option<Beside<W, BodiesChannels>>,
-    also: &mut impl BodiesSink,
+    also: &mut impl Sink<BodiesSample>,
 ) -> Ran<W, BodiesChannels, BodiesOutcome, Vec<Rebound>, BodiesRunError> {
     let listeners = Listeners { log, found: Rebounds::new(scene.pairs().len()), last_s: 0.0, also };
     let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
@@ -144,7 +144,9 @@ impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, FingerChannel
     }
 }
 
-impl<W: Write + Send + 'static, A: BodiesSink> BodiesSink for Listeners<'_, W, BodiesChannels, Rebounds, A> {
+impl<W: Write + Send + 'static, A: Sink<BodiesSample>> Sink<BodiesSample>
+    for Listeners<'_, W, BodiesChannels, Rebounds, A>
+{
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.found.sample(sample)?;

@@ -2,7 +2,7 @@
 
 use super::{Film, discs_film, finger_film};
 use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 use crate::wording::Sheet;
 
@@ -151,7 +151,7 @@ impl Sink for Reel<Sample, Event> {
     }
 }
 
-impl BodiesSink for Reel<BodiesSample, BodiesEvent> {
+impl Sink<BodiesSample> for Reel<BodiesSample, BodiesEvent> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.take(sample.clone(), sample.contacts.iter().map(|contact| contact.normal_n).collect());
         Ok(())

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use crate::integrator::Failure;
 use crate::scene::{BodiesScene, Integrator, Method, Preset, Response, Stepping};
-use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
-use crate::trace::{EventKind, Model, SinkError};
+use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, run_bodies};
+use crate::trace::{EventKind, Model, Sink, SinkError};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
 const FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -113,7 +113,7 @@ struct Curve {
     rate_after_m_s: f64,
 }
 
-impl BodiesSink for Curve {
+impl Sink<BodiesSample> for Curve {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         let contact = &sample.contacts[self.pair];
         self.points.push((sample.time_s, contact.normal_n));
@@ -140,7 +140,7 @@ struct While<'a, S> {
     go_on: &'a dyn Fn() -> bool,
 }
 
-impl<S: BodiesSink> BodiesSink for While<'_, S> {
+impl<S: Sink<BodiesSample>> Sink<BodiesSample> for While<'_, S> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.sink.sample(sample)
     }

@@ -1,6 +1,6 @@
 //! Runs that end when they are told to.
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Says whether to go on; asked once a step.
@@ -30,7 +30,7 @@ impl<S: Sink> Sink for While<'_, S> {
     }
 }
 
-impl<S: BodiesSink> BodiesSink for While<'_, S> {
+impl<S: Sink<BodiesSample>> Sink<BodiesSample> for While<'_, S> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.sink.sample(sample)
     }

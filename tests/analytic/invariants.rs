@@ -4,7 +4,7 @@ use crate::support::laws::{FRICTION, THESIS, disc, on_plane, sliding};
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
 use phalanx::scene::{Response, Scene, Stepping};
-use phalanx::trace::bodies::{BodiesSample, BodiesSink, DiscState};
+use phalanx::trace::bodies::{BodiesSample, DiscState};
 use phalanx::trace::{ContactSample, Energy, Model, Sample, Sink};
 
 const SPEED_M_S: f64 = 1.0;
@@ -244,7 +244,7 @@ fn discs_are_held_to_them_too() {
         doctor(&mut samples[3]);
         let mut invariants = Invariants::of_discs(Model::Analytic, &scene);
         for sample in &samples {
-            BodiesSink::sample(&mut invariants, sample).expect("measuring writes nothing");
+            Sink::sample(&mut invariants, sample).expect("measuring writes nothing");
         }
         let found: Vec<Finding> = invariants.findings(0.0).into_iter().filter(Finding::is_broken).collect();
         found.into_iter().map(|one| (one.invariant, one.place)).collect::<Vec<_>>()

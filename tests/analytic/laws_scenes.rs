@@ -9,8 +9,8 @@ use mcap::{MessageStream, Summary};
 use phalanx::criteria::Rebounds;
 use phalanx::invariants::Finding;
 use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
-use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
-use phalanx::trace::{Model, SinkError};
+use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
+use phalanx::trace::{Model, Sink, SinkError};
 use phalanx::validate::{Subject, reference, sampled};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
@@ -42,7 +42,7 @@ struct Listener {
     friction: (f64, f64),
 }
 
-impl BodiesSink for Listener {
+impl Sink<BodiesSample> for Listener {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.first.get_or_insert_with(|| sample.clone());
         for contact in &sample.contacts {

@@ -3,7 +3,7 @@
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant, Invariants, Tolerances};
 use phalanx::scene::{BodiesScene, Engine, Scene, Stepping};
-use phalanx::trace::bodies::{self, BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink};
+use phalanx::trace::bodies::{self, BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample};
 use phalanx::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
 use phalanx::validate::steps_only;
 
@@ -32,9 +32,9 @@ impl<S: Sink> Sink for Held<'_, S> {
     }
 }
 
-impl<S: BodiesSink> BodiesSink for Held<'_, S> {
+impl<S: Sink<BodiesSample>> Sink<BodiesSample> for Held<'_, S> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        BodiesSink::sample(&mut self.invariants, sample)?;
+        Sink::sample(&mut self.invariants, sample)?;
         self.sink.sample(sample)
     }
 
@@ -60,7 +60,7 @@ pub fn judged(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outc
 pub fn judged_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut impl BodiesSink,
+    sink: &mut impl Sink<BodiesSample>,
 ) -> (Result<BodiesOutcome, BodiesRunError>, Vec<Finding>) {
     let (result, found) = watched_bodies(model, scene, sink);
     match between_steps(model, &found) {
@@ -82,7 +82,7 @@ pub fn run(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome,
 pub fn run_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut impl BodiesSink,
+    sink: &mut impl Sink<BodiesSample>,
 ) -> Result<BodiesOutcome, BodiesRunError> {
     let (result, found) = judged_bodies(model, scene, sink);
     assert!(found.is_empty(), "{}, {} model: {}", scene.name, model.name(), lines(&found));
@@ -129,7 +129,7 @@ fn is_energy(finding: &Finding) -> bool {
 fn watched_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut impl BodiesSink,
+    sink: &mut impl Sink<BodiesSample>,
 ) -> (Result<BodiesOutcome, BodiesRunError>, Vec<Finding>) {
     let mut held = Held { invariants: Invariants::of_discs(model, scene), sink };
     let result = bodies::run_bodies(model, scene, &mut held);

@@ -6,8 +6,8 @@ use phalanx::scene::{
     BodiesBounds, BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset,
     Response, Stepping,
 };
-use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
-use phalanx::trace::{EventKind, Model, SinkError};
+use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
+use phalanx::trace::{EventKind, Model, Sink, SinkError};
 
 pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
 
@@ -93,7 +93,7 @@ pub struct Collect {
     pub events: Vec<BodiesEvent>,
 }
 
-impl BodiesSink for Collect {
+impl Sink<BodiesSample> for Collect {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.samples.push(sample.clone());
         Ok(())

@@ -9,7 +9,7 @@ use std::process::Command;
 use mcap::records::MessageHeader;
 use phalanx::log::{LogSink, MessageRecord, Record, RunInfo, Severity, Writer, read_any};
 use phalanx::scene::{AnyScene, load_any};
-use phalanx::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, run_bodies};
+use phalanx::trace::bodies::{BodiesEvent, BodiesSample, run_bodies};
 use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Thinned, run};
 
 pub const FINGER: &str = "scenes/experiment-95.toml";
@@ -49,7 +49,7 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
             self.left > 0
         }
     }
-    impl<W: BodiesSink> BodiesSink for Until<W> {
+    impl<W: Sink<BodiesSample>> Sink<BodiesSample> for Until<W> {
         fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
             (self.left, self.last_s) = (self.left.saturating_sub(1), sample.time_s);
             self.writer.sample(sample)

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use phalanx::check::{pushed, pushed_bodies};
 use phalanx::scene::{AnyScene, BodiesScene, Integrator, Method, Preset, Scene, Stepping};
-use phalanx::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
+use phalanx::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, run_bodies};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 use phalanx::validate::turned;
 
@@ -86,7 +86,7 @@ impl Sink for Keep {
     }
 }
 
-impl BodiesSink for Keep {
+impl Sink<BodiesSample> for Keep {
     fn sample(&mut self, s: &BodiesSample) -> Result<(), SinkError> {
         let values = || s.discs.iter().flat_map(|disc| disc.centre_m).collect();
         self.take(s.time_s, values);

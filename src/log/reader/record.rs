@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Recording, Sample, Sink, SinkError};
 
 /// One record of a log. The bytes are those of the file.
@@ -104,7 +104,7 @@ impl LogSink for Recording {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        Sink::event(self, event)
+        Sink::<Sample>::event(self, event)
     }
 }
 
@@ -116,11 +116,11 @@ impl LogSink for Recording<BodiesEvent> {
     }
 
     fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        BodiesSink::sample(self, sample)
+        Sink::sample(self, sample)
     }
 
     fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        BodiesSink::event(self, event)
+        Sink::<BodiesSample>::event(self, event)
     }
 }
 

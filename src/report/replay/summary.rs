@@ -2,7 +2,7 @@
 
 use crate::criteria::{Rebound, Rebounds};
 use crate::log::Names;
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
 use crate::trace::{Event, EventKind, Outcome, Sample, Sink, SinkError, SiteSummary};
 
 /// A [`Sink`] that keeps of a run of a finger what its samples and events say in sum.
@@ -52,7 +52,7 @@ impl Sink for Summary {
     }
 }
 
-/// A [`BodiesSink`] that does the same of a run of discs.
+/// A sink that does the same of a run of discs.
 #[derive(Clone, Debug, Default)]
 pub struct DiscsSummary {
     pub names: Names,
@@ -78,7 +78,7 @@ impl DiscsSummary {
     }
 }
 
-impl BodiesSink for DiscsSummary {
+impl Sink<BodiesSample> for DiscsSummary {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.any = true;
         self.outcome.last.clone_from(sample);

@@ -3,8 +3,8 @@
 use super::super::Track;
 use super::super::difference::{distance, larger};
 use super::BodiesRecording;
-use crate::trace::SinkError;
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
+use crate::trace::{Sink, SinkError};
 
 /// Pairs with less than this part of the largest figure of all are too small to compare in it.
 const SIGNIFICANT: f64 = 0.01;
@@ -117,7 +117,7 @@ impl<'a> BodiesComparison<'a> {
     }
 }
 
-impl BodiesSink for BodiesComparison<'_> {
+impl Sink<BodiesSample> for BodiesComparison<'_> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         let energy = &sample.energy;
         self.excess_j = self.excess_j.max(energy.balance_j);

@@ -1,7 +1,7 @@
 //! A run of discs kept whole.
 
-use crate::trace::SinkError;
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, between};
+use crate::trace::{Sink, SinkError};
 
 /// Everything a run said, in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,7 +12,7 @@ pub struct BodiesRecording {
     pub outcome: BodiesOutcome,
 }
 
-impl BodiesSink for BodiesRecording {
+impl Sink<BodiesSample> for BodiesRecording {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.samples.push(sample.clone());
         Ok(())

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use phalanx::criteria::{FinalAngles, Tracker};
 use phalanx::log::{self, Expected, Lockstep, LogSink, Names};
 use phalanx::report::DiscsSummary;
-use phalanx::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use phalanx::trace::bodies::{BodiesEvent, BodiesSample};
 use phalanx::trace::{Event, Sample, Sink, SinkError};
 
 /// The consumers that `phalanx replay` has, and a check of what they are given.

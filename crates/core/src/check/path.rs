@@ -3,7 +3,7 @@
 use super::Errors;
 use crate::integrator::Reason;
 use crate::numeric::plane::near_turn;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Points of the grid: errors come and go within a hundredth of a run.
@@ -72,7 +72,7 @@ impl Sink for Keep<'_> {
     }
 }
 
-impl BodiesSink for Keep<'_> {
+impl Sink<BodiesSample> for Keep<'_> {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.take(sample.time_s, |_| centres(sample));
         Ok(())

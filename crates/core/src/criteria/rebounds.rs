@@ -1,7 +1,7 @@
 //! Restitution: how fast two surfaces part over how fast they met.
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink};
-use crate::trace::{EventKind, SinkError};
+use crate::trace::bodies::{BodiesEvent, BodiesSample};
+use crate::trace::{EventKind, Sink, SinkError};
 
 /// The first impact of a pair: from its touch-down to its last lift-off before the pair meets again.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,7 +43,7 @@ impl Rebounds {
     }
 }
 
-impl BodiesSink for Rebounds {
+impl Sink<BodiesSample> for Rebounds {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         self.time_s = sample.time_s;
         for ((pair, rate), contact) in self.pairs.iter_mut().zip(&mut self.rates_m_s).zip(&sample.contacts) {

@@ -4,8 +4,8 @@ use super::finger::{contact, numbers};
 use super::measure::Place;
 use super::{Invariant, Invariants, Tolerances};
 use crate::scene::BodiesScene;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, BodiesSink, DiscState};
-use crate::trace::{Model, SinkError};
+use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
+use crate::trace::{Model, Sink, SinkError};
 
 impl Invariants {
     /// For a run of a scene of discs with `model`, held to the tolerances of its settings.
@@ -23,7 +23,7 @@ impl Invariants {
     }
 }
 
-impl BodiesSink for Invariants {
+impl Sink<BodiesSample> for Invariants {
     fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
         let places = sample.discs.iter().flat_map(|disc| {
             let DiscState { centre_m: [x, y], angle_rad, velocity_m_s: [u, v], spin_rad_s } = *disc;

@@ -4,9 +4,8 @@ use super::engine::Follow;
 use super::engine_reading::{Start, forces, sample};
 use super::grid::Grid;
 use super::moments::Moments;
-use super::thin::Instant;
 use super::tracked::{Told, Tracked};
-use super::{Event, Outcome, Sample, Sink, SinkError, Site, Work, between};
+use super::{Event, Instant, Outcome, Sample, Sink, SinkError, Site, Work, between};
 use crate::engine::{self, Change, ChangeKind, L11, L12, L21, L22, Moment, Motion};
 use crate::scene::Scene;
 

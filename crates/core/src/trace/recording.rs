@@ -1,8 +1,8 @@
 //! A run as arrays: one for each figure, by the name it has in the table of `replay --csv`.
 
-use super::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, BodiesSink, run_bodies};
-use super::columns::{discs_values, finger_values, of_discs, of_finger};
-use super::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
+use super::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, run_bodies};
+use super::columns::{of_discs, of_finger};
+use super::{Event, Instant, Model, Outcome, RunError, Sink, SinkError, Thinned, run};
 use crate::scene::{BodiesScene, Scene};
 
 /// A sink that keeps samples in columns, and events beside them; `E` is [`Event`] of a finger, [`BodiesEvent`] of discs.
@@ -72,33 +72,17 @@ impl<E> Recording<E> {
     }
 }
 
-impl Sink for Recording {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.push(finger_values(sample));
+impl<S: Instant> Sink<S> for Recording<S::Event> {
+    fn sample(&mut self, sample: &S) -> Result<(), SinkError> {
+        self.push(sample.values());
         Ok(())
     }
 
-    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+    fn extreme(&mut self, sample: &S) -> Result<(), SinkError> {
         self.sample(sample)
     }
 
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
-        Ok(())
-    }
-}
-
-impl BodiesSink for Recording<BodiesEvent> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.push(discs_values(sample));
-        Ok(())
-    }
-
-    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.sample(sample)
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, event: &S::Event) -> Result<(), SinkError> {
         self.events.push(*event);
         Ok(())
     }

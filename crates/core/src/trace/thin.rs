@@ -3,67 +3,13 @@
 //! Models give more: every step that is shorter than the grid's interval, of which free flight and settled contacts need
 //! none. The criteria of `phalanx run` are found on what is kept, so that a log says of its run what the run said itself.
 
-use super::bodies::{BodiesEvent, BodiesSample, BodiesSink};
 use super::grid::is_point;
-use super::{Event, Sample, Sink, SinkError};
+use super::{Instant, Sink, SinkError};
 
 /// An impact lasts as long as some force changes by more than this part of itself in an interval of the grid…
 const CHANGE: f64 = 0.1;
 /// …and this part of an interval longer, so that it does not end where the force is largest.
 const LINGER: f64 = 0.25;
-
-/// A sample as far as thinning has to know it.
-pub trait Instant: Clone + PartialEq {
-    fn time_s(&self) -> f64;
-    /// Places of contact.
-    fn places(&self) -> usize;
-    /// Force (N; limit: N·m) and penetration (m; rad) of one place.
-    fn pressed(&self, place: usize) -> (f64, f64);
-    /// Takes over another sample of the same shape, keeping what it has allocated.
-    fn copy_from(&mut self, other: &Self);
-}
-
-impl Instant for Sample {
-    fn time_s(&self) -> f64 {
-        self.time_s
-    }
-
-    fn places(&self) -> usize {
-        3
-    }
-
-    fn pressed(&self, place: usize) -> (f64, f64) {
-        let contact = match place {
-            0 => &self.proximal,
-            1 => &self.distal,
-            _ => &self.limit,
-        };
-        (contact.normal_n, -contact.gap_m)
-    }
-
-    fn copy_from(&mut self, other: &Self) {
-        *self = *other;
-    }
-}
-
-impl Instant for BodiesSample {
-    fn time_s(&self) -> f64 {
-        self.time_s
-    }
-
-    fn places(&self) -> usize {
-        self.contacts.len()
-    }
-
-    fn pressed(&self, place: usize) -> (f64, f64) {
-        let contact = &self.contacts[place];
-        (contact.normal_n, -contact.gap_m)
-    }
-
-    fn copy_from(&mut self, other: &Self) {
-        self.clone_from(other);
-    }
-}
 
 /// Picks samples out of a stream; at most two of one given.
 ///
@@ -165,49 +111,23 @@ impl<I: Instant, S> Thinned<I, S> {
     }
 }
 
-impl<S: Sink> Thinned<Sample, S> {
+impl<I: Instant, S: Sink<I>> Thinned<I, S> {
     /// Passes on the last sample, when the run is over.
     pub fn end(&mut self) -> Result<(), SinkError> {
         self.thin.flush(|kept| self.sink.sample(kept))
     }
 }
 
-impl<S: BodiesSink> Thinned<BodiesSample, S> {
-    /// Passes on the last sample, when the run is over.
-    pub fn end(&mut self) -> Result<(), SinkError> {
-        self.thin.flush(|kept| self.sink.sample(kept))
-    }
-}
-
-impl<S: Sink> Sink for Thinned<Sample, S> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+impl<I: Instant, S: Sink<I>> Sink<I> for Thinned<I, S> {
+    fn sample(&mut self, sample: &I) -> Result<(), SinkError> {
         self.thin.sample(sample, |kept| self.sink.sample(kept))
     }
 
-    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+    fn extreme(&mut self, sample: &I) -> Result<(), SinkError> {
         self.thin.sample(sample, |kept| self.sink.sample(kept))
     }
 
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.thin.event(|kept| self.sink.sample(kept))?;
-        self.sink.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        self.sink.proceed()
-    }
-}
-
-impl<S: BodiesSink> BodiesSink for Thinned<BodiesSample, S> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.thin.sample(sample, |kept| self.sink.sample(kept))
-    }
-
-    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.thin.sample(sample, |kept| self.sink.sample(kept))
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, event: &I::Event) -> Result<(), SinkError> {
         self.thin.event(|kept| self.sink.sample(kept))?;
         self.sink.event(event)
     }

@@ -1,10 +1,11 @@
 //! Runs the analytic model of a scene of discs and tells a sink about it.
 
 use super::recorder::Recorder;
-use super::{BodiesOutcome, BodiesRunError, BodiesSink};
+use super::{BodiesOutcome, BodiesRunError, BodiesSample};
 use crate::analytic::discs::{Discs, GUARDS, QUADRATURES, moving_discs};
 use crate::integrator::{Failure, Options, RadauOrRodas, Reason, Rodas5p, Tolerances, integrate};
 use crate::scene::{BodiesScene, Method};
+use crate::trace::Sink;
 use crate::trace::analytic::work;
 
 /// Simulates `scene` with the analytic model.
@@ -12,7 +13,7 @@ use crate::trace::analytic::work;
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
 /// interval, and at both ends; and every event, in order of time. A scene with more discs or pairs than the model takes is
 /// refused.
-pub fn run_analytic(scene: &BodiesScene, sink: &mut dyn BodiesSink) -> Result<BodiesOutcome, BodiesRunError> {
+pub fn run_analytic(scene: &BodiesScene, sink: &mut dyn Sink<BodiesSample>) -> Result<BodiesOutcome, BodiesRunError> {
     match moving_discs(scene) {
         Ok(1) => run::<3, 6>(scene, sink),
         Ok(2) => run::<6, 12>(scene, sink),
@@ -32,7 +33,7 @@ pub fn run_analytic(scene: &BodiesScene, sink: &mut dyn BodiesSink) -> Result<Bo
 
 fn run<const N: usize, const M: usize>(
     scene: &BodiesScene,
-    sink: &mut dyn BodiesSink,
+    sink: &mut dyn Sink<BodiesSample>,
 ) -> Result<BodiesOutcome, BodiesRunError> {
     let model = Discs::<N, M>::new(scene);
     let start = Discs::<N, M>::start(scene);

@@ -1,15 +1,16 @@
 //! Runs the engine model of a scene of discs and tells a sink about it.
 
 use super::engine_recorder::EngineRecorder;
-use super::{BodiesOutcome, BodiesRunError, BodiesSink};
+use super::{BodiesOutcome, BodiesRunError, BodiesSample};
 use crate::engine::{Motion, build, plan_discs};
 use crate::integrator::{Failure, Reason};
 use crate::scene::BodiesScene;
+use crate::trace::Sink;
 use crate::trace::engine::step_through;
 
 /// Simulates `scene` with the engine model, as `scene.engine` says. Samples and events are as in
 /// [`run_engine`](crate::trace::run_engine).
-pub fn run_engine(scene: &BodiesScene, sink: &mut dyn BodiesSink) -> Result<BodiesOutcome, BodiesRunError> {
+pub fn run_engine(scene: &BodiesScene, sink: &mut dyn Sink<BodiesSample>) -> Result<BodiesOutcome, BodiesRunError> {
     let plan = plan_discs(scene);
     let settings = &scene.engine;
     let world = build(&plan, settings.construction, settings.response, settings.iterations);

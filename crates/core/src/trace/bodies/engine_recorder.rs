@@ -1,18 +1,18 @@
 //! Turns the steps of the engine model of discs into samples, events and summary figures.
 
 use super::engine_reading::{Start, sample};
-use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, between};
+use super::{BodiesEvent, BodiesOutcome, BodiesSample, between};
 use crate::engine::{Change, ChangeKind, Motion, Site};
 use crate::scene::BodiesScene;
 use crate::trace::engine::Follow;
 use crate::trace::grid::Grid;
 use crate::trace::moments::Moments;
 use crate::trace::tracked::{Told, Tracked};
-use crate::trace::{Instant, SinkError, Work};
+use crate::trace::{Instant, Sink, SinkError, Work};
 
 pub(super) struct EngineRecorder<'a> {
     scene: &'a BodiesScene,
-    sink: &'a mut dyn BodiesSink,
+    sink: &'a mut dyn Sink<BodiesSample>,
     grid: Grid,
     start: Start,
     pairs: Vec<Tracked>,
@@ -23,7 +23,7 @@ pub(super) struct EngineRecorder<'a> {
 }
 
 impl<'a> EngineRecorder<'a> {
-    pub fn new(scene: &'a BodiesScene, motion: &Motion, sink: &'a mut dyn BodiesSink) -> Self {
+    pub fn new(scene: &'a BodiesScene, motion: &Motion, sink: &'a mut dyn Sink<BodiesSample>) -> Self {
         let start = Start::new(motion);
         let count = motion.plan.contacts.len();
         Self {

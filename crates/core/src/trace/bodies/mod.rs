@@ -8,9 +8,7 @@ mod engine_recorder;
 mod recorder;
 mod run;
 mod sample;
-mod sink;
 
 pub use between::between;
 pub use run::{BodiesRunError, run_bodies};
 pub use sample::{BodiesEvent, BodiesOutcome, BodiesSample, DiscState};
-pub use sink::BodiesSink;

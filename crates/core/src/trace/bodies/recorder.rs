@@ -1,18 +1,18 @@
 //! Turns the steps of the analytic model of discs into samples, events and summary figures.
 
-use super::{BodiesEvent, BodiesOutcome, BodiesSample, BodiesSink, DiscState};
+use super::{BodiesEvent, BodiesOutcome, BodiesSample, DiscState};
 use crate::analytic::SiteState;
 use crate::analytic::discs::{DiscEnergies, DiscMode, Discs, PAIRS, PairReading, QUADRATURES};
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::BodiesScene;
 use crate::trace::grid::Grid;
 use crate::trace::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
-use crate::trace::{ContactSample, Energy, EventKind, Instant, SinkError, SiteSummary, Work};
+use crate::trace::{ContactSample, Energy, EventKind, Instant, Sink, SinkError, SiteSummary, Work};
 
 pub(super) struct Recorder<'a, const N: usize, const M: usize> {
     model: &'a Discs<N, M>,
     scene: &'a BodiesScene,
-    sink: &'a mut dyn BodiesSink,
+    sink: &'a mut dyn Sink<BodiesSample>,
     grid: Grid,
     mode: DiscMode,
     start_energy: DiscEnergies,
@@ -32,7 +32,7 @@ impl<'a, const N: usize, const M: usize> Recorder<'a, N, M> {
         model: &'a Discs<N, M>,
         scene: &'a BodiesScene,
         start: State<N, QUADRATURES>,
-        sink: &'a mut dyn BodiesSink,
+        sink: &'a mut dyn Sink<BodiesSample>,
     ) -> Self {
         let mode = model.read_mode(0.0, &start.q, &start.v);
         let start_energy = model.energies(&start.q, &start.v);

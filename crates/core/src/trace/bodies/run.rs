@@ -2,10 +2,10 @@
 
 use super::analytic::run_analytic;
 use super::engine::run_engine;
-use super::{BodiesOutcome, BodiesSink};
+use super::{BodiesOutcome, BodiesSample};
 use crate::integrator::{Failure, Reason};
 use crate::scene::BodiesScene;
-use crate::trace::{Model, SinkError};
+use crate::trace::{Model, Sink, SinkError};
 
 /// Why a run did not get to its end.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +18,7 @@ pub enum BodiesRunError {
 }
 
 impl BodiesRunError {
-    /// Whether the run ended because its sink said so, see [`BodiesSink::proceed`].
+    /// Whether the run ended because its sink said so, see [`Sink::proceed`].
     pub fn is_stop(&self) -> bool {
         matches!(self, BodiesRunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })
     }
@@ -28,7 +28,7 @@ impl BodiesRunError {
 pub fn run_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut dyn BodiesSink,
+    sink: &mut dyn Sink<BodiesSample>,
 ) -> Result<BodiesOutcome, BodiesRunError> {
     match model {
         Model::Analytic => run_analytic(scene, sink),
