@@ -1,7 +1,7 @@
 //! A run of discs kept whole.
 
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample, between};
-use crate::trace::{Sink, SinkError};
+use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
+use crate::trace::{Sink, SinkError, between};
 
 /// Everything a run said, in memory.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,14 +1,14 @@
 //! Turns the steps of the engine model of discs into samples, events and summary figures.
 
 use super::engine_reading::{Start, sample};
-use super::{BodiesEvent, BodiesOutcome, BodiesSample, between};
+use super::{BodiesEvent, BodiesOutcome, BodiesSample};
 use crate::engine::{Change, ChangeKind, Motion, Site};
 use crate::scene::BodiesScene;
 use crate::trace::engine::Follow;
 use crate::trace::grid::Grid;
 use crate::trace::moments::Moments;
 use crate::trace::tracked::{Told, Tracked};
-use crate::trace::{Instant, Sink, SinkError, Work};
+use crate::trace::{Instant, Sink, SinkError, Work, between};
 
 pub(super) struct EngineRecorder<'a> {
     scene: &'a BodiesScene,

@@ -1,14 +1,13 @@
 //! What a simulation of discs says, whichever model made it: the counterpart of the finger's samples, events and sinks.
 
 mod analytic;
-mod between;
 mod engine;
 mod engine_reading;
 mod engine_recorder;
+mod instant;
 mod recorder;
 mod run;
 mod sample;
 
-pub use between::between;
 pub use run::{BodiesRunError, run_bodies};
 pub use sample::{BodiesEvent, BodiesOutcome, BodiesSample, DiscState};
