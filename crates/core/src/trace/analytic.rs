@@ -1,33 +1,62 @@
 //! Runs the analytic model of a scene and tells a sink about it.
 
+use super::grid::Span;
+use super::reading::Reader;
 use super::recorder::Recorder;
-use super::{Outcome, Sink, SinkError, Work};
+use super::{Instant, Outcome, RunError, Sink, Work};
 use crate::analytic::{GUARDS, Model, QUADRATURES};
-use crate::integrator::{
-    Counters, End, Failure, Method as OneStep, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
-};
-use crate::scene::{Method, Scene};
+use crate::integrator::{Counters, Hybrid, Options, RadauOrRodas, Rodas5p, State, Tolerances, integrate};
+use crate::scene::{Integrator, Method, Scene};
 
-/// Why a run did not get to its end.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    #[error(transparent)]
-    Sink(#[from] SinkError),
-    /// The simulation could not be completed; `so_far` is the run up to there, which the sink has in full.
-    #[error("the simulation could not be completed {failure}")]
-    Simulation { failure: Failure, so_far: Box<Outcome> },
+/// Simulates `scene` with the analytic model.
+///
+/// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
+/// interval, and at both ends; and every event, in order of time.
+pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let model = Model::new(scene);
+    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
+    simulate::<_, _, 2, QUADRATURES, GUARDS>(&model, &model, initial_state(scene), &scene.integrator, span, sink)
 }
 
-impl RunError {
-    /// Whether the run ended because its sink said so, see [`Sink::proceed`].
-    pub fn is_stop(&self) -> bool {
-        matches!(self, RunError::Simulation { failure: Failure { reason: Reason::Stopped, .. }, .. })
+/// The initial state of a scene.
+fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
+    let start = &scene.initial;
+    State { q: [start.q11_rad, start.q21_rad], v: [start.qd11_rad_s, start.qd21_rad_s], z: [0.0; QUADRATURES] }
+}
+
+/// Integrates a model from `start` on, and shows what `reader` makes of it.
+pub(super) fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
+    model: &M,
+    reader: &R,
+    start: State<N, Z>,
+    settings: &Integrator,
+    span: Span,
+    sink: &mut dyn Sink<R::Sample>,
+) -> Result<<R::Sample as Instant>::Outcome, RunError<<R::Sample as Instant>::Outcome>>
+where
+    M: Hybrid<N, Z, G>,
+    R: Reader<N, Z, Mode = M::Mode>,
+{
+    let options = options(settings);
+    let mode = model.read_mode(0.0, &start.q, &start.v);
+    let mut recorder = Recorder::new(reader, mode, &start, span, sink);
+    recorder.begin()?;
+    let end = match settings.method {
+        Method::Rodas5p => {
+            integrate::<N, Z, G, _, Rodas5p<N, Z>, _>(model, &options, 0.0, start, span.end_s, &mut recorder)
+        }
+        Method::RadauIIa5 => {
+            integrate::<N, Z, G, _, RadauOrRodas<N, Z>, _>(model, &options, 0.0, start, span.end_s, &mut recorder)
+        }
+    };
+    let outcome = recorder.finish(&end.state, work(&end.counters))?;
+    match end.result {
+        Ok(()) => Ok(outcome),
+        Err(failure) => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
     }
 }
 
-/// Integration options of a scene.
-fn options(scene: &Scene) -> Options {
-    let settings = &scene.integrator;
+fn options(settings: &Integrator) -> Options {
     Options {
         tolerances: Tolerances {
             atol_q: settings.atol_angle_rad,
@@ -38,46 +67,7 @@ fn options(scene: &Scene) -> Options {
     }
 }
 
-/// The initial state of a scene.
-fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
-    let start = &scene.initial;
-    State { q: [start.q11_rad, start.q21_rad], v: [start.qd11_rad_s, start.qd21_rad_s], z: [0.0; QUADRATURES] }
-}
-
-/// Simulates `scene` with the analytic model.
-///
-/// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
-/// interval, and at both ends; and every event, in order of time.
-pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let model = Model::new(scene);
-    let (options, start) = (options(scene), initial_state(scene));
-    let mut recorder = Recorder::new(&model, scene, start, sink);
-    recorder.begin()?;
-    let end = match scene.integrator.method {
-        Method::Rodas5p => drive::<Rodas5p<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder),
-        Method::RadauIIa5 => {
-            drive::<RadauOrRodas<2, QUADRATURES>>(&model, &options, start, scene.duration_s, &mut recorder)
-        }
-    };
-    let outcome = recorder.finish(&end.state, work(&end.counters))?;
-    match end.result {
-        Ok(()) => Ok(outcome),
-        Err(failure) => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
-    }
-}
-
-/// The integration itself, with one of the methods.
-fn drive<K: OneStep<2, QUADRATURES>>(
-    model: &Model,
-    options: &Options,
-    start: State<2, QUADRATURES>,
-    duration_s: f64,
-    recorder: &mut Recorder,
-) -> End<2, QUADRATURES> {
-    integrate::<2, QUADRATURES, GUARDS, _, K, _>(model, options, 0.0, start, duration_s, recorder)
-}
-
-pub(super) fn work(counters: &Counters) -> Work {
+fn work(counters: &Counters) -> Work {
     Work {
         steps: counters.steps,
         rejected: counters.rejected,

@@ -1,5 +1,12 @@
 //! The even grid of times at which a run is sampled, whatever its steps.
 
+/// How long a run is, and how densely it is sampled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub end_s: f64,
+    pub numeric_hz: f64,
+}
+
 /// The grid points that are still to come.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {

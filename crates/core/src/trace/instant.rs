@@ -2,13 +2,23 @@
 
 use super::between::Between;
 use super::columns::finger_values;
-use super::{ContactSample, Event, Sample};
+use super::{ContactSample, Energy, Event, EventKind, Outcome, Sample, Site, SiteSummary, Work};
 use crate::numeric::plane::near_turn;
 
 /// One instant of a run, of whatever is simulated: a time, and a list of contacts.
 pub trait Instant: Clone + PartialEq {
     /// A change at one of its contacts.
     type Event: Copy;
+    /// What a run comes to.
+    type Outcome: Default;
+    /// A list with one entry for each contact: an array where their number is known, so that nothing is allocated.
+    type Each<T>: AsRef<[T]> + AsMut<[T]>;
+
+    fn each<T>(places: usize, of: impl FnMut(usize) -> T) -> Self::Each<T>;
+    /// An event of a place: `approach` is the closing speed at a touch-down, `impulse` that since it at a lift-off, else 0.
+    fn event(time_s: f64, place: usize, kind: EventKind, approach: f64, impulse: f64) -> Self::Event;
+    /// What a run with this last sample comes to.
+    fn outcome(self, sites: Self::Each<SiteSummary>, work: Work, loop_gap_m: f64) -> Self::Outcome;
 
     fn time_s(&self) -> f64;
     /// Number of contacts.
@@ -16,6 +26,8 @@ pub trait Instant: Clone + PartialEq {
     /// The contact at a place; of a finger in the order of [`Site::ALL`](super::Site::ALL).
     fn contact(&self, place: usize) -> &ContactSample;
     fn contact_mut(&mut self, place: usize) -> &mut ContactSample;
+
+    fn energy(&self) -> &Energy;
 
     /// Force (N; limit: N·m) and penetration (m; rad) at one place.
     fn pressed(&self, place: usize) -> (f64, f64) {
@@ -33,6 +45,20 @@ pub trait Instant: Clone + PartialEq {
 
 impl Instant for Sample {
     type Event = Event;
+    type Outcome = Outcome;
+    type Each<T> = [T; 3];
+
+    fn each<T>(_: usize, of: impl FnMut(usize) -> T) -> [T; 3] {
+        std::array::from_fn(of)
+    }
+
+    fn event(time_s: f64, place: usize, kind: EventKind, approach_speed: f64, impulse: f64) -> Event {
+        Event { time_s, site: Site::ALL[place], kind, approach_speed, impulse }
+    }
+
+    fn outcome(self, sites: [SiteSummary; 3], work: Work, loop_gap_m: f64) -> Outcome {
+        Outcome { last: self, sites, work, loop_gap_m }
+    }
 
     fn time_s(&self) -> f64 {
         self.time_s
@@ -52,6 +78,10 @@ impl Instant for Sample {
             1 => &mut self.distal,
             _ => &mut self.limit,
         }
+    }
+
+    fn energy(&self) -> &Energy {
+        &self.energy
     }
 
     fn values(&self) -> impl Iterator<Item = f64> {

@@ -78,6 +78,18 @@ pub struct Energy {
 }
 
 impl Energy {
+    /// These stored energies, with the works since the start of the run and what was lost on the way.
+    pub(super) fn since(self, start: &Energy, contact_work_j: f64, motor_work_j: f64) -> Self {
+        let gained_j =
+            (self.kinetic_j - start.kinetic_j) + (self.gravity_j - start.gravity_j) + (self.spring_j - start.spring_j);
+        Energy {
+            dissipated_j: start.elastic_j - self.elastic_j - contact_work_j,
+            motor_work_j,
+            balance_j: gained_j - contact_work_j - motor_work_j,
+            ..self
+        }
+    }
+
     /// All of them, in the order of the fields.
     pub fn values_j(&self) -> [f64; 7] {
         [

@@ -1,12 +1,26 @@
 //! A sample of discs as one of any kind of scene.
 
-use super::{BodiesEvent, BodiesSample, DiscState};
+use super::{BodiesEvent, BodiesOutcome, BodiesSample, DiscState};
 use crate::trace::between::Between;
 use crate::trace::columns::discs_values;
-use crate::trace::{ContactSample, Instant};
+use crate::trace::{ContactSample, Energy, EventKind, Instant, SiteSummary, Work};
 
 impl Instant for BodiesSample {
     type Event = BodiesEvent;
+    type Outcome = BodiesOutcome;
+    type Each<T> = Vec<T>;
+
+    fn each<T>(places: usize, of: impl FnMut(usize) -> T) -> Vec<T> {
+        (0..places).map(of).collect()
+    }
+
+    fn event(time_s: f64, pair: usize, kind: EventKind, approach_m_s: f64, impulse_n_s: f64) -> BodiesEvent {
+        BodiesEvent { time_s, pair, kind, approach_m_s, impulse_n_s }
+    }
+
+    fn outcome(self, pairs: Vec<SiteSummary>, work: Work, _: f64) -> BodiesOutcome {
+        BodiesOutcome { last: self, pairs, work }
+    }
 
     fn time_s(&self) -> f64 {
         self.time_s
@@ -22,6 +36,10 @@ impl Instant for BodiesSample {
 
     fn contact_mut(&mut self, place: usize) -> &mut ContactSample {
         &mut self.contacts[place]
+    }
+
+    fn energy(&self) -> &Energy {
+        &self.energy
     }
 
     fn values(&self) -> impl Iterator<Item = f64> {

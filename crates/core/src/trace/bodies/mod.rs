@@ -5,7 +5,7 @@ mod engine;
 mod engine_reading;
 mod engine_recorder;
 mod instant;
-mod recorder;
+mod reading;
 mod run;
 mod sample;
 

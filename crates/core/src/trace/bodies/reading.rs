@@ -1,0 +1,60 @@
+//! Turns a state of the analytic model of discs into a sample.
+
+use super::{BodiesSample, DiscState};
+use crate::analytic::discs::{DiscMode, Discs, PAIRS, PairReading, QUADRATURES};
+use crate::integrator::State;
+use crate::scene::BodiesScene;
+use crate::trace::reading::Reader;
+use crate::trace::{ContactSample, Energy};
+
+/// A model, and the scene that has the discs which do not move too.
+pub(super) struct DiscsReader<'a, const N: usize, const M: usize> {
+    pub model: &'a Discs<N, M>,
+    pub scene: &'a BodiesScene,
+}
+
+impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, N, M> {
+    type Sample = BodiesSample;
+    type Mode = DiscMode;
+
+    fn sample(&self, t: f64, state: &State<N, QUADRATURES>, mode: &DiscMode, start: &Energy) -> BodiesSample {
+        let mut moving = state.q.chunks_exact(3).zip(state.v.chunks_exact(3));
+        let discs = self.scene.discs.iter().map(|disc| {
+            let coordinates = if disc.motion.moves() { moving.next() } else { None };
+            coordinates.map_or(DiscState { centre_m: disc.centre_m, ..DiscState::default() }, |(q, v)| DiscState {
+                centre_m: [q[0], q[1]],
+                angle_rad: q[2],
+                velocity_m_s: [v[0], v[1]],
+                spin_rad_s: v[2],
+            })
+        });
+        let energies = self.model.energies(&state.q, &state.v);
+        let stored = Energy {
+            kinetic_j: energies.kinetic,
+            gravity_j: energies.gravity,
+            elastic_j: energies.elastic,
+            ..Energy::default()
+        };
+        BodiesSample {
+            time_s: t,
+            discs: discs.collect(),
+            contacts: (0..self.model.pairs()).map(|pair| self.contact(state, pair, mode)).collect(),
+            energy: stored.since(start, state.z[PAIRS], state.z[PAIRS + 1]),
+        }
+    }
+
+    fn contact(&self, state: &State<N, QUADRATURES>, pair: usize, mode: &DiscMode) -> ContactSample {
+        let PairReading { delta, delta_rate, slip, normal_force, tangential_force, normal, point } =
+            self.model.reading(&state.q, &state.v, pair, mode[pair]);
+        ContactSample {
+            gap_m: -delta,
+            gap_rate_m_s: -delta_rate,
+            slip_m_s: slip,
+            normal_n: normal_force,
+            tangential_n: tangential_force,
+            impulse_n_s: state.z[pair],
+            point_m: point,
+            normal,
+        }
+    }
+}
