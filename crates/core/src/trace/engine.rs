@@ -1,8 +1,10 @@
 //! Runs the engine model of a scene and tells a sink about it.
 
+use super::engine_reading::{EngineReader, FingerReader};
 use super::engine_recorder::EngineRecorder;
-use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, Tolerance, build, next, plan};
+use super::grid::Span;
+use super::{Instant, Outcome, RunError, Sink, SinkError, Site};
+use crate::engine::{Motion, Plan, Tolerance, build, next, plan};
 use crate::integrator::{Failure, Reason};
 use crate::scene::{Engine, Scene};
 
@@ -17,19 +19,34 @@ const SUBSTEPS_PER_STEP: u64 = 10;
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
 /// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
 pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let unstarted = |reason: String| RunError::Simulation {
-        failure: Failure { time_s: 0.0, reason: Reason::Obstacle(reason) },
-        so_far: Box::default(),
-    };
     let Some(plan) = plan(scene) else {
-        return Err(unstarted("the links do not close the loop at these initial angles; choose others".to_string()));
+        let reason = "the links do not close the loop at these initial angles; choose others".to_string();
+        return Err(unstarted(reason));
     };
-    let settings = &scene.engine;
-    let world = build(&plan, settings.construction, settings.response, settings.iterations);
-    let mut motion = Motion::new(&plan, world).map_err(|error| unstarted(error.to_string()))?;
-    let mut recorder = EngineRecorder::new(scene, &motion, sink);
+    let reader = FingerReader { phi22_rad: scene.finger.lengths.phi22_rad };
+    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
+    simulate(&plan, &reader, Site::ALL.len(), &scene.engine, span, sink)
+}
+
+/// A run that could not be started.
+fn unstarted<O: Default>(reason: String) -> RunError<O> {
+    RunError::Simulation { failure: Failure { time_s: 0.0, reason: Reason::Obstacle(reason) }, so_far: Box::default() }
+}
+
+/// Simulates what is planned, with so many places of contact, and shows what `reader` makes of it.
+pub(super) fn simulate<R: EngineReader>(
+    plan: &Plan,
+    reader: &R,
+    places: usize,
+    settings: &Engine,
+    span: Span,
+    sink: &mut dyn Sink<R::Sample>,
+) -> Result<<R::Sample as Instant>::Outcome, RunError<<R::Sample as Instant>::Outcome>> {
+    let world = build(plan, settings.construction, settings.response, settings.iterations);
+    let mut motion = Motion::new(plan, world).map_err(|error| unstarted(error.to_string()))?;
+    let mut recorder = EngineRecorder::new(reader, &motion, places, span, sink);
     recorder.begin(&motion)?;
-    let broken = step_through(&mut motion, settings, scene.duration_s, &mut recorder)?;
+    let broken = step_through(&mut motion, settings, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {
@@ -46,7 +63,7 @@ pub(super) trait Follow {
 }
 
 /// Steps to the end of the run, and shows every step to `follow`; says why where it does not get there.
-pub(super) fn step_through(
+fn step_through(
     motion: &mut Motion,
     settings: &Engine,
     end_s: f64,

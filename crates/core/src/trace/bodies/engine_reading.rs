@@ -1,68 +1,65 @@
 //! Turns a node of the engine model of discs into a sample.
 
 use super::{BodiesSample, DiscState};
-use crate::engine::{Motion, kinetic, potential};
+use crate::engine::{Motion, Plan, Twist};
 use crate::scene::BodiesScene;
-use crate::trace::engine_reading::{elastic, pressing};
-use crate::trace::{ContactSample, Energy};
+use crate::trace::Energy;
+use crate::trace::engine_reading::{EngineReader, contact};
 
-/// Energies at the start of the run, from which works and losses count.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
-    kinetic: f64,
-    gravity: f64,
-    elastic: f64,
-}
+impl EngineReader for BodiesScene {
+    type Sample = BodiesSample;
 
-impl Start {
-    pub fn new(motion: &Motion) -> Self {
-        let (gravity, _) = potential(motion.plan, &motion.linkage);
-        Self { kinetic: kinetic(&motion.linkage, &motion.velocities), gravity, elastic: elastic(motion) }
+    fn place(&self, _: &Plan, index: usize) -> usize {
+        index
     }
-}
 
-/// Everything about the node; `impulses` are those of the pairs since the start.
-pub(super) fn sample(scene: &BodiesScene, motion: &Motion, start: &Start, impulses: &[f64]) -> BodiesSample {
-    // The plan's bodies are the discs that move, in their order.
-    let mut bodies = motion.linkage.places.iter().zip(&motion.velocities);
-    let discs = scene.discs.iter().map(|disc| {
-        let moving = if disc.motion.moves() { bodies.next() } else { None };
-        moving.map_or(DiscState { centre_m: disc.centre_m, ..DiscState::default() }, |(place, v)| DiscState {
-            centre_m: place.com,
-            angle_rad: place.angle,
-            velocity_m_s: [v[0], v[1]],
-            spin_rad_s: v[2],
-        })
-    });
-    let now = Start::new(motion);
-    let gained = (now.kinetic - start.kinetic) + (now.gravity - start.gravity);
-    BodiesSample {
-        time_s: motion.clock.now(),
-        discs: discs.collect(),
-        contacts: impulses.iter().enumerate().map(|(pair, impulse)| contact(motion, pair, *impulse)).collect(),
-        energy: Energy {
-            kinetic_j: now.kinetic,
-            gravity_j: now.gravity,
-            spring_j: 0.0,
-            elastic_j: now.elastic,
-            dissipated_j: start.elastic - now.elastic - motion.contact_work_j,
-            motor_work_j: motion.motor_work_j,
-            balance_j: gained - motion.contact_work_j - motion.motor_work_j,
-        },
+    fn index(&self, _: &Plan, pair: usize) -> Option<usize> {
+        Some(pair)
     }
-}
 
-fn contact(motion: &Motion, pair: usize, impulse_n_s: f64) -> ContactSample {
-    let Some(touch) = motion.touches.iter().find(|touch| touch.index == pair) else { return ContactSample::NONE };
-    let (normal_n, tangential_n) = pressing(motion, touch);
-    ContactSample {
-        gap_m: touch.gap,
-        gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
-        slip_m_s: touch.slip_row.rate(&motion.velocities),
-        normal_n,
-        tangential_n,
-        impulse_n_s,
-        point_m: touch.point,
-        normal: touch.normal,
+    fn sample(&self, motion: &Motion, energy: Energy, impulses: &[f64]) -> BodiesSample {
+        // The plan's bodies are the discs that move, in their order.
+        let mut bodies = motion.linkage.places.iter().zip(&motion.velocities);
+        let discs = self.discs.iter().map(|disc| {
+            let moving = if disc.motion.moves() { bodies.next() } else { None };
+            moving.map_or(DiscState { centre_m: disc.centre_m, ..DiscState::default() }, |(place, v)| DiscState {
+                centre_m: place.com,
+                angle_rad: place.angle,
+                velocity_m_s: [v[0], v[1]],
+                spin_rad_s: v[2],
+            })
+        });
+        BodiesSample {
+            time_s: motion.clock.now(),
+            discs: discs.collect(),
+            contacts: impulses
+                .iter()
+                .enumerate()
+                .map(|(pair, impulse)| contact(motion, Some(pair), *impulse))
+                .collect(),
+            energy,
+        }
+    }
+
+    fn fly(&self, sample: &mut BodiesSample, from: &BodiesSample, accelerations: &[Twist]) {
+        let time = sample.time_s - from.time_s;
+        let moving = self.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
+        for ((index, _), a) in moving.zip(accelerations) {
+            let (from, to) = (&from.discs[index], &mut sample.discs[index]);
+            let free = |axis: usize| {
+                let rate = from.velocity_m_s[axis];
+                [from.centre_m[axis] + time * (rate + 0.5 * time * a[axis]), rate + time * a[axis]]
+            };
+            let [[x, vx], [y, vy]] = [free(0), free(1)];
+            (to.centre_m, to.velocity_m_s) = ([x, y], [vx, vy]);
+            to.angle_rad = from.angle_rad + time * (from.spin_rad_s + 0.5 * time * a[2]);
+            to.spin_rad_s = from.spin_rad_s + time * a[2];
+        }
+    }
+
+    fn take_rates(&self, sample: &mut BodiesSample, from: &BodiesSample) {
+        for (state, from) in sample.discs.iter_mut().zip(&from.discs) {
+            (state.velocity_m_s, state.spin_rad_s) = (from.velocity_m_s, from.spin_rad_s);
+        }
     }
 }

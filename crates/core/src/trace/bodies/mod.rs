@@ -3,7 +3,6 @@
 mod analytic;
 mod engine;
 mod engine_reading;
-mod engine_recorder;
 mod instant;
 mod reading;
 mod run;
