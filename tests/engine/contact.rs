@@ -160,6 +160,24 @@ impl FirstGap for engine::Space {
     }
 }
 
+/// What recedes does not meet, and what rests does if it is about to: read as the analytic model reads its start.
+#[test]
+fn surfaces_meet_where_they_close_or_are_about_to() {
+    let law = ContactLaw { normal: STIFF, friction: None };
+    for (rate, free, closes) in [
+        (-1e-6, 9.81, true),
+        (1e-6, -9.81, false),
+        (0.0, -9.81, true),
+        (-0.0, 9.81, false),
+        (1e-15, -9.81, true),
+        (0.0, 0.0, false),
+    ] {
+        let mut space = single(law, 1.0, 0.0, rate, 0.0);
+        space.free[0] = free;
+        assert_eq!(space.closes(&space.sites[0]), closes, "{rate} m/s, {free} m/s²");
+    }
+}
+
 /// Whatever stiffness, damping, speed and step: a certified solution, and a contact that never pulls.
 #[test]
 fn every_law_is_solved_at_every_step() {

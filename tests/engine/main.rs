@@ -8,5 +8,6 @@ mod support;
 mod anchor;
 mod contact;
 mod order;
+mod recorder;
 mod repeats;
 mod stability;

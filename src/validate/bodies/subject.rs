@@ -6,8 +6,8 @@ use super::{BodiesComparison, BodiesDifferences, BodiesRecording};
 use crate::check;
 use crate::invariants::{Finding, Invariants};
 use crate::scene::{BodiesBounds, BodiesScene, DiscMotion, Engine, Integrator, LogRates};
-use crate::trace::{Model, Sink};
 use crate::trace::bodies::{BodiesRunError, run_bodies};
+use crate::trace::{Model, Sink};
 
 impl Subject for BodiesScene {
     type Bounds = BodiesBounds;
