@@ -17,9 +17,9 @@ const LOUDER: f64 = 4.0;
 const MOST_LOUDER: u32 = 4;
 
 /// A finer run than the everyday one follows a trembling contact so many stretches before it is brought to rest: it is there to tell
-/// whether that was right.
+/// whether that was right. Not so at the tolerances of the reference, where what is left to follow is noise: it was 7.6e-6 rad off with it.
 const CURIOSITY: u32 = 15;
-const FINE: f64 = 3e-6;
+const FINE: std::ops::Range<f64> = 1e-10..3e-6;
 
 /// The last stretch of a run.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ impl Pace {
             steps: 0,
             time,
             lost: 0,
-            curiosity: if tolerances.rtol_v < FINE { CURIOSITY } else { 0 },
+            curiosity: if FINE.contains(&tolerances.rtol_v) { CURIOSITY } else { 0 },
         }
     }
 
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_finer_run_follows_what_trembles_for_longer() {
-        for (rtol, after) in [(1e-5, 1), (1e-7, 16)] {
+        for (rtol, after) in [(1e-5, 1), (1e-7, 16), (1e-9, 16), (1e-11, 1)] {
             let mut pace = Pace::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: rtol }, 0.0);
             let settles = (1..=20u64).find(|stretch| {
                 assert!(pace.is_lost(1000 * stretch, 1e-9 * *stretch as f64, 0.02));
