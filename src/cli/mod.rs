@@ -37,7 +37,7 @@ mod run_page;
 pub mod scene;
 mod scene_figure;
 mod select;
-mod set;
+pub mod set;
 mod simulate;
 mod size;
 mod statics;

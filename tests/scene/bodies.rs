@@ -1,6 +1,7 @@
 //! Scenes of discs: what they mean, what they are shown as, and what refuses them.
 
 use phalanx::cli::scene::{SceneCommand, answer};
+use phalanx::cli::set::SetArgs;
 use phalanx::law::{FrictionLaw, NormalLaw};
 use phalanx::scene::{
     self, AnyScene, BodiesBounds, BodiesScene, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response,
@@ -195,7 +196,8 @@ fn scene_commands_take_discs() {
          motion = \"fixed\"\n"
     );
     std::fs::write(&file, text).expect("write");
-    let shown = answer(&SceneCommand::Show { scene: file.clone(), figure: None, resolved: false });
+    let shown =
+        answer(&SceneCommand::Show { scene: file.clone(), set: SetArgs::default(), figure: None, resolved: false });
     let checked = answer(&SceneCommand::Check { scenes: vec![file.clone()] });
     let _ = std::fs::remove_file(&file);
     assert!(shown.good, "{shown:?}");

@@ -3,6 +3,7 @@
 use std::fs;
 
 use phalanx::cli::scene::{SceneCommand, answer};
+use phalanx::cli::set::SetArgs;
 use phalanx::scene::{self, Scene};
 use proptest::prelude::*;
 
@@ -103,7 +104,7 @@ fn every_variant_comes_back_bit_for_bit() {
 #[test]
 fn scene_command_shows_checks_and_explains() {
     let good = "scenes/experiment-95.toml".into();
-    let shown = answer(&SceneCommand::Show { scene: good, figure: None, resolved: false });
+    let shown = answer(&SceneCommand::Show { scene: good, set: SetArgs::default(), figure: None, resolved: false });
     assert!(shown.good && shown.stderr.is_empty());
     assert_round_trip(&parse(&shown.stdout));
 
@@ -124,8 +125,12 @@ fn scene_command_shows_checks_and_explains() {
         );
     }
     assert!(!shown.stdout.contains("e-19") && !shown.stdout.contains("\n[lengths]"), "{}", shown.stdout);
-    let resolved =
-        answer(&SceneCommand::Show { scene: "scenes/experiment-95.toml".into(), figure: None, resolved: true });
+    let resolved = answer(&SceneCommand::Show {
+        scene: "scenes/experiment-95.toml".into(),
+        set: SetArgs::default(),
+        figure: None,
+        resolved: true,
+    });
     assert!(resolved.stdout.contains("\n[lengths]") && !resolved.stdout.contains("[design]"));
     assert_round_trip(&parse(&resolved.stdout));
 

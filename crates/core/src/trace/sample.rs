@@ -34,8 +34,12 @@ impl ContactSample {
         [-self.normal[1], self.normal[0]]
     }
 
-    /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet.
+    /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet. With a
+    /// force goes the gap that made it.
     pub(super) fn press_on(&mut self, before: &Self) {
+        if before.normal_n > 0.0 {
+            self.gap_m = before.gap_m;
+        }
         (self.normal_n, self.tangential_n) = (before.normal_n, before.tangential_n);
         (self.slip_m_s, self.gap_rate_m_s) = (before.slip_m_s, before.gap_rate_m_s);
     }
