@@ -64,14 +64,13 @@ const MOST_LAYERS: usize = 16;
 /// A file that cannot be read, or scenes that extend each other.
 pub fn layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
     let (text, file) = read(path)?;
-    let mut layers = vec![Layer { file, text }];
+    let (mut layers, mut last) = (Vec::new(), Layer { file, text });
     let mut seen = vec![path.canonicalize().ok()];
     let mut here = path.to_path_buf();
-    while let Some((base, span)) = layers.last().and_then(|layer| extended(&layer.text)) {
-        let Layer { file, text } = layers.last().cloned().unwrap_or(Layer { file: String::new(), text: String::new() });
+    while let Some((base, span)) = extended(&last.text) {
         let refuse = |message: String, label: &str, help: &str| SceneError::Invalid {
-            file: file.clone(),
-            text: text.clone(),
+            file: last.file.clone(),
+            text: last.text.clone(),
             problems: vec![Problem { span: Some(span.clone()), message, label: label.into(), help: help.into() }],
         };
         here = here.parent().unwrap_or(Path::new("")).join(&base);
@@ -80,7 +79,7 @@ pub fn layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
             let help = "leave one of them out: what is extended last says all that the others do not";
             return Err(refuse(format!("{} extends itself", here.display()), "comes back to a scene before it", help));
         }
-        if layers.len() == MOST_LAYERS {
+        if seen.len() == MOST_LAYERS {
             let message = format!("more than {MOST_LAYERS} scenes extend one another");
             return Err(refuse(message, "one too many", "put some of them together"));
         }
@@ -92,9 +91,10 @@ pub fn layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
             ),
             error => error,
         })?;
-        layers.push(Layer { file, text });
+        layers.push(std::mem::replace(&mut last, Layer { file, text }));
         seen.push(found);
     }
+    layers.push(last);
     layers.reverse();
     Ok(layers)
 }

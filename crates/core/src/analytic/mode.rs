@@ -18,6 +18,14 @@ pub enum SiteState {
     Natural,
 }
 
+impl SiteState {
+    /// Whether there is a force on this branch.
+    #[inline(always)]
+    pub fn presses(self) -> bool {
+        matches!(self, Self::Active | Self::Natural)
+    }
+}
+
 /// Whether a contact is less deep than its damper's transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DamperRange {
@@ -203,8 +211,7 @@ impl<const S: usize> Mode<S> {
         at: &Contact<N>,
         press: &Press,
     ) -> Guard<N> {
-        let pressing = matches!(self.sites[site], SiteState::Active | SiteState::Natural);
-        if !pressing || self.slips[site] == FrictionRange::Any {
+        if !self.sites[site].presses() || self.slips[site] == FrictionRange::Any {
             return Guard::QUIET;
         }
         let value = self.slips[site].room(law, at.slip) + RANGE_MARGIN * law.finest_m_s();

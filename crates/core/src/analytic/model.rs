@@ -184,7 +184,7 @@ impl Model {
         let mut contact_power = T::zero();
         for site in Site::ALL {
             let index = site as usize;
-            if !Self::presses(mode, site) {
+            if !mode[index].presses() {
                 continue;
             }
             let (Some(geometry), Some(law)) = (geometry(site), self.normal_law(site)) else { continue };
@@ -205,12 +205,6 @@ impl Model {
         quadratures[3] = contact_power;
         quadratures[4] = motor_torque * v[0];
         (solve_mass(&terms.mass, load), quadratures)
-    }
-
-    /// Whether the branch of a site has a force.
-    #[inline(always)]
-    fn presses(mode: &Mode, site: Site) -> bool {
-        matches!(mode[site as usize], SiteState::Active | SiteState::Natural)
     }
 
     /// Everything there is to know of one site in one state; `None` where the scene has no such contact.

@@ -162,11 +162,8 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
 
     fn switch(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Mode {
         let site = site_of(guard);
-        let at = {
-            let (pose, rates) = self.place(*q);
-            self.contact(&pose, &rates, v, site)
-        }
-        .zip(self.normal_law(site));
+        let (pose, rates) = self.place(*q);
+        let at = self.contact(&pose, &rates, v, site).zip(self.normal_law(site));
         at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.friction_law(site), &at))
     }
 

@@ -21,7 +21,7 @@ use super::words::{Motion, SceneKind};
 #[schemars(title = "scene of discs")]
 pub struct RawBodiesScene {
     /// Scene file that this one extends, seen from the directory of this one: whatever is not said here is as it is there, but for
-    /// its name and description. A section that says its `type` or `profile` replaces the one there; [lengths] replaces [design].
+    /// its name and description.
     pub extends: Entry<Text>,
     /// Name in reports and logs. Default: the file's name without its extension.
     pub name: Entry<Text>,

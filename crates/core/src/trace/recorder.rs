@@ -93,7 +93,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     ) -> Result<(), SinkError> {
         let end = step.t1;
         // A damper's force cannot be read off the dense output.
-        let pressing = (0..self.last.places()).any(|place| presses(mode[place]));
+        let pressing = (0..self.last.places()).any(|place| mode[place].presses());
         while let Some(t) = self.grid.before(end.min(self.end_s)) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {
@@ -155,7 +155,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     fn search_peaks(&mut self, end: &R::Sample, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.marks.clear();
         for (index, place) in self.places.as_mut().iter_mut().enumerate() {
-            if !presses(mode[index]) {
+            if !mode[index].presses() {
                 continue;
             }
             let (start, end) = (self.last.contact(index), end.contact(index));
@@ -182,11 +182,6 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         }
         self.marks.sort();
     }
-}
-
-/// Whether a contact on this branch of its law has a force.
-fn presses(state: SiteState) -> bool {
-    matches!(state, SiteState::Active | SiteState::Natural)
 }
 
 impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
