@@ -101,10 +101,11 @@ hard! {
     v_static_1e_4 = "v-static-1e-4",
 }
 
-/// Scenes with a test of their own, below or (limit-rattles) in `check`.
+/// Scenes with a test of their own, below or (limit-rattles, limit-rings-on) in `check`.
 const APART: &[&str] = &[
     "limit-rattles",
     "limit-rings",
+    "limit-rings-on",
     "limit-touches",
     "limit-trembles",
     "friction-well",

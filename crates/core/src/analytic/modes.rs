@@ -123,6 +123,7 @@ impl Model {
         Some(Settled {
             q: std::array::from_fn(|i| q[i] + gap * response[i]),
             v: std::array::from_fn(|i| v[i] + rate * response[i]),
+            decay: 0.5 * damping(law, depth).0 * mobility,
         })
     }
 }
@@ -230,15 +231,15 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         mode: &Mode,
         tolerances: &Tolerances,
     ) -> Option<Settled<2>> {
-        let (mut q, mut v, mut found) = (*q, *v, false);
+        let mut all = Settled { q: *q, v: *v, decay: f64::INFINITY };
         let fastest = TREMBLING_RATE * (tolerances.rtol_v / 1e-5).sqrt();
         let fastest = fastest.clamp(LEAST_TREMBLING_RATE, TREMBLING_RATE);
         for site in Site::ALL {
-            if let Some(at_rest) = self.at_rest(t, (&q, &v), mode, site, fastest) {
-                (q, v, found) = (at_rest.q, at_rest.v, true);
+            if let Some(at_rest) = self.at_rest(t, (&all.q, &all.v), mode, site, fastest) {
+                all = Settled { decay: all.decay.min(at_rest.decay), ..at_rest };
             }
         }
-        found.then_some(Settled { q, v })
+        all.decay.is_finite().then_some(all)
     }
 
     fn obstacle(&self, q: &[f64; 2]) -> String {

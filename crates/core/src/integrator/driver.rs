@@ -192,7 +192,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
         if self.pace.is_lost(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.is_lost();
             if self.pace.may_settle() {
-                self.settle();
+                self.settle(t_end);
             }
         }
         if let Some(site) = accepted.event {
@@ -423,11 +423,10 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     }
 
     /// Brings contacts to rest that only tremble.
-    fn settle(&mut self) {
+    fn settle(&mut self, t_end: f64) {
         let t = self.clock.now();
-        if let Some(settled) =
-            self.system.settle(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances)
-        {
+        let settled = self.system.settle(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
+        if let Some(settled) = settled.filter(|settled| self.pace.settles(settled.decay, t_end - t)) {
             (self.state.q, self.state.v) = (settled.q, settled.v);
             self.mode = self.system.read_mode(t, &self.state.q, &self.state.v);
             self.refresh_watch();

@@ -20,6 +20,12 @@ const MOST_LOUDER: u32 = 4;
 /// whether that was right. Not so at the tolerances of the reference, where what is left to follow is noise: it was 7.6e-6 rad off with it.
 const CURIOSITY: u32 = 15;
 const FINE: std::ops::Range<f64> = 1e-10..3e-6;
+/// What would ring on to the end for want of a damper leaves with its last rate at the next impact: 4e-3 rad/s of it were 3.5e-5 rad
+/// in the end (scenes/hard/limit-rings-on). Finer runs and the reference follow such a contact for so many stretches, which is
+/// longer than a check lets its finer run go on.
+const WEARY: u32 = 120;
+/// What falls by less than e to this power rings on.
+const LASTING: f64 = 3.0;
 
 /// The last stretch of a run.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +35,7 @@ pub struct Pace {
     time: f64,
     lost: u32,
     curiosity: u32,
+    weary: u32,
 }
 
 impl Pace {
@@ -39,13 +46,19 @@ impl Pace {
             time,
             lost: 0,
             curiosity: if FINE.contains(&tolerances.rtol_v) { CURIOSITY } else { 0 },
+            weary: if tolerances.rtol_v < FINE.end { WEARY } else { 0 },
         }
     }
 
-    /// Whether what trembles is to be brought to rest.
+    /// Whether anything that trembles is to be brought to rest.
     #[inline(always)]
     pub fn may_settle(&self) -> bool {
         self.lost > self.curiosity
+    }
+
+    /// Whether that is so of what dies at this rate, with so much time left.
+    pub fn settles(&self, decay: f64, left: f64) -> bool {
+        decay * left > LASTING || self.lost > self.weary
     }
 
     /// What steps may take for noise, in parts of what rounding makes.
@@ -104,6 +117,18 @@ mod tests {
                 pace.may_settle()
             });
             assert_eq!(settles, Some(after), "rtol {rtol}");
+        }
+    }
+
+    #[test]
+    fn what_would_ring_on_is_brought_to_rest_much_later_than_what_dies_by_itself() {
+        for (rtol, weary) in [(1e-5, 0), (1e-7, 120), (1e-12, 120)] {
+            let mut pace = Pace::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: rtol }, 0.0);
+            for stretch in 1..=121u64 {
+                assert!(pace.is_lost(5000 * stretch, 1e-9 * stretch as f64, 0.02));
+                assert!(pace.settles(400.0, 0.01), "falls by e^4");
+                assert_eq!(pace.settles(200.0, 0.01), stretch > weary, "falls by e^2; rtol {rtol}, stretch {stretch}");
+            }
         }
     }
 }

@@ -103,3 +103,30 @@ pub fn lets_go<const N: usize, const Z: usize, const S: usize>(
         _ => false,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact that presses like this and gets its slip from the second coordinate.
+    fn sticking(normal: f64) -> [Guard<2>; 1] {
+        [Guard { strain: Strain::Slip { row: [0.0, 1.0], finest: 1e-3, normal }, ..Guard::QUIET }]
+    }
+
+    fn let_go(after: [Guard<2>; 1], gained: [f64; 2]) -> bool {
+        let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
+        let from = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
+        let v = [from.v[0] + gained[0], from.v[1] + gained[1] * tolerances.share() * 1e-3];
+        let attempt = Attempt { error: 0.5, rhs: 8, end: State { v, ..from }, error_q: [0.0; 2], error_v: [0.0; 2] };
+        lets_go(&sticking(10.0), &after, &attempt, &from, &tolerances)
+    }
+
+    #[test]
+    fn a_contact_lets_go_where_it_loses_its_force_and_slips_by_more_than_its_share() {
+        assert!(let_go(sticking(2.4), [0.0, 1.1]), "most of its force is gone, and it slips");
+        assert!(let_go([Guard::QUIET], [0.0, -1.1]), "so has one that is no contact any more");
+        assert!(!let_go(sticking(2.6), [0.0, 1.1]), "it keeps more than a quarter");
+        assert!(!let_go(sticking(2.4), [0.0, 0.9]), "it slips by less than a step may err by");
+        assert!(!let_go(sticking(2.4), [5.0, 0.9]), "what moves across is no slip");
+    }
+}

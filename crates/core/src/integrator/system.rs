@@ -123,6 +123,8 @@ pub struct Watch<const N: usize, const S: usize> {
 pub struct Settled<const N: usize> {
     pub q: [f64; N],
     pub v: [f64; N],
+    /// Rate at which the slowest of these trembles would have died by itself, 1/s.
+    pub decay: f64,
 }
 
 /// A system whose modes change at events.
