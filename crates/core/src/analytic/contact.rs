@@ -1,4 +1,4 @@
-//! Contact geometry in closed form: a phalanx is a capsule, the object a fixed disc (thesis (B.1)–(B.2), errata 5).
+//! Contact geometry in closed form: a phalanx is a capsule, the object a disc (thesis (B.1)–(B.2), errata 5).
 
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::numeric::Real;
@@ -32,8 +32,8 @@ pub struct Capsule<T> {
 ///
 /// On the face the normal is ± the axis turned by 90°; past an end it turns about that end (the slip to the tip of (2.29)).
 #[inline(always)]
-pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: [f64; 2], disc_radius: f64) -> (Vector<T>, Vector<T>, T) {
-    let to_centre = sub(centre.map(T::constant), capsule.base);
+pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: Vector<T>, disc_radius: f64) -> (Vector<T>, Vector<T>, T) {
+    let to_centre = sub(centre, capsule.base);
     let along = dot(to_centre, capsule.axis);
     let reach = capsule.radius + disc_radius;
     let s = along.value();
@@ -44,7 +44,7 @@ pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: [f64; 2], disc_radius: f64
         (add(capsule.base, scale(capsule.axis, along)), normal, offset * -side - reach)
     } else {
         let point = if s <= 0.0 { capsule.base } else { add(capsule.base, scale_by(capsule.axis, capsule.length)) };
-        let away = sub(point, centre.map(T::constant));
+        let away = sub(point, centre);
         let distance = dot(away, away).sqrt();
         (point, scale(away, distance.recip()), distance - reach)
     }
@@ -52,7 +52,7 @@ pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: [f64; 2], disc_radius: f64
 
 /// Contact of l21: a body turning about O at q̇21.
 #[inline(always)]
-pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, centre: [f64; 2], disc_radius: f64) -> Geometry<T> {
+pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, centre: Vector<T>, disc_radius: f64) -> Geometry<T> {
     let capsule = Capsule { base: [T::zero(); 2], axis: pose.e2, length: l21, radius: w };
     let (foot, normal, gap) = nearest(&capsule, centre, disc_radius);
     let point = sub(foot, scale_by(normal, w));
@@ -81,7 +81,7 @@ pub fn distal<T: Real>(
     pose: &Directions<T>,
     rates: &PassiveRates<T>,
     shape: &Distal,
-    centre: [f64; 2],
+    centre: Vector<T>,
     disc_radius: f64,
 ) -> Geometry<T> {
     let base = scale_by(pose.e2, shape.l21);

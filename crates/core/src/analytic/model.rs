@@ -1,20 +1,16 @@
 //! The analytic model of one scene: accelerations, their exact Jacobian, and the state of every contact.
 
-use super::contact::{self, Distal, Geometry};
+use super::contact::Geometry;
+use super::finger::FingerModel;
 use super::mode::SiteState;
-use crate::fivebar::dynamics::{
-    Dynamics, Terms, absolute_rates, bias, gravity_energy, kinetic_energy, solve_mass, terms,
-};
-use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
-
-use crate::fivebar::spring::SpringModel;
-use crate::gripper::{Assembly, Site};
+use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass};
+use crate::fivebar::kinematics::{Directions, PassiveRates};
+use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{
-    ContactLaw, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, normal_force, normal_over_gap,
-    unclamped_normal_force,
+    NormalForce, NormalLaw, elastic_energy, friction_force, normal_force, normal_over_gap, unclamped_normal_force,
 };
-use crate::numeric::plane::{angle_between, dot, opening_angle, rotate};
+use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real};
 use crate::scene::{Actuation, Disc, Scene, torque};
 
@@ -30,13 +26,9 @@ pub type Mode = super::mode::Mode<3>;
 /// The analytic model of a scene, with everything that does not change in time worked out.
 #[derive(Clone, Debug)]
 pub struct Model {
-    pub(super) dynamics: Dynamics,
+    pub(super) finger: FingerModel,
     pub(super) actuation: Actuation,
-    pub(super) spring: Option<SpringModel>,
-    pub(super) limit: Option<NormalLaw>,
     pub(super) object: Option<Disc>,
-    pub(super) contacts: [ContactLaw; 2],
-    distal: Distal,
 }
 
 /// Energies of one state, in J.
@@ -83,41 +75,16 @@ pub struct SiteReading {
 impl Model {
     /// Builds the model of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let lengths = scene.finger.lengths;
-        let reference = reference_gamma(&lengths);
-        let gamma = match scene.finger.assembly {
-            Assembly::Reference => reference,
-            Assembly::Other => -reference,
-        };
-        let (sin, cos) = lengths.phi22_rad.sin_cos();
-        let start = directions(&lengths, gamma, [scene.initial.q11_rad, scene.initial.q21_rad]);
+        let Scene { finger, spring, limit, contact, initial, gravity_m_s2, .. } = scene;
         Self {
-            dynamics: Dynamics::new(&scene.finger, gamma, scene.gravity_m_s2),
+            finger: FingerModel::new(finger, (*spring, *limit), *contact, initial, *gravity_m_s2),
             actuation: scene.actuation.clone(),
-            spring: scene.spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
-            limit: scene.limit,
             object: scene.object,
-            contacts: [scene.contact.proximal, scene.contact.distal],
-            distal: Distal { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
         }
     }
 
     pub fn dynamics(&self) -> &Dynamics {
-        &self.dynamics
-    }
-
-    /// Position-dependent terms at q_a.
-    #[inline(always)]
-    pub(super) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
-        terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
-    }
-
-    /// Link directions and passive rates at q_a: all that geometry needs of [`Model::terms`].
-    #[inline(always)]
-    pub(super) fn place(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
-        let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
-        let rates = passive_rates(&self.dynamics.lengths, &pose);
-        (pose, rates)
+        &self.finger.dynamics
     }
 
     /// Geometry of one site; `None` where the scene has no such contact.
@@ -128,40 +95,11 @@ impl Model {
         rates: &PassiveRates<T>,
         site: Site,
     ) -> Option<Geometry<T>> {
-        match site {
-            Site::Proximal => {
-                let disc = self.object?;
-                Some(contact::proximal(pose, self.distal.l21, self.distal.w, disc.centre_m, disc.radius_m))
-            }
-            Site::Distal => {
-                let disc = self.object?;
-                Some(contact::distal(pose, rates, &self.distal, disc.centre_m, disc.radius_m))
-            }
-            Site::Limit => {
-                self.limit?;
-                // q22 + φ22: the angle from l21 to the tip phalanx.
-                let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
-                let row = [rates.a4[0], rates.a4[1] - 1.0];
-                let none = [T::zero(); 2];
-                Some(Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none })
-            }
+        if site == Site::Limit {
+            return self.finger.limit.map(|_| self.finger.limit_geometry(pose, rates));
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn normal_law(&self, site: Site) -> Option<&NormalLaw> {
-        match site {
-            Site::Proximal | Site::Distal => Some(&self.contacts[site as usize].normal),
-            Site::Limit => self.limit.as_ref(),
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn friction_law(&self, site: Site) -> Option<&FrictionLaw> {
-        match site {
-            Site::Proximal | Site::Distal => self.contacts[site as usize].friction.as_ref(),
-            Site::Limit => None,
-        }
+        let disc = self.object?;
+        Some(self.finger.phalanx(pose, rates, site, (disc.centre_m.map(T::constant), disc.radius_m)))
     }
 
     /// q̈_a and the rates of the quadratures (2.24), from the position-dependent terms and the geometry of the sites that press.
@@ -174,12 +112,7 @@ impl Model {
         mode: &Mode,
         v: [T; 2],
     ) -> ([T; 2], [T; QUADRATURES]) {
-        let c = bias(terms, absolute_rates(&terms.rates, v));
-        let mut load = [motor_torque - c[0], -c[1]];
-        if let Some(spring) = &self.spring {
-            let force = spring.generalised_force(&terms.pose, &terms.rates);
-            load = [load[0] + force[0], load[1] + force[1]];
-        }
+        let mut load = self.finger.load(motor_torque, terms, v);
         let mut quadratures = [T::zero(); QUADRATURES];
         let mut contact_power = T::zero();
         for site in Site::ALL {
@@ -187,14 +120,14 @@ impl Model {
             if !mode[index].presses() {
                 continue;
             }
-            let (Some(geometry), Some(law)) = (geometry(site), self.normal_law(site)) else { continue };
+            let (Some(geometry), Some(law)) = (geometry(site), self.finger.normal_law(site)) else { continue };
             let gap_rate = dot(geometry.normal_row, v);
             let normal = normal_over_gap(|d, rate| branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
             load[1] += geometry.normal_row[1] * normal;
             contact_power += normal * gap_rate;
             quadratures[index] = normal;
-            if let Some(friction) = self.friction_law(site) {
+            if let Some(friction) = self.finger.friction_law(site) {
                 let slip = dot(geometry.tangent_row, v);
                 let tangential = friction_force(friction, slip, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
@@ -209,7 +142,7 @@ impl Model {
 
     /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
     pub fn reading(&self, q: [f64; 2], v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
-        let (pose, rates) = self.place(q);
+        let (pose, rates) = self.finger.place(q);
         self.reading_at(&pose, &rates, v, site, state)
     }
 
@@ -222,39 +155,26 @@ impl Model {
         state: SiteState,
     ) -> Option<SiteReading> {
         let geometry = self.geometry(pose, rates, site)?;
-        let law = self.normal_law(site)?;
+        let law = self.finger.normal_law(site)?;
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
         let slip = dot(geometry.tangent_row, v);
         let normal = branch(law, state, delta, delta_rate).force.max(0.0);
-        let tangential = self.friction_law(site).map_or(0.0, |f| friction_force(f, slip, normal));
+        let tangential = self.finger.friction_law(site).map_or(0.0, |f| friction_force(f, slip, normal));
         Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
     /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
     pub fn snapshot(&self, q: [f64; 2], v: [f64; 2], mode: &Mode) -> Snapshot {
-        let terms = self.terms(q);
+        let terms = self.finger.terms(q);
         let sites = Site::ALL.map(|site| self.reading_at(&terms.pose, &terms.rates, v, site, mode[site as usize]));
-        let elastic = Site::ALL.map(|site| match (self.normal_law(site), &sites[site as usize]) {
+        let elastic = Site::ALL.map(|site| match (self.finger.normal_law(site), &sites[site as usize]) {
             (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
             _ => 0.0,
         });
-        let energies = Energies {
-            kinetic: kinetic_energy(&terms.mass, v),
-            gravity: gravity_energy(&self.dynamics, &terms.pose),
-            spring: self.spring.as_ref().map_or(0.0, |s| s.energy(&terms.pose)),
-            elastic: elastic.iter().sum(),
-        };
-        Snapshot { passive: self.passive_at(&terms, q, v), sites, energies }
-    }
-
-    /// Passive joints and their rates (2.2), (2.8).
-    fn passive_at(&self, terms: &Terms<f64>, q: [f64; 2], v: [f64; 2]) -> Passive {
-        let pose = &terms.pose;
-        let [_, _, qd3, qd4] = absolute_rates(&terms.rates, v);
-        let phi22 = self.dynamics.lengths.phi22_rad;
-        // Measured from the straight line, q22 stays continuous through the joint limit.
-        let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
-        Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
+        let [gravity, spring] = self.finger.potential(&terms.pose);
+        let energies =
+            Energies { kinetic: kinetic_energy(&terms.mass, v), gravity, spring, elastic: elastic.iter().sum() };
+        Snapshot { passive: self.finger.passive(&terms.pose, &terms.rates, q, v), sites, energies }
     }
 
     /// Motor torque at time `t`, in N·m.
@@ -278,7 +198,7 @@ impl System<2, QUADRATURES> for Model {
 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Rates<2, QUADRATURES> {
-        let terms = self.terms(*q);
+        let terms = self.finger.terms(*q);
         let torque = torque(&self.actuation, t).0;
         let geometry = |site| self.geometry(&terms.pose, &terms.rates, site);
         let (a, g) = self.accelerations(torque, &terms, geometry, mode, *v);
@@ -288,7 +208,7 @@ impl System<2, QUADRATURES> for Model {
     #[inline(always)]
     fn linearise(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Linearised<2, QUADRATURES> {
         // Positions first, with two derivatives; rates only then, with four.
-        let narrow = self.terms([Dual::<2>::variable(q[0], 0), Dual::variable(q[1], 1)]);
+        let narrow = self.finger.terms([Dual::<2>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let wide = narrow.widen();
         let rate = [Dual::<4>::variable(v[0], 2), Dual::variable(v[1], 3)];
         let (torque, slope) = torque(&self.actuation, t);
@@ -322,7 +242,7 @@ impl Geometry<Dual<2>> {
 
 impl Terms<Dual<2>> {
     #[inline(always)]
-    fn widen(&self) -> Terms<Dual<4>> {
+    pub(super) fn widen(&self) -> Terms<Dual<4>> {
         let Directions { e1, e2, e3, e4 } = self.pose;
         Terms {
             pose: Directions {

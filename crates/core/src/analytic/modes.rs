@@ -55,7 +55,9 @@ impl Model {
             if !asked || mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
                 continue;
             }
-            let Some((at, law)) = self.contact(pose, rates, v, site).zip(self.normal_law(site)) else { continue };
+            let Some((at, law)) = self.contact(pose, rates, v, site).zip(self.finger.normal_law(site)) else {
+                continue;
+            };
             let press = if wanted[index] { Press::of(law, &at) } else { Press::default() };
             if wanted[index] {
                 guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
@@ -63,7 +65,7 @@ impl Model {
             if wanted[index + 2 * SITES] {
                 guards[index + 2 * SITES] = mode.damper_guard(index, law, &at);
             }
-            if let Some(friction) = self.friction_law(site).filter(|_| wanted[index + SITES]) {
+            if let Some(friction) = self.finger.friction_law(site).filter(|_| wanted[index + SITES]) {
                 guards[index + SITES] = mode.slip_guard(index, friction, &at, &press);
             }
         }
@@ -90,8 +92,8 @@ impl Model {
         site: Site,
         fastest: f64,
     ) -> Option<Settled<2>> {
-        let terms = self.terms(*q);
-        let (at, law) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.normal_law(site))?;
+        let terms = self.finger.terms(*q);
+        let (at, law) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.finger.normal_law(site))?;
         let small = at.delta.abs() <= TREMBLING_DEPTH && at.rate.abs() <= fastest;
         if !small || law.stiffness_n_per_m_e == 0.0 {
             return None;
@@ -102,7 +104,7 @@ impl Model {
         // Along the free motion rows turn: their part in the gap's acceleration, by a central difference.
         let moved = |h: f64| -> Option<f64> {
             let q = [q[0] + h * v[0], q[1] + h * v[1]];
-            let (pose, rates) = self.place(q);
+            let (pose, rates) = self.finger.place(q);
             Some(dot(self.geometry(&pose, &rates, site)?.normal_row, *v))
         };
         let turning = (moved(TURNING_S)? - moved(-TURNING_S)?) / (2.0 * TURNING_S);
@@ -138,7 +140,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
 
     #[inline(always)]
     fn watch(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Watch<2, GUARDS> {
-        let (pose, rates) = self.place(*q);
+        let (pose, rates) = self.finger.place(*q);
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(&rates, *v);
         let guards = self.guards(&pose, &rates, v, mode, &[true; GUARDS]);
@@ -151,21 +153,21 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
 
     #[inline(always)]
     fn glance(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, wanted: &[bool; GUARDS]) -> [Guard<2>; GUARDS] {
-        let (pose, rates) = self.place(*q);
+        let (pose, rates) = self.finger.place(*q);
         self.guards(&pose, &rates, v, mode, wanted)
     }
 
     fn landing_tolerance(&self, guard: usize, mode: &Mode) -> f64 {
         let site = site_of(guard);
-        let friction = self.friction_law(site);
-        self.normal_law(site).map_or(0.0, |law| mode.landing_tolerance(guard, law, friction, &LANDING))
+        let friction = self.finger.friction_law(site);
+        self.finger.normal_law(site).map_or(0.0, |law| mode.landing_tolerance(guard, law, friction, &LANDING))
     }
 
     fn switch(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Mode {
         let site = site_of(guard);
-        let (pose, rates) = self.place(*q);
-        let at = self.contact(&pose, &rates, v, site).zip(self.normal_law(site));
-        at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.friction_law(site), &at))
+        let (pose, rates) = self.finger.place(*q);
+        let at = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site));
+        at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.finger.friction_law(site), &at))
     }
 
     fn is_told(&self, guard: usize) -> bool {
@@ -181,18 +183,20 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 
     fn read_mode(&self, t: f64, q: &[f64; 2], v: &[f64; 2]) -> Mode {
-        let terms = self.terms(*q);
+        let terms = self.finger.terms(*q);
         // Without the sites that are just touching, to see which way they are about to move.
         let mut mode = Mode::FREE;
         let mut touching = [None; 3];
         for site in Site::ALL {
             let index = site as usize;
-            let Some((at, law)) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.normal_law(site)) else {
+            let Some((at, law)) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.finger.normal_law(site))
+            else {
                 continue;
             };
             let Contact { delta, rate, slip, row, .. } = at;
             mode.dampers[index] = DamperRange::of(law, delta);
-            mode.slips[index] = self.friction_law(site).map_or(FrictionRange::Any, |law| friction_range(law, slip));
+            mode.slips[index] =
+                self.finger.friction_law(site).map_or(FrictionRange::Any, |law| friction_range(law, slip));
             if delta.abs() <= landing_depth(law) {
                 touching[index] = Some((row, rate));
             } else if delta > 0.0 {
@@ -216,8 +220,8 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         if mode[which as usize] != SiteState::Active {
             return None;
         }
-        let terms = self.terms(*q);
-        let (geometry, law) = (self.geometry(&terms.pose, &terms.rates, which)?, self.normal_law(which)?);
+        let terms = self.finger.terms(*q);
+        let (geometry, law) = (self.geometry(&terms.pose, &terms.rates, which)?, self.finger.normal_law(which)?);
         let row = geometry.normal_row;
         let speed = dot(row, *v).abs();
         let mobility = dot(row, solve_mass(&terms.mass, row));
@@ -243,7 +247,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 
     fn obstacle(&self, q: &[f64; 2]) -> String {
-        format!("singular configuration: {}", nearest_singularity(&self.dynamics.lengths, *q))
+        format!("singular configuration: {}", nearest_singularity(&self.finger.dynamics.lengths, *q))
     }
 }
 

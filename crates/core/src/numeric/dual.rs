@@ -20,6 +20,14 @@ impl<const N: usize> Dual<N> {
         Self { value, grad }
     }
 
+    /// The same number seen from M variables, of which its own come first.
+    #[inline(always)]
+    pub fn among<const M: usize>(self) -> Dual<M> {
+        let mut grad = [0.0; M];
+        grad[..N].copy_from_slice(&self.grad);
+        Dual { value: self.value, grad }
+    }
+
     #[inline(always)]
     fn combine(self, other: Self, value: f64, a: f64, b: f64) -> Self {
         Self { value, grad: std::array::from_fn(|i| a * self.grad[i] + b * other.grad[i]) }
@@ -35,7 +43,7 @@ impl Dual<2> {
     /// The same number seen from a larger set of variables, of which its own come first.
     #[inline(always)]
     pub fn widen(self) -> Dual<4> {
-        Dual { value: self.value, grad: [self.grad[0], self.grad[1], 0.0, 0.0] }
+        self.among()
     }
 }
 

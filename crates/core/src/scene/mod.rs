@@ -12,6 +12,7 @@
 //! | `template` | what all designs of a study have in common |
 //! | `torque` | the motor torque of an actuation over time |
 //! | `bodies` | scenes of discs instead of a finger |
+//! | `gripper` | scenes of two fingers and what they grasp |
 
 mod bodies;
 pub mod check;
@@ -19,6 +20,7 @@ mod compose;
 mod defaults;
 pub mod entry;
 pub mod error;
+mod gripper;
 pub mod keys;
 pub mod kinds;
 mod raw;
@@ -36,6 +38,7 @@ pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, Nam
 pub use compose::{Layer, extended, parse_layers};
 pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
+pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
 pub use kinds::Words;
 pub use schema::schema;
 pub use show::{show, show_any, show_bodies, show_written};

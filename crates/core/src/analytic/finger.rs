@@ -1,0 +1,135 @@
+//! One finger of the analytic model, wherever it is: its links, its spring, its laws. What moves the object is not its business.
+
+use super::contact::{self, Distal, Geometry};
+use super::model::Passive;
+use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
+use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
+use crate::fivebar::spring::SpringModel;
+use crate::gripper::{Assembly, Finger, Site, Spring};
+use crate::law::{FrictionLaw, NormalLaw};
+use crate::numeric::Real;
+use crate::numeric::plane::{Vector, angle_between, opening_angle, rotate};
+use crate::scene::{Contacts, Initial};
+
+/// A finger with everything that does not change in time worked out.
+#[derive(Clone, Debug)]
+pub struct FingerModel {
+    pub(super) dynamics: Dynamics,
+    pub(super) spring: Option<SpringModel>,
+    pub(super) limit: Option<NormalLaw>,
+    pub(super) contacts: Contacts,
+    distal: Distal,
+}
+
+impl FingerModel {
+    /// A finger under a gravity that its own frame sees, in a run that starts from `initial`.
+    pub fn new(
+        finger: &Finger,
+        (spring, limit): (Option<Spring>, Option<NormalLaw>),
+        contacts: Contacts,
+        initial: &Initial,
+        gravity_m_s2: [f64; 2],
+    ) -> Self {
+        let lengths = finger.lengths;
+        let reference = reference_gamma(&lengths);
+        let gamma = match finger.assembly {
+            Assembly::Reference => reference,
+            Assembly::Other => -reference,
+        };
+        let (sin, cos) = lengths.phi22_rad.sin_cos();
+        let start = directions(&lengths, gamma, [initial.q11_rad, initial.q21_rad]);
+        Self {
+            dynamics: Dynamics::new(finger, gamma, gravity_m_s2),
+            spring: spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
+            limit,
+            contacts,
+            distal: Distal { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
+        }
+    }
+
+    /// Position-dependent terms at q_a.
+    #[inline(always)]
+    pub(super) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
+        terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
+    }
+
+    /// Link directions and passive rates at q_a: all that geometry needs of [`FingerModel::terms`].
+    #[inline(always)]
+    pub(super) fn place(&self, q: [f64; 2]) -> (Directions<f64>, PassiveRates<f64>) {
+        let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
+        let rates = passive_rates(&self.dynamics.lengths, &pose);
+        (pose, rates)
+    }
+
+    /// Geometry of a phalanx against a disc; of the joint limit it is [`FingerModel::limit_geometry`].
+    #[inline(always)]
+    pub(super) fn phalanx<T: Real>(
+        &self,
+        pose: &Directions<T>,
+        rates: &PassiveRates<T>,
+        site: Site,
+        (centre, radius): (Vector<T>, f64),
+    ) -> Geometry<T> {
+        match site {
+            Site::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, centre, radius),
+            _ => contact::distal(pose, rates, &self.distal, centre, radius),
+        }
+    }
+
+    /// Geometry of the joint limit, whose gap is q22 + φ22: the angle from l21 to the tip phalanx.
+    #[inline(always)]
+    pub(super) fn limit_geometry<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> Geometry<T> {
+        let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
+        let row = [rates.a4[0], rates.a4[1] - 1.0];
+        let none = [T::zero(); 2];
+        Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none }
+    }
+
+    #[inline(always)]
+    pub(super) fn normal_law(&self, site: Site) -> Option<&NormalLaw> {
+        match site {
+            Site::Proximal => Some(&self.contacts.proximal.normal),
+            Site::Distal => Some(&self.contacts.distal.normal),
+            Site::Limit => self.limit.as_ref(),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn friction_law(&self, site: Site) -> Option<&FrictionLaw> {
+        match site {
+            Site::Proximal => self.contacts.proximal.friction.as_ref(),
+            Site::Distal => self.contacts.distal.friction.as_ref(),
+            Site::Limit => None,
+        }
+    }
+
+    /// τ − c of (2.24) without contacts: motor, spring, gravity and what turns with the links.
+    #[inline(always)]
+    pub(super) fn load<T: Real>(&self, motor_torque: T, terms: &Terms<T>, v: [T; 2]) -> [T; 2] {
+        let c = bias(terms, absolute_rates(&terms.rates, v));
+        let load = [motor_torque - c[0], -c[1]];
+        let Some(spring) = &self.spring else { return load };
+        let force = spring.generalised_force(&terms.pose, &terms.rates);
+        [load[0] + force[0], load[1] + force[1]]
+    }
+
+    /// Gravity's and the spring's energy in a pose, J.
+    pub(super) fn potential(&self, pose: &Directions<f64>) -> [f64; 2] {
+        [gravity_energy(&self.dynamics, pose), self.spring.as_ref().map_or(0.0, |spring| spring.energy(pose))]
+    }
+
+    /// Passive joints and their rates (2.2), (2.8).
+    pub(super) fn passive(
+        &self,
+        pose: &Directions<f64>,
+        rates: &PassiveRates<f64>,
+        q: [f64; 2],
+        v: [f64; 2],
+    ) -> Passive {
+        let [_, _, qd3, qd4] = absolute_rates(rates, v);
+        let phi22 = self.dynamics.lengths.phi22_rad;
+        // Measured from the straight line, q22 stays continuous through the joint limit.
+        let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
+        Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
+    }
+}

@@ -1,0 +1,43 @@
+//! The analytic model of a gripper: two five-bars, and an object that both grasp.
+//!
+//! Coordinates are (q11, q21) of the right finger, (q11, q21) of the left one, which is its mirror image's, and (x, y, θ) of an object
+//! that moves, in the frame of the palm. Independent of the engine model, which it checks.
+//!
+//! | file | job |
+//! |---|---|
+//! | `model` | what does not change in time: fingers, drives, object, planes |
+//! | `touch` | gaps and the rows that give their rates, of a phalanx or a plane against the object |
+//! | `inertia` | the mass matrix by its blocks, and what solves it |
+//! | `forces` | accelerations, and their exact Jacobian put together from the blocks' own |
+//! | `modes` | branches of the laws, and where they change |
+//! | `reading` | one contact, and the energies, in one state |
+
+mod forces;
+mod inertia;
+mod model;
+mod modes;
+mod reading;
+mod touch;
+
+pub use model::{GripperModel, start};
+pub use reading::GripperEnergies;
+
+use crate::analytic::mode;
+use crate::analytic::model::branch;
+use crate::analytic::modes::first_step;
+use crate::scene::Place;
+
+/// Places where something can touch: all of [`Place::ALL`], of which a scene may lack some.
+pub const PLACES: usize = Place::ALL.len();
+
+/// Quadratures carried along: normal impulses of the places, work of all contact forces, work of the motors.
+pub const QUADRATURES: usize = PLACES + 2;
+
+/// Guards of all places: of their normal laws, then of their slips, then of their dampers.
+pub const GUARDS: usize = 3 * PLACES;
+
+/// Branches of all places, in the order of [`Place::ALL`].
+pub type GripperMode = mode::Mode<PLACES>;
+
+/// Coordinates of both fingers; those of an object that moves come after them.
+pub const FINGERS: usize = 4;

@@ -1,0 +1,211 @@
+//! What does not change in time.
+
+use super::{FINGERS, QUADRATURES};
+use crate::analytic::finger::FingerModel;
+use crate::integrator::State;
+use crate::law::{ContactLaw, FrictionLaw, NormalLaw};
+use crate::numeric::plane::Vector;
+use crate::numeric::{Dual, Real};
+use crate::scene::{Actuation, GripperFinger, GripperScene, Motor, ObjectMotion, Place, Side, next_corner, torque};
+
+/// The model of a scene with N = 7 coordinates, or 4 where the object is fixed.
+#[derive(Clone, Debug)]
+pub struct GripperModel<const N: usize> {
+    pub(super) fingers: [FingerModel; 2],
+    pub(super) drives: Vec<Drive>,
+    /// Beside the fingers' own mass matrices: inertias on (q11, q11), and what couples both driven links.
+    pub(super) rotor_inertia: [f64; 2],
+    pub(super) coupling: f64,
+    half_palm: f64,
+    pub(super) object: Object,
+    pub(super) palm: Option<Plane>,
+    pub(super) table: Option<Plane>,
+}
+
+/// A motor: which of the driven links (right, left) it turns, and by how much of its torque.
+#[derive(Clone, Debug)]
+pub(super) struct Drive {
+    actuation: Actuation,
+    pub weights: [f64; 2],
+    no_load_speed: Option<f64>,
+}
+
+/// What a drive gives at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pull {
+    /// Rate of its shaft, rad/s.
+    pub rate: f64,
+    /// Torque, N·m, and its derivatives by rate and time.
+    pub torque: f64,
+    pub by_rate: f64,
+    pub by_time: f64,
+}
+
+impl Drive {
+    fn new(motor: &Motor, weights: [f64; 2]) -> Self {
+        Self { actuation: motor.actuation.clone(), weights, no_load_speed: motor.no_load_speed_rad_s }
+    }
+
+    /// τ − |τ| q̇/q̇0, whichever way it turns.
+    #[inline(always)]
+    pub fn pull(&self, t: f64, driven: [f64; 2]) -> Pull {
+        let rate = self.weights[0] * driven[0] + self.weights[1] * driven[1];
+        let (full, slope) = torque(&self.actuation, t);
+        let Some(speed) = self.no_load_speed else { return Pull { rate, torque: full, by_rate: 0.0, by_time: slope } };
+        let by_rate = -full.abs() / speed;
+        let by_time = slope - slope * full.signum() * rate / speed;
+        Pull { rate, torque: full + by_rate * rate, by_rate, by_time }
+    }
+}
+
+/// The object: inverses are 0 where it is fixed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Object {
+    pub radius: f64,
+    pub mass: f64,
+    pub inertia: f64,
+    /// Where a fixed one is.
+    pub pose: [f64; 3],
+    pub gravity: [f64; 2],
+}
+
+/// A half plane that only the object meets: `normal` points to the object, and `offset` is its distance from the origin against that.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    pub normal: [f64; 2],
+    pub offset: f64,
+    pub law: ContactLaw,
+}
+
+/// Coordinates and rates at the start of a scene with N coordinates.
+pub fn start<const N: usize>(scene: &GripperScene) -> State<N, QUADRATURES> {
+    let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; QUADRATURES] };
+    for (index, finger) in scene.fingers.iter().enumerate() {
+        let initial = &finger.initial;
+        (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
+        (state.v[2 * index], state.v[2 * index + 1]) = (initial.qd11_rad_s, initial.qd21_rad_s);
+    }
+    if let (ObjectMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. }, true) = (scene.object.motion, N > FINGERS) {
+        let ([x, y], angle) = (scene.object.centre_m, scene.object.angle_rad);
+        state.q[FINGERS..].copy_from_slice(&[x, y, angle]);
+        state.v[FINGERS..].copy_from_slice(&[vx, vy, spin_rad_s]);
+    }
+    state
+}
+
+impl<const N: usize> GripperModel<N> {
+    /// Builds the model; N is 7 for an object that moves and 4 for one that does not.
+    pub fn new(scene: &GripperScene) -> Self {
+        let [x, y] = scene.gravity_m_s2;
+        let finger = |side: Side| {
+            let GripperFinger { finger, spring, limit, contact, initial, .. } = scene.finger(side);
+            FingerModel::new(finger, (*spring, *limit), *contact, initial, [side.mirror() * x, y])
+        };
+        let mut drives = Vec::from(Side::BOTH.map(|side| {
+            let weights = if side == Side::Right { [1.0, 0.0] } else { [0.0, 1.0] };
+            Drive::new(&scene.finger(side).motor, weights)
+        }));
+        let mut rotor_inertia = Side::BOTH.map(|side| scene.finger(side).motor.inertia_kg_m2);
+        let mut coupling = 0.0;
+        if let Some(differential) = &scene.differential {
+            drives.push(Drive::new(&differential.motor, [0.5, 0.5]));
+            let (input, seesaw) = (differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2);
+            rotor_inertia.iter_mut().for_each(|own| *own += (input + seesaw) / 4.0);
+            coupling = (input - seesaw) / 4.0;
+        }
+        let (mass, inertia) = match scene.object.motion {
+            ObjectMotion::Fixed => (0.0, 0.0),
+            ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => (mass_kg, inertia_kg_m2),
+        };
+        assert_eq!(N, if mass > 0.0 { FINGERS + 3 } else { FINGERS }, "the object's coordinates");
+        let [cx, cy] = scene.object.centre_m;
+        Self {
+            fingers: Side::BOTH.map(finger),
+            drives,
+            rotor_inertia,
+            coupling,
+            half_palm: 0.5 * scene.palm_width_m,
+            object: Object {
+                radius: scene.object.radius_m,
+                mass,
+                inertia,
+                pose: [cx, cy, scene.object.angle_rad],
+                gravity: scene.gravity_m_s2,
+            },
+            palm: scene.palm.map(|law| Plane { normal: [0.0, 1.0], offset: 0.0, law }),
+            table: scene.table.map(|table| Plane { normal: [0.0, -1.0], offset: table.level_m, law: table.contact }),
+        }
+    }
+
+    /// Torques of all drives on the driven links, N·m.
+    pub fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; 2] {
+        let mut torques = [0.0; 2];
+        for drive in &self.drives {
+            let pull = drive.pull(t, [v[0], v[2]]);
+            (0..2).for_each(|i| torques[i] += drive.weights[i] * pull.torque);
+        }
+        torques
+    }
+
+    /// The next time at which some torque jumps.
+    pub(super) fn next_corner_of_drives(&self, t: f64) -> f64 {
+        self.drives.iter().map(|drive| next_corner(&drive.actuation, t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// (x, y, θ) of the object.
+    #[inline(always)]
+    pub(super) fn object_of(&self, q: &[f64; N]) -> [f64; 3] {
+        if N > FINGERS { [q[FINGERS], q[FINGERS + 1], q[FINGERS + 2]] } else { self.object.pose }
+    }
+
+    /// Its rates.
+    #[inline(always)]
+    pub(super) fn object_rates(&self, v: &[f64; N]) -> [f64; 3] {
+        if N > FINGERS { [v[FINGERS], v[FINGERS + 1], v[FINGERS + 2]] } else { [0.0; 3] }
+    }
+
+    /// A point of G as a finger's frame has it.
+    #[inline(always)]
+    pub(super) fn in_finger(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
+        [side.mirror() * x - self.half_palm, y]
+    }
+
+    /// The other way round.
+    pub(super) fn in_palm(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
+        [side.mirror() * (x + self.half_palm), y]
+    }
+
+    #[inline(always)]
+    pub(super) fn plane(&self, place: Place) -> Option<&Plane> {
+        if place == Place::Palm { self.palm.as_ref() } else { self.table.as_ref() }
+    }
+
+    /// Normal law of a place; `None` where the scene has no such contact.
+    #[inline(always)]
+    pub(super) fn normal_law(&self, place: Place) -> Option<&NormalLaw> {
+        match place {
+            Place::Finger(side, site) => self.fingers[side as usize].normal_law(site),
+            Place::Palm | Place::Table => self.plane(place).map(|plane| &plane.law.normal),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn friction_law(&self, place: Place) -> Option<&FrictionLaw> {
+        match place {
+            Place::Finger(side, site) => self.fingers[side as usize].friction_law(site),
+            Place::Palm | Place::Table => self.plane(place).and_then(|plane| plane.law.friction.as_ref()),
+        }
+    }
+}
+
+/// Coordinates of a finger, each a variable of its own.
+#[inline(always)]
+pub(super) fn variables(q: [f64; 2]) -> Vector<Dual<2>> {
+    [Dual::variable(q[0], 0), Dual::variable(q[1], 1)]
+}
+
+/// Plain numbers as constants.
+#[inline(always)]
+pub(super) fn constants<T: Real, const K: usize>(values: [f64; K]) -> [T; K] {
+    values.map(T::constant)
+}

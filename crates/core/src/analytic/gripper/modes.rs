@@ -1,0 +1,181 @@
+//! Where the branches of the contacts change.
+
+use super::model::GripperModel;
+use super::{GUARDS, GripperMode, PLACES, QUADRATURES, first_step};
+use crate::analytic::SiteState;
+use crate::analytic::mode::{Contact, DamperRange, Landing, Press};
+use crate::fivebar::dynamics::{Terms, absolute_rates};
+use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
+use crate::integrator::{Guard, Hybrid, System, Watch};
+use crate::law::{FrictionRange, friction_range, unclamped_normal_force};
+use crate::numeric::plane::{cross, dot};
+use crate::scene::{Place, Side};
+
+/// As a finger's: far below anything that is felt.
+const LANDING: Landing = Landing { depth_share: 1e-5, force: 1e-6 };
+
+/// Poses of both fingers with their passive rates.
+type Places = [(Directions<f64>, PassiveRates<f64>); 2];
+
+impl<const N: usize> GripperModel<N> {
+    #[inline(always)]
+    fn places(&self, q: &[f64; N]) -> Places {
+        Side::BOTH.map(|side| self.fingers[side as usize].place(Self::own(side, q)))
+    }
+
+    /// What a guard asks of a place; `None` where the scene has no such contact.
+    #[inline(always)]
+    fn contact(&self, q: &[f64; N], v: &[f64; N], places: &Places, place: Place) -> Option<Contact<N>> {
+        let terms = |side: Side| {
+            let (pose, rates) = places[side as usize];
+            Terms { pose, rates, mass: [0.0; 3], quadratic: [[0.0; 4]; 2], gravity: [0.0; 2] }
+        };
+        let touch = self.touch(q, place, terms)?;
+        let along = |row: &[f64; N]| row.iter().zip(v).map(|(part, rate)| part * rate).sum::<f64>();
+        Some(Contact {
+            delta: -touch.gap,
+            rate: -along(&touch.normal_row),
+            slip: along(&touch.tangent_row),
+            row: touch.normal_row,
+            tangent: touch.tangent_row,
+        })
+    }
+
+    #[inline(always)]
+    fn guards(
+        &self,
+        (q, v): (&[f64; N], &[f64; N]),
+        places: &Places,
+        mode: &GripperMode,
+        wanted: &[bool; GUARDS],
+    ) -> [Guard<N>; GUARDS] {
+        let mut guards = [Guard::QUIET; GUARDS];
+        for (index, place) in Place::ALL.into_iter().enumerate() {
+            let asked = wanted[index] || wanted[index + PLACES] || wanted[index + 2 * PLACES];
+            if !asked || mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
+                continue;
+            }
+            let Some((at, law)) = self.contact(q, v, places, place).zip(self.normal_law(place)) else { continue };
+            let press = if wanted[index] { Press::of(law, &at) } else { Press::default() };
+            if wanted[index] {
+                guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
+            }
+            if wanted[index + 2 * PLACES] {
+                guards[index + 2 * PLACES] = mode.damper_guard(index, law, &at);
+            }
+            if let Some(friction) = self.friction_law(place).filter(|_| wanted[index + PLACES]) {
+                guards[index + PLACES] = mode.slip_guard(index, friction, &at, &press);
+            }
+        }
+        guards
+    }
+
+    /// How easily a contact's surfaces part: row · M⁻¹ rowᵀ.
+    fn mobility(&self, q: &[f64; N], row: &[f64; N]) -> f64 {
+        let response = self.inverse(q).solve(row);
+        row.iter().zip(&response).map(|(part, moved)| part * moved).sum()
+    }
+}
+
+impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
+    fn next_corner(&self, t: f64) -> f64 {
+        self.next_corner_of_drives(t)
+    }
+
+    #[inline(always)]
+    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &GripperMode) -> Watch<N, GUARDS> {
+        let places = self.places(q);
+        let guards = self.guards((q, v), &places, mode, &[true; GUARDS]);
+        let folds = Side::BOTH.map(|side| {
+            let (pose, rates) = &places[side as usize];
+            let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
+            let [_, _, rate3, rate4] = absolute_rates(rates, Self::own(side, v));
+            (sine.abs() - SINGULAR_SINE, sine.signum() * cosine * (rate4 - rate3))
+        });
+        // Written so that a clearance that is not a number is the smaller one.
+        let (clearance, clearance_rate) =
+            if folds[0].0 > folds[1].0 || folds[1].0.is_nan() { folds[1] } else { folds[0] };
+        Watch { guards, clearance, clearance_rate }
+    }
+
+    #[inline(always)]
+    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &GripperMode, wanted: &[bool; GUARDS]) -> [Guard<N>; GUARDS] {
+        self.guards((q, v), &self.places(q), mode, wanted)
+    }
+
+    fn landing_tolerance(&self, guard: usize, mode: &GripperMode) -> f64 {
+        let place = Place::ALL[guard % PLACES];
+        let friction = self.friction_law(place);
+        self.normal_law(place).map_or(0.0, |law| mode.landing_tolerance(guard, law, friction, &LANDING))
+    }
+
+    fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &GripperMode) -> GripperMode {
+        let place = Place::ALL[guard % PLACES];
+        let at = self.contact(q, v, &self.places(q), place).zip(self.normal_law(place));
+        at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.friction_law(place), &at))
+    }
+
+    fn is_told(&self, guard: usize) -> bool {
+        guard < PLACES
+    }
+
+    fn relax(&self, guards: &[Guard<N>; GUARDS], mode: &GripperMode) -> Option<GripperMode> {
+        mode.relaxed(guards)
+    }
+
+    fn with_natural(&self, guard: usize, mode: &GripperMode) -> GripperMode {
+        mode.with_natural(guard)
+    }
+
+    fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> GripperMode {
+        // Without the places that are just touching, to see which way they are about to move.
+        let mut mode = GripperMode::FREE;
+        let mut touching = [None; PLACES];
+        let places = self.places(q);
+        for (index, place) in Place::ALL.into_iter().enumerate() {
+            let Some((at, law)) = self.contact(q, v, &places, place).zip(self.normal_law(place)) else { continue };
+            let Contact { delta, rate, slip, row, .. } = at;
+            mode.dampers[index] = DamperRange::of(law, delta);
+            mode.slips[index] = self.friction_law(place).map_or(FrictionRange::Any, |law| friction_range(law, slip));
+            if delta.abs() <= LANDING.depth_share * law.transition_m {
+                touching[index] = Some((row, rate));
+            } else if delta > 0.0 {
+                let force = unclamped_normal_force(law, delta, rate).force;
+                mode[index] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
+            }
+        }
+        let free = self.rates(t, q, v, &mode).a;
+        for (state, touch) in mode.sites.iter_mut().zip(touching) {
+            let Some((row, rate)) = touch else { continue };
+            let resting = rate.abs() < 1e-12;
+            let closing = -row.iter().zip(&free).map(|(part, a)| part * a).sum::<f64>();
+            if rate >= 1e-12 || (resting && closing > 0.0) {
+                *state = SiteState::Active;
+            }
+        }
+        mode
+    }
+
+    fn restart_step(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &GripperMode) -> Option<f64> {
+        let place = guard % PLACES;
+        if mode[place] != SiteState::Active {
+            return None;
+        }
+        let place = Place::ALL[place];
+        let (at, law) = self.contact(q, v, &self.places(q), place).zip(self.normal_law(place))?;
+        let mobility = self.mobility(q, &at.row);
+        // A fixed object on a plane: nothing moves.
+        (mobility > 0.0).then(|| first_step(law, at.rate.abs(), 1.0 / mobility))
+    }
+
+    fn obstacle(&self, q: &[f64; N]) -> String {
+        let near = Side::BOTH.map(|side| {
+            let (pose, _) = self.fingers[side as usize].place(Self::own(side, q));
+            cross(pose.e3, pose.e4).abs()
+        });
+        let side = if near[0] > near[1] || near[1].is_nan() { Side::Left } else { Side::Right };
+        let lengths = &self.fingers[side as usize].dynamics.lengths;
+        let found = nearest_singularity(lengths, Self::own(side, q));
+        format!("singular configuration of the {} finger: {found}", side.word())
+    }
+}

@@ -1,0 +1,147 @@
+//! A scene of kind "gripper": two fingers, an object between them that may move, the palm, and a table.
+
+use super::{Actuation, Bounds, Contacts, Engine, Initial, Integrator, LogRates};
+use crate::gripper::{Finger, Site, Spring};
+use crate::law::{ContactLaw, NormalLaw};
+
+/// A resolved scene of a gripper, in SI. Its frame G has its origin in the middle of the palm, x along it and y out of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GripperScene {
+    pub name: String,
+    /// What the scene is for, in the user's words; empty if nothing was said.
+    pub description: String,
+    /// The exact text of the file, kept for the log's attachment.
+    pub source: String,
+    /// Right and left; everything of the left one is that of its mirror image about x = 0.
+    pub fingers: [GripperFinger; 2],
+    /// Distance between the fingers' ground joints.
+    pub palm_width_m: f64,
+    pub object: GripperObject,
+    /// The half plane y ≤ 0 of G, for the object only; `None` where it is open.
+    pub palm: Option<ContactLaw>,
+    pub table: Option<Table>,
+    /// One input that drives both fingers.
+    pub differential: Option<Differential>,
+    pub gravity_m_s2: [f64; 2],
+    pub duration_s: f64,
+    pub integrator: Integrator,
+    pub engine: Engine,
+    pub bounds: Bounds,
+    pub log: LogRates,
+}
+
+/// One finger of a gripper, in its own frame: ground joint at the origin, the object to its left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GripperFinger {
+    pub finger: Finger,
+    pub motor: Motor,
+    pub spring: Option<Spring>,
+    /// Joint limit q22 ≥ −φ22; `None` switches it off.
+    pub limit: Option<NormalLaw>,
+    /// Laws of its contacts with the object.
+    pub contact: Contacts,
+    pub initial: Initial,
+}
+
+/// A motor as bought.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motor {
+    pub actuation: Actuation,
+    /// Of rotor and gear, as the driven link feels it.
+    pub inertia_kg_m2: f64,
+    /// Rate at which nothing is left of the torque.
+    pub no_load_speed_rad_s: Option<f64>,
+}
+
+/// One input, a seesaw and two outputs: both fingers get half of its torque, and it turns by the mean of both.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Differential {
+    /// Of the input; its inertia is J_in.
+    pub motor: Motor,
+    /// J_s, which turns by half the difference of both outputs.
+    pub seesaw_inertia_kg_m2: f64,
+}
+
+/// What is grasped: a disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GripperObject {
+    pub radius_m: f64,
+    /// Where its centre starts.
+    pub centre_m: [f64; 2],
+    pub angle_rad: f64,
+    pub motion: ObjectMotion,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObjectMotion {
+    Fixed,
+    Free { mass_kg: f64, inertia_kg_m2: f64, velocity_m_s: [f64; 2], spin_rad_s: f64 },
+}
+
+/// The half plane y ≥ level of the world, at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Table {
+    pub level_m: f64,
+    pub contact: ContactLaw,
+}
+
+/// Where something can touch: three sites of either finger, the object on the palm, and on the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    Finger(Side, Site),
+    Palm,
+    Table,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Right,
+    Left,
+}
+
+impl Side {
+    pub const BOTH: [Self; 2] = [Side::Right, Side::Left];
+
+    /// +1 where x of the finger's frame is that of G, −1 where it is its mirror image.
+    pub fn mirror(self) -> f64 {
+        if self == Side::Right { 1.0 } else { -1.0 }
+    }
+
+    pub fn word(self) -> &'static str {
+        if self == Side::Right { "right" } else { "left" }
+    }
+}
+
+impl Place {
+    /// All places, in the order in which both models count them.
+    pub const ALL: [Self; 8] = [
+        Place::Finger(Side::Right, Site::Proximal),
+        Place::Finger(Side::Right, Site::Distal),
+        Place::Finger(Side::Right, Site::Limit),
+        Place::Finger(Side::Left, Site::Proximal),
+        Place::Finger(Side::Left, Site::Distal),
+        Place::Finger(Side::Left, Site::Limit),
+        Place::Palm,
+        Place::Table,
+    ];
+
+    /// Name in reports, keys and topics: `right_distal`, `palm`.
+    pub fn name(self) -> String {
+        match self {
+            Place::Finger(side, site) => format!("{}_{}", side.word(), site.name()),
+            Place::Palm => "palm".to_string(),
+            Place::Table => "table".to_string(),
+        }
+    }
+}
+
+impl GripperScene {
+    /// A point of G as a finger's frame has it.
+    pub fn in_finger(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
+        [side.mirror() * x - 0.5 * self.palm_width_m, y]
+    }
+
+    pub fn finger(&self, side: Side) -> &GripperFinger {
+        &self.fingers[side as usize]
+    }
+}
