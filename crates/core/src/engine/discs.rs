@@ -1,22 +1,12 @@
 //! The plan of a scene of discs: a body for every disc that moves, a fixed surface for every one that does not.
 
-use super::plan::{Against, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, Shape};
+use super::plan::{Against, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, Shape};
 use crate::gripper::Body;
 use crate::scene::{BodiesScene, DiscMotion, Partner};
 
 /// The plan of a scene of discs. Contacts are in the order of [`BodiesScene::pairs`]; bodies in that of the discs that move.
 pub fn plan_discs(scene: &BodiesScene) -> Plan {
-    let mut plan = Plan {
-        bodies: Vec::new(),
-        fixed: Vec::new(),
-        pins: Vec::new(),
-        motor: None,
-        drives: Vec::new(),
-        spring: None,
-        stops: Vec::new(),
-        contacts: Vec::new(),
-        gravity_m_s2: scene.gravity_m_s2,
-    };
+    let mut plan = Plan { gravity_m_s2: scene.gravity_m_s2, ..Plan::default() };
     let places: Vec<Against> = scene
         .discs
         .iter()
@@ -24,7 +14,7 @@ pub fn plan_discs(scene: &BodiesScene) -> Plan {
             let shape = Shape::Disc { radius_m: disc.radius_m };
             let (mass_kg, inertia_kg_m2, velocity_m_s, rate_rad_s) = match disc.motion {
                 DiscMotion::Fixed => {
-                    plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m });
+                    plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, angle_rad: 0.0 });
                     return Against::Fixed(plan.fixed.len() - 1);
                 }
                 DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => {
@@ -48,7 +38,7 @@ pub fn plan_discs(scene: &BodiesScene) -> Plan {
         .collect();
     let ground = plan.fixed.len();
     if let Some(half_plane) = scene.half_plane {
-        plan.fixed.push(PlannedFixed { shape: Shape::HalfPlane, origin_m: [0.0, half_plane.level_m] });
+        plan.fixed.push(PlannedFixed { shape: Shape::HalfPlane, origin_m: [0.0, half_plane.level_m], angle_rad: 0.0 });
     }
     for pair in scene.pairs() {
         let against = match pair.partner {
@@ -57,7 +47,7 @@ pub fn plan_discs(scene: &BodiesScene) -> Plan {
         };
         // The first disc of a pair moves.
         if let Against::Body(body) = places[pair.disc] {
-            plan.contacts.push(PlannedContact { body, against, law: scene.contact });
+            plan.contacts.push(PlannedContact { body, against, meet: Meet::Each, law: scene.contact });
         }
     }
     plan

@@ -1,14 +1,15 @@
 //! The plan of a finger: four links, five pins, and the object both phalanges may touch.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::plan::{
-    Against, Capsule, Plan, PlannedBody, PlannedContact, PlannedFixed, PlannedMotor, PlannedPin, PlannedSpring,
+    Against, Capsule, Meet, Plan, PlannedBody, PlannedContact, PlannedFixed, PlannedMotor, PlannedPin, PlannedSpring,
     PlannedStop, Shape,
 };
-use crate::gripper::{Lengths, Posture, Site, close, straight};
+use crate::gripper::{Body, Finger, Lengths, Posture, Site, Spring, close, straight};
+use crate::law::NormalLaw;
 use crate::numeric::plane::opening_angle;
-use crate::scene::{Placement, Scene};
+use crate::scene::{Contacts, Initial, Placement, Scene};
 
 /// Indices of the finger's bodies.
 pub const L11: usize = 0;
@@ -32,12 +33,58 @@ pub fn index_of(plan: &Plan, wanted: Site) -> Option<usize> {
 
 /// The plan of a finger; `None` where its initial angles do not close the loop.
 pub fn plan(scene: &Scene) -> Option<Plan> {
-    let finger = &scene.finger;
-    let lengths = &finger.lengths;
-    let start = &scene.initial;
+    let mut plan = Plan { gravity_m_s2: scene.gravity_m_s2, ..Plan::default() };
+    // The palm is left out: nothing that moves can reach it.
+    let object = scene.object.map(|disc| {
+        let shape = Shape::Disc { radius_m: disc.radius_m };
+        plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, angle_rad: 0.0 });
+        Against::Fixed(0)
+    });
+    let parts = Parts {
+        finger: &scene.finger,
+        initial: &scene.initial,
+        spring: scene.spring,
+        limit: scene.limit,
+        contact: scene.contact,
+        object,
+        meet: Meet::Each,
+    };
+    add(&mut plan, &parts, Mount { ground_m: [0.0; 2], mirror: 1.0 })?;
+    plan.motors.push(PlannedMotor {
+        on: vec![(L11, 1.0)],
+        actuation: scene.actuation.clone(),
+        no_load_speed_rad_s: None,
+    });
+    Some(plan)
+}
+
+/// What a finger is made of, and what it may touch.
+pub(super) struct Parts<'a> {
+    pub finger: &'a Finger,
+    pub initial: &'a Initial,
+    pub spring: Option<Spring>,
+    pub limit: Option<NormalLaw>,
+    pub contact: Contacts,
+    pub object: Option<Against>,
+    pub meet: Meet,
+}
+
+/// Where a finger stands: its ground joint, and −1 where it is the mirror image about the y axis of what its parts say.
+#[derive(Clone, Copy)]
+pub(super) struct Mount {
+    pub ground_m: [f64; 2],
+    pub mirror: f64,
+}
+
+/// Adds the four links, pins, spring, stop and contacts of a finger, but no motor; `None` where its angles do not close the loop.
+pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()> {
+    let Parts { finger, initial: start, .. } = parts;
+    let (lengths, Mount { mirror, ground_m }) = (&finger.lengths, mount);
+    let base = plan.bodies.len();
     let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
     let angles = body_angles(&posture, lengths.phi22_rad);
-    let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
+    let along =
+        |length: f64, angle: f64| [ground_m[0] + mirror * (length * angle.cos()), ground_m[1] + length * angle.sin()];
     let (a12, a22) = (along(lengths.l11_m, angles[L11]), along(lengths.l21_m, angles[L21]));
     let rates = body_rates(lengths, &angles, [start.qd11_rad_s, start.qd21_rad_s]);
     let radius_m = lengths.half_width_m;
@@ -45,62 +92,42 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
         None,
         None,
         Some(Shape::Capsule(Capsule { length_m: lengths.l21_m, angle_rad: 0.0, radius_m })),
-        Some(Shape::Capsule(Capsule { length_m: lengths.t22_m, angle_rad: lengths.phi22_rad, radius_m })),
+        Some(Shape::Capsule(Capsule { length_m: lengths.t22_m, angle_rad: mirror * lengths.phi22_rad, radius_m })),
     ];
     let masses = [finger.bodies.l11, finger.bodies.l12, finger.bodies.l21, finger.bodies.l22];
-    let origins = [[0.0; 2], a12, [0.0; 2], a22];
-    let bodies = (0..4)
-        .map(|i| PlannedBody {
-            body: masses[i],
-            origin_m: origins[i],
-            angle_rad: angles[i],
-            velocity_m_s: [0.0; 2],
-            rate_rad_s: rates[i],
-            shape: capsules[i].filter(|_| scene.object.is_some()),
-        })
-        .collect();
-    let pin = |first, second, length: f64| PlannedPin {
-        first,
-        second,
-        anchor_first_m: [length, 0.0],
+    let origins = [ground_m, a12, ground_m, a22];
+    plan.bodies.extend((0..4).map(|i| PlannedBody {
+        body: Body { com_m: [masses[i].com_m[0], mirror * masses[i].com_m[1]], ..masses[i] },
+        origin_m: origins[i],
+        angle_rad: if mirror > 0.0 { angles[i] } else { PI - angles[i] },
+        velocity_m_s: [0.0; 2],
+        rate_rad_s: mirror * rates[i],
+        shape: capsules[i].filter(|_| parts.object.is_some()),
+    }));
+    let pin = |first: Option<usize>, second: usize, length: f64| PlannedPin {
+        first: first.map(|body| base + body),
+        second: base + second,
+        anchor_first_m: if first.is_some() { [length, 0.0] } else { ground_m },
         anchor_second_m: [0.0; 2],
         closes_loop: false,
     };
-    let pins = vec![
+    plan.pins.extend([
         pin(None, L11, 0.0),
         pin(Some(L11), L12, lengths.l11_m),
         pin(None, L21, 0.0),
         pin(Some(L21), L22, lengths.l21_m),
-        PlannedPin {
-            first: Some(L12),
-            second: L22,
-            anchor_first_m: [lengths.l12_m, 0.0],
-            anchor_second_m: [lengths.l22_m, 0.0],
-            closes_loop: true,
-        },
-    ];
-    let stops =
-        scene.limit.iter().map(|law| PlannedStop { on: L22, against: L21, least_rad: -lengths.phi22_rad, law: *law });
-    let contacts = [(L21, scene.contact.proximal), (L22, scene.contact.distal)];
-    // The palm is left out: nothing that moves can reach it.
-    let object = scene
-        .object
-        .map(|disc| PlannedFixed { shape: Shape::Disc { radius_m: disc.radius_m }, origin_m: disc.centre_m });
-    Some(Plan {
-        bodies,
-        fixed: object.into_iter().collect(),
-        pins,
-        motor: Some(PlannedMotor { on: L11, actuation: scene.actuation.clone() }),
-        drives: Vec::new(),
-        spring: spring(scene)?,
-        stops: stops.collect(),
-        contacts: contacts
-            .into_iter()
-            .filter(|_| scene.object.is_some())
-            .map(|(body, law)| PlannedContact { body, against: Against::Fixed(0), law })
-            .collect(),
-        gravity_m_s2: scene.gravity_m_s2,
-    })
+        PlannedPin { anchor_second_m: [lengths.l22_m, 0.0], closes_loop: true, ..pin(Some(L12), L22, lengths.l12_m) },
+    ]);
+    plan.springs.extend(spring(parts.spring, lengths, mirror, base)?);
+    // In a mirror the angle from l21 to l22 is that from l22 to l21.
+    let (on, against) = if mirror > 0.0 { (L22, L21) } else { (L21, L22) };
+    let stop = |law| PlannedStop { on: base + on, against: base + against, least_rad: -lengths.phi22_rad, law };
+    plan.stops.extend(parts.limit.map(stop));
+    for (body, law) in [(L21, parts.contact.proximal), (L22, parts.contact.distal)] {
+        let contact = |against| PlannedContact { body: base + body, against, meet: parts.meet, law };
+        plan.contacts.extend(parts.object.map(contact));
+    }
+    Some(())
 }
 
 /// Orientations of the four bodies. That of l22 is counted from the straight line, the way both models count q22.
@@ -125,9 +152,8 @@ fn body_rates(lengths: &Lengths, angles: &[f64; 4], [w1, w2]: [f64; 2]) -> [f64;
 }
 
 /// The spring between the two bodies of its placement; the outer `None` where the straight posture does not exist.
-fn spring(scene: &Scene) -> Option<Option<PlannedSpring>> {
-    let Some(spring) = scene.spring else { return Some(None) };
-    let lengths = &scene.finger.lengths;
+fn spring(spring: Option<Spring>, lengths: &Lengths, mirror: f64, base: usize) -> Option<Option<PlannedSpring>> {
+    let Some(spring) = spring else { return Some(None) };
     let (on, against) = match spring.placement {
         Placement::GroundLinks => (L21, L11),
         Placement::DrivenCoupler => (L12, L11),
@@ -135,9 +161,13 @@ fn spring(scene: &Scene) -> Option<Option<PlannedSpring>> {
         Placement::CouplerDistal => (L12, L22),
     };
     let angles = body_angles(&straight(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
-    let straight_rad = angles[on] - angles[against];
     // How the angle changes with q11 at fixed q21.
     let rates = body_rates(lengths, &angles, [1.0, 0.0]);
-    let closing_sign = (rates[on] - rates[against]).signum();
-    Some(Some(PlannedSpring { on, against, kind: spring.kind, closing_sign, straight_rad }))
+    Some(Some(PlannedSpring {
+        on: base + on,
+        against: base + against,
+        kind: spring.kind,
+        closing_sign: mirror * (rates[on] - rates[against]).signum(),
+        straight_rad: mirror * (angles[on] - angles[against]),
+    }))
 }

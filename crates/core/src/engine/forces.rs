@@ -2,19 +2,20 @@
 
 use super::linkage::{Linkage, Twist};
 use super::plan::{Plan, PlannedSpring};
-use crate::scene::{SpringKind, torque};
+use crate::scene::SpringKind;
 
-/// Forces and torques about the centres of mass at time `t`, at the places the linkage has.
-pub fn smooth(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
+/// Forces and torques about the centres of mass at time `t`, at the places the linkage has and at these velocities.
+pub fn smooth(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64, out: &mut [Twist]) {
     let [gx, gy] = plan.gravity_m_s2;
     for (force, inertia) in out.iter_mut().zip(&linkage.inertias) {
         *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
     }
-    // The motor stands on the ground, which takes the reaction.
-    if let Some(motor) = &plan.motor {
-        out[motor.on][2] += torque(&motor.actuation, t).0;
+    // Motors stand on the ground, which takes the reaction.
+    for motor in &plan.motors {
+        let torque = motor.torque(t, |body| velocities[body][2]);
+        motor.on.iter().for_each(|(body, part)| out[*body][2] += part * torque);
     }
-    if let Some(spring) = &plan.spring {
+    for spring in &plan.springs {
         let torque = -spring.closing_sign * pull(spring, extension(spring, linkage));
         out[spring.on][2] += torque;
         out[spring.against][2] -= torque;
@@ -45,7 +46,7 @@ pub fn potential(plan: &Plan, linkage: &Linkage) -> (f64, f64) {
         .zip(&linkage.places)
         .map(|(inertia, place)| -inertia.mass * (gx * place.com[0] + gy * place.com[1]))
         .sum();
-    let spring = plan.spring.as_ref().map_or(0.0, |spring| {
+    let stored = |spring: &PlannedSpring| {
         let extension = extension(spring, linkage);
         match spring.kind {
             SpringKind::Constant { torque_n_m } => torque_n_m * extension,
@@ -53,8 +54,8 @@ pub fn potential(plan: &Plan, linkage: &Linkage) -> (f64, f64) {
                 stiffness_n_m_per_rad * extension * (preload_rad + 0.5 * extension)
             }
         }
-    });
-    (gravity, spring)
+    };
+    (gravity, plan.springs.iter().map(stored).sum())
 }
 
 /// Kinetic energy of all bodies, in J.

@@ -9,7 +9,7 @@
 use std::f64::consts::TAU;
 
 use super::dense;
-use super::plan::Plan;
+use super::plan::{Plan, PlannedGear, PlannedPin};
 use super::world::World;
 use crate::numeric::plane::{perp, rotate};
 
@@ -25,7 +25,7 @@ pub struct Inertia {
 }
 
 /// One side of a pin: the body, its anchor from the centre of mass, in the body and turned into the world, and the sign of
-/// its velocity in the pin's opening rate. A side on the ground does not move and is left out.
+/// its velocity in the pin's opening rate, 0 for a wheel of a gear. A side on the ground does not move and is left out.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     pin: usize,
@@ -33,6 +33,8 @@ struct Side {
     sign: f64,
     local: [f64; 2],
     arm: [f64; 2],
+    /// Opening rate by the body's rate of turning: sign · arm⊥, or the ratios of a gear.
+    turn: [f64; 2],
 }
 
 /// Where a body is: centre of mass, orientation as (cos, sin), and as an angle without jumps.
@@ -51,8 +53,10 @@ pub struct Locked;
 pub struct Linkage {
     pub inertias: Vec<Inertia>,
     pub places: Vec<Place>,
-    /// Sides of all pins, pin by pin; the anchors on the ground; pairs of sides on one body, by which their pins couple.
+    /// Sides of all pins, pin by pin, and gears behind them; the anchors on the ground, or the sums of a gear at the start; pairs of
+    /// sides on one body, by which their pins couple.
     sides: Vec<Side>,
+    pins: usize,
     grounds: Vec<[f64; 2]>,
     couplings: Vec<(usize, usize)>,
     /// Cholesky factor of A, and where its rows begin: pins that share no body do not couple.
@@ -81,7 +85,7 @@ impl Linkage {
             .collect();
         let side = |pin: usize, body: usize, sign: f64, anchor: [f64; 2]| {
             let com = rigid(body).local_center_of_mass();
-            Side { pin, body, sign, local: [anchor[0] - com.x, anchor[1] - com.y], arm: [0.0; 2] }
+            Side { pin, body, sign, local: [anchor[0] - com.x, anchor[1] - com.y], arm: [0.0; 2], turn: [0.0; 2] }
         };
         let sides: Vec<Side> = pins
             .iter()
@@ -90,6 +94,17 @@ impl Linkage {
                 let first = pin.first.map(|body| side(index, body, -1.0, pin.anchor_first_m));
                 first.into_iter().chain([side(index, pin.second, 1.0, pin.anchor_second_m)])
             })
+            .chain(plan.gears.iter().enumerate().flat_map(|(index, gear)| {
+                let wheel = |(body, turn): &(usize, [f64; 2])| Side {
+                    pin: pins.len() + index,
+                    body: *body,
+                    sign: 0.0,
+                    local: [0.0; 2],
+                    arm: [0.0; 2],
+                    turn: *turn,
+                };
+                gear.wheels.iter().map(wheel).collect::<Vec<_>>()
+            }))
             .collect();
         let on_one_body = |&(a, b): &(usize, usize)| {
             let (a, b): (&Side, &Side) = (&sides[a], &sides[b]);
@@ -103,11 +118,18 @@ impl Linkage {
         };
         let at_start = |angle: f64| Place { com: [0.0; 2], direction: [angle.cos(), angle.sin()], angle };
         let places = plan.bodies.iter().map(|body| at_start(body.angle_rad)).collect();
-        let size = 2 * pins.len();
+        let size = 2 * (pins.len() + plan.gears.len());
+        let at_first = |gear: &PlannedGear| {
+            let sum =
+                |row: usize| gear.wheels.iter().map(|(body, turn)| turn[row] * plan.bodies[*body].angle_rad).sum();
+            [sum(0), sum(1)]
+        };
+        let on_ground = |pin: &PlannedPin| if pin.first.is_none() { pin.anchor_first_m } else { [0.0; 2] };
         let mut linkage = Self {
             inertias,
             places,
-            grounds: pins.iter().map(|pin| if pin.first.is_none() { pin.anchor_first_m } else { [0.0; 2] }).collect(),
+            pins: pins.len(),
+            grounds: pins.iter().map(on_ground).chain(plan.gears.iter().map(at_first)).collect(),
             factor: vec![0.0; size * size],
             first: (0..size).map(|row| first_of(row / 2)).collect(),
             sides,
@@ -130,7 +152,10 @@ impl Linkage {
             *place = Place { com: [com.x, com.y], direction, angle: exact + turns * TAU };
         }
         for side in &mut self.sides {
-            side.arm = rotate(side.local, self.places[side.body].direction);
+            if side.sign != 0.0 {
+                side.arm = rotate(side.local, self.places[side.body].direction);
+                side.turn = perp(side.arm).map(|part| side.sign * part);
+            }
         }
     }
 
@@ -146,9 +171,8 @@ impl Linkage {
         for &(a, b) in &self.couplings {
             let (a, b) = (&self.sides[a], &self.sides[b]);
             let inertia = &self.inertias[a.body];
-            let sign = a.sign * b.sign;
-            let (mass, turn) = (sign * inertia.inverse_mass, sign * inertia.inverse_inertia);
-            let (u, v) = (perp(a.arm), perp(b.arm));
+            let (mass, turn) = (a.sign * b.sign * inertia.inverse_mass, inertia.inverse_inertia);
+            let (u, v) = (a.turn, b.turn);
             let at = 2 * a.pin * size + 2 * b.pin;
             self.factor[at] += mass + turn * u[0] * v[0];
             self.factor[at + 1] += turn * u[0] * v[1];
@@ -160,18 +184,22 @@ impl Linkage {
 
     /// Largest distance between the two anchors of a pin.
     pub fn gap(&self) -> f64 {
-        self.open().fold(0.0, |most, [x, y]| most.max(x.hypot(y)))
+        self.open().take(self.pins).fold(0.0, |most, [x, y]| most.max(x.hypot(y)))
     }
 
-    /// How far every pin is open: from its first anchor to its second.
+    /// How far every pin is open: from its first anchor to its second; of a gear, its sums.
     pub fn open(&self) -> impl Iterator<Item = [f64; 2]> {
         let mut sides = self.sides.iter().peekable();
         self.grounds.iter().enumerate().map(move |(pin, ground)| {
             let mut open = [-ground[0], -ground[1]];
             while let Some(side) = sides.next_if(|side| side.pin == pin) {
-                let com = self.places[side.body].com;
-                open[0] += side.sign * (com[0] + side.arm[0]);
-                open[1] += side.sign * (com[1] + side.arm[1]);
+                let Place { com, angle, .. } = self.places[side.body];
+                for axis in 0..2 {
+                    open[axis] += match side.sign {
+                        0.0 => side.turn[axis] * angle,
+                        sign => sign * (com[axis] + side.arm[axis]),
+                    };
+                }
             }
             open
         })
@@ -250,18 +278,17 @@ impl Linkage {
         for side in &self.sides {
             let [x, y, w] = velocities[side.body];
             let b = &mut self.multipliers[2 * side.pin..2 * side.pin + 2];
-            b[0] -= side.sign * (x - w * side.arm[1]);
-            b[1] -= side.sign * (y + w * side.arm[0]);
+            b[0] -= side.sign * x + w * side.turn[0];
+            b[1] -= side.sign * y + w * side.turn[1];
         }
         dense::solve_factorised(&self.factor, &self.first, &mut self.multipliers);
         for side in &self.sides {
             let inertia = &self.inertias[side.body];
             let b = &self.multipliers[2 * side.pin..2 * side.pin + 2];
-            let (x, y) = (side.sign * b[0], side.sign * b[1]);
             let v = &mut velocities[side.body];
-            v[0] += inertia.inverse_mass * x;
-            v[1] += inertia.inverse_mass * y;
-            v[2] += inertia.inverse_inertia * (side.arm[0] * y - side.arm[1] * x);
+            v[0] += inertia.inverse_mass * side.sign * b[0];
+            v[1] += inertia.inverse_mass * side.sign * b[1];
+            v[2] += inertia.inverse_inertia * (side.turn[1] * b[1] + side.turn[0] * b[0]);
         }
     }
 }

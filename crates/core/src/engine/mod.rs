@@ -6,7 +6,7 @@
 //! | file | job |
 //! |---|---|
 //! | `plan` | what a scene needs, as plain lists of bodies, pins, drives, stops and contacts |
-//! | `finger`, `discs` | the plans of the two kinds of scene |
+//! | `finger`, `gripper`, `discs` | the plans of the kinds of scene |
 //! | `world`, `hook` | the rapier world of a plan; contact taken out of rapier's hands |
 //! | `linkage` | joints' reactions: the saddle-point system of bodies and joints |
 //! | `forces`, `drive` | gravity, motor, spring, energies; bodies that move as told |
@@ -22,6 +22,7 @@ mod discs;
 mod drive;
 mod finger;
 mod forces;
+mod gripper;
 mod hook;
 mod implicit;
 mod linkage;
@@ -38,12 +39,13 @@ mod world;
 pub use discs::plan_discs;
 pub use finger::{L11, L12, L21, L22, index_of, plan, site};
 pub use forces::{kinetic, potential};
+pub use gripper::{OBJECT, base, index_of_place, plan_gripper};
 pub use linkage::{Inertia, Linkage, Locked, Place, Twist};
 pub use motion::{Motion, StepError};
 pub use native::Native;
 pub use plan::{
-    Against, Capsule, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedMotor, PlannedPin,
-    PlannedSpring, PlannedStop, Shape,
+    Against, Capsule, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedGear, PlannedMotor,
+    PlannedPin, PlannedSpring, PlannedStop, Shape,
 };
 pub use space::{Site, Space};
 pub use stepper::next;

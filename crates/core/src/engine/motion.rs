@@ -69,6 +69,8 @@ pub struct Motion<'a> {
     normals: Vec<[f64; 2]>,
     /// Places before the step, from which a multibody's mean velocity is read.
     before: Vec<[f64; 3]>,
+    /// Torques of the motors there.
+    torques_before: Vec<f64>,
 }
 
 impl<'a> Motion<'a> {
@@ -102,6 +104,7 @@ impl<'a> Motion<'a> {
             settled: Settled::default(),
             normals: Vec::new(),
             before: vec![[0.0; 3]; bodies],
+            torques_before: Vec::new(),
         };
         motion.linkage.factorise()?;
         motion.read_means();
@@ -129,7 +132,9 @@ impl<'a> Motion<'a> {
         for (place, before) in self.linkage.places.iter().zip(&mut self.before) {
             *before = [place.com[0], place.com[1], place.angle];
         }
-        let torque_before = self.plan.motor_torque(self.clock.now());
+        self.torques_before.clear();
+        let (now, rate) = (self.clock.now(), |body: usize| self.velocities[body][2]);
+        self.torques_before.extend(self.plan.motors.iter().map(|motor| motor.torque(now, rate)));
         self.push(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
@@ -151,14 +156,18 @@ impl<'a> Motion<'a> {
         touch::note_turning(&mut self.touches, &self.normals, dt);
         // A jump of the torque at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
-        forces::smooth(self.plan, &self.linkage, before_node, &mut self.forces);
+        // Velocities at the node are not known before its forces; those that the mean lies in the middle of will do.
+        for ((ahead, mean), before) in self.middle.iter_mut().zip(&self.means).zip(&self.velocities) {
+            *ahead = std::array::from_fn(|axis| 2.0 * mean[axis] - before[axis]);
+        }
+        forces::smooth(self.plan, &self.linkage, &self.middle, before_node, &mut self.forces);
         self.kick(0.5 * dt);
         self.settle();
 
-        let torque_after = self.plan.motor_torque(before_node);
-        if let Some(motor) = &self.plan.motor {
-            let turned = self.linkage.places[motor.on].angle - self.before[motor.on][2];
-            self.motor_work_j += 0.5 * (torque_before + torque_after) * turned;
+        let rate = |body: usize| self.velocities[body][2];
+        for (motor, before) in self.plan.motors.iter().zip(&self.torques_before) {
+            let turned = motor.shaft(|body| self.linkage.places[body].angle - self.before[body][2]);
+            self.motor_work_j += 0.5 * (before + motor.torque(before_node, rate)) * turned;
         }
         self.look();
         Ok(())
@@ -241,7 +250,7 @@ impl<'a> Motion<'a> {
 
     /// Forces and accelerations at the node, for what comes.
     fn look(&mut self) {
-        forces::smooth(self.plan, &self.linkage, self.clock.now(), &mut self.forces);
+        forces::smooth(self.plan, &self.linkage, &self.velocities, self.clock.now(), &mut self.forces);
         self.middle.copy_from_slice(&self.accelerations);
         self.linkage.accelerations(&self.forces, &self.velocities, &mut self.accelerations);
         drive::set_accelerations(self.plan, &mut self.accelerations);

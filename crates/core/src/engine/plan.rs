@@ -1,11 +1,11 @@
-//! What a scene needs of the engine, as plain lists: bodies, pins, torques, drives, stops and contacts.
+//! What a scene needs of the engine, as plain lists: bodies, pins, gears, torques, drives, stops and contacts.
 //!
 //! Nothing here knows of rapier, and nothing in the engine beyond the files that make a plan knows of fingers or discs: more
 //! bodies, pins or contacts are more entries.
 
 use crate::gripper::Body;
 use crate::law::{ContactLaw, NormalLaw};
-use crate::scene::{Actuation, SpringKind, torque};
+use crate::scene::{Actuation, SpringKind, next_corner, torque};
 
 /// A moving body: its mass properties, and where it starts. A body without mass is moved by a drive; one without inertia
 /// does not turn by itself.
@@ -46,6 +46,7 @@ pub struct Capsule {
 pub struct PlannedFixed {
     pub shape: Shape,
     pub origin_m: [f64; 2],
+    pub angle_rad: f64,
 }
 
 /// A revolute joint; `None` is the ground. Anchors are in each body's frame.
@@ -59,11 +60,20 @@ pub struct PlannedPin {
     pub closes_loop: bool,
 }
 
-/// A torque on a body over time, against the ground.
+/// A torque over time, against the ground.
 #[derive(Clone, Debug)]
 pub struct PlannedMotor {
-    pub on: usize,
+    /// Bodies it turns, with the part of its torque that each gets: its shaft turns by the sum of these parts of their angles.
+    pub on: Vec<(usize, f64)>,
     pub actuation: Actuation,
+    /// Rate of the shaft at which nothing is left of the torque.
+    pub no_load_speed_rad_s: Option<f64>,
+}
+
+/// Wheels that keep two sums at zero: of their angles from the start, each times its pair of ratios.
+#[derive(Clone, Debug)]
+pub struct PlannedGear {
+    pub wheels: Vec<(usize, [f64; 2])>,
 }
 
 /// A body that no pin holds and that moves as told: x(t) = origin + velocity t + ½ acceleration t², angle = spin t from where
@@ -109,28 +119,61 @@ pub enum Against {
 pub struct PlannedContact {
     pub body: usize,
     pub against: Against,
+    pub meet: Meet,
     pub law: ContactLaw,
+}
+
+/// The material points of two surfaces at which they exchange forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meet {
+    /// Each at its own nearest point.
+    Each,
+    /// Both where the body's surface is.
+    Body,
+    /// Both where the other surface is.
+    Other,
 }
 
 /// Everything the engine builds for a scene, and nothing it does not need.
 ///
 /// Stops and contacts are known by one index: first the stops, then the contacts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
     pub fixed: Vec<PlannedFixed>,
     pub pins: Vec<PlannedPin>,
-    pub motor: Option<PlannedMotor>,
+    pub gears: Vec<PlannedGear>,
+    pub motors: Vec<PlannedMotor>,
     pub drives: Vec<PlannedDrive>,
-    pub spring: Option<PlannedSpring>,
+    pub springs: Vec<PlannedSpring>,
     pub stops: Vec<PlannedStop>,
     pub contacts: Vec<PlannedContact>,
     pub gravity_m_s2: [f64; 2],
 }
 
 impl Plan {
-    /// Torque of the motor at time `t`, in N·m; 0 where there is none.
-    pub fn motor_torque(&self, t: f64) -> f64 {
-        self.motor.as_ref().map_or(0.0, |motor| torque(&motor.actuation, t).0)
+    /// Torque of all motors on a body at time `t`, in N·m, at these rates of all bodies.
+    pub fn motor_torque(&self, body: usize, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
+        let on = |motor: &PlannedMotor| motor.on.iter().find(|(on, _)| *on == body).map_or(0.0, |(_, part)| *part);
+        let driving = self.motors.iter().filter(|motor| on(motor) != 0.0);
+        driving.map(|motor| on(motor) * motor.torque(t, &rate)).sum()
+    }
+
+    /// The next time after `t` at which the torque of a motor jumps.
+    pub fn next_corner(&self, t: f64) -> f64 {
+        self.motors.iter().map(|motor| next_corner(&motor.actuation, t)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl PlannedMotor {
+    /// Torque of the shaft at time `t`, in N·m: τ − |τ| ω/ω₀ at the rate ω that its bodies give it.
+    pub fn torque(&self, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
+        let full = torque(&self.actuation, t).0;
+        self.no_load_speed_rad_s.map_or(full, |speed| full - full.abs() * self.shaft(rate) / speed)
+    }
+
+    /// Angle or rate of the shaft, from those of the bodies.
+    pub fn shaft(&self, of: impl Fn(usize) -> f64) -> f64 {
+        self.on.iter().map(|(body, part)| part * of(*body)).sum()
     }
 }

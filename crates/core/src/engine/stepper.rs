@@ -12,7 +12,7 @@
 use super::motion::Motion;
 use super::substeps::time_to_zero;
 use crate::law::NormalLaw;
-use crate::scene::{Stepping, next_corner};
+use crate::scene::Stepping;
 
 /// Part of its stopping depth an impact may cross in one step…
 const CROSSING: f64 = 0.08;
@@ -32,8 +32,7 @@ const SHORTEST_S: f64 = 1e-10;
 
 /// The next step, ending at `end_s` at the latest.
 pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
-    let motor = motion.plan.motor.as_ref();
-    let corner = motor.map_or(f64::INFINITY, |motor| next_corner(&motor.actuation, motion.clock.now()));
+    let corner = motion.plan.next_corner(motion.clock.now());
     let left = motion.clock.until(end_s.min(corner));
     match stepping {
         Stepping::Fixed { step_s } => {

@@ -4,7 +4,7 @@ use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
 use super::linkage::{Linkage, Place, Twist};
-use super::plan::{Against, Plan};
+use super::plan::{Against, Meet, Plan};
 use super::world::World;
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::plane::{cross, perp, rotate, sub};
@@ -108,7 +108,8 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
         let [own, other] = world.contacts[index];
         let in_reach = || world.physics.narrow_phase.contact_pair(own, other).is_some();
         let Some(found) = surfaces(world, plan, index, &linkage.places) else { continue };
-        let Surfaces { gap, point, normal, .. } = found;
+        let Surfaces { gap, normal, .. } = found;
+        let point = if contact.meet == Meet::Other { found.other_point } else { found.point };
         let row = |direction: [f64; 2]| row(plan, index, &linkage.places, &found, direction);
         touches.push(Touch {
             index: plan.stops.len() + index,
@@ -147,17 +148,22 @@ pub fn elsewhere(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) ->
     }
 }
 
-/// The row of a direction at a contact: each surface by its own nearest point.
+/// The row of a direction at a contact: each surface by the point of it where forces meet.
 fn row(plan: &Plan, index: usize, places: &[Place], at: &Surfaces, direction: [f64; 2]) -> Row {
     let side = |body: usize, point: [f64; 2], direction: [f64; 2]| {
         let arm = sub(point, places[body].com);
         (body, [direction[0], direction[1], cross(arm, direction)])
     };
     let contact = &plan.contacts[index];
+    let (own, other) = match contact.meet {
+        Meet::Each => (at.point, at.other_point),
+        Meet::Body => (at.point, at.point),
+        Meet::Other => (at.other_point, at.other_point),
+    };
     Row {
-        on: side(contact.body, at.point, direction),
+        on: side(contact.body, own, direction),
         against: match contact.against {
-            Against::Body(body) => Some(side(body, at.other_point, [-direction[0], -direction[1]])),
+            Against::Body(body) => Some(side(body, other, [-direction[0], -direction[1]])),
             Against::Fixed(_) => None,
         },
     }

@@ -7,11 +7,6 @@ use super::hook::Governed;
 use super::plan::{Against, Capsule, Plan, PlannedBody, PlannedPin, Shape};
 use crate::scene::{Construction, Response};
 
-/// What moves pairs with what is fixed, and with what moves only where the plan says so: links of one finger pass through
-/// one another.
-const MOVING: Group = Group::GROUP_1;
-const FIXED: Group = Group::GROUP_2;
-
 /// A rapier world, and what of it belongs to which body of the plan.
 pub struct World {
     pub physics: PhysicsWorld,
@@ -138,10 +133,11 @@ fn joint(pin: &PlannedPin) -> RevoluteJoint {
 }
 
 fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
-    let finish = |builder: ColliderBuilder, own: Group, other: Group| {
+    let count = plan.bodies.len();
+    let finish = |builder: ColliderBuilder, surface: usize| {
         let builder = builder
             .density(0.0)
-            .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And))
+            .collision_groups(groups(plan, surface))
             // By default a driven body meets only what moves freely.
             .active_collision_types(ActiveCollisionTypes::all());
         match response {
@@ -152,20 +148,19 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
     let fixed: Vec<_> = plan
         .fixed
         .iter()
-        .map(|fixed| {
-            let builder = collider(fixed.shape).translation(Vector::new(fixed.origin_m[0], fixed.origin_m[1]));
-            world.physics.insert_collider(finish(builder, FIXED, MOVING), None)
+        .enumerate()
+        .map(|(index, fixed)| {
+            let pose = Pose::new(Vector::new(fixed.origin_m[0], fixed.origin_m[1]), fixed.angle_rad);
+            world.physics.insert_collider(finish(collider(fixed.shape).position(pose), count + index), None)
         })
         .collect();
-    let bodies_meet = plan.contacts.iter().any(|contact| matches!(contact.against, Against::Body(_)));
-    let partners = if bodies_meet { MOVING | FIXED } else { FIXED };
     let moving: Vec<_> = plan
         .bodies
         .iter()
         .zip(&world.bodies)
-        .map(|(planned, body)| {
-            let builder = finish(collider(planned.shape?), MOVING, partners);
-            Some(world.physics.insert_collider(builder, Some(*body)))
+        .enumerate()
+        .map(|(index, (planned, body))| {
+            Some(world.physics.insert_collider(finish(collider(planned.shape?), index), Some(*body)))
         })
         .collect();
     world.contacts.extend(plan.contacts.iter().map(|contact| {
@@ -178,6 +173,25 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
         };
         [own, other]
     }));
+}
+
+/// Surfaces (of bodies, then fixed ones) meet only where the plan has a contact: links of a finger pass through one another. rapier
+/// has 32 groups; those beyond share them, and then pair more than they need.
+fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
+    let group = |surface: usize| Group::from_bits_truncate(1 << (surface % 32));
+    let mut partners = Group::NONE;
+    for contact in &plan.contacts {
+        let other = match contact.against {
+            Against::Body(body) => body,
+            Against::Fixed(index) => plan.bodies.len() + index,
+        };
+        if contact.body == surface {
+            partners |= group(other);
+        } else if other == surface {
+            partners |= group(contact.body);
+        }
+    }
+    InteractionGroups::new(group(surface), partners, InteractionTestMode::And)
 }
 
 fn collider(shape: Shape) -> ColliderBuilder {

@@ -109,7 +109,7 @@ impl EngineReader for FingerReader {
             qd21_rad_s: rate(L21),
             qd12_rad_s: rate(L12) - rate(L11),
             qd22_rad_s: rate(L22) - rate(L21),
-            motor_torque_n_m: motion.plan.motor_torque(time_s),
+            motor_torque_n_m: motion.plan.motor_torque(L11, time_s, rate),
             proximal: at(Site::Proximal),
             distal: at(Site::Distal),
             limit: at(Site::Limit),

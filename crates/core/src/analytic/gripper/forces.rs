@@ -32,7 +32,6 @@ pub(super) fn of_phalanx(side: Side) -> [Where; 5] {
     [a, b, x, y, angle]
 }
 
-
 /// Values of coordinates or rates where a part has them.
 #[inline(always)]
 pub(super) fn gather<const N: usize, const K: usize>(all: &[f64; N], at: &[Where; K]) -> [f64; K] {
