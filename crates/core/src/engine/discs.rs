@@ -14,7 +14,7 @@ pub fn plan_discs(scene: &BodiesScene) -> Plan {
             let shape = Shape::Disc { radius_m: disc.radius_m };
             let (mass_kg, inertia_kg_m2, velocity_m_s, rate_rad_s) = match disc.motion {
                 DiscMotion::Fixed => {
-                    plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, angle_rad: 0.0 });
+                    plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, direction: [1.0, 0.0] });
                     return Against::Fixed(plan.fixed.len() - 1);
                 }
                 DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => {
@@ -38,7 +38,11 @@ pub fn plan_discs(scene: &BodiesScene) -> Plan {
         .collect();
     let ground = plan.fixed.len();
     if let Some(half_plane) = scene.half_plane {
-        plan.fixed.push(PlannedFixed { shape: Shape::HalfPlane, origin_m: [0.0, half_plane.level_m], angle_rad: 0.0 });
+        plan.fixed.push(PlannedFixed {
+            shape: Shape::HalfPlane,
+            origin_m: [0.0, half_plane.level_m],
+            direction: [1.0, 0.0],
+        });
     }
     for pair in scene.pairs() {
         let against = match pair.partner {

@@ -37,7 +37,7 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
     // The palm is left out: nothing that moves can reach it.
     let object = scene.object.map(|disc| {
         let shape = Shape::Disc { radius_m: disc.radius_m };
-        plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, angle_rad: 0.0 });
+        plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, direction: [1.0, 0.0] });
         Against::Fixed(0)
     });
     let parts = Parts {

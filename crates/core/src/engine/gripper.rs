@@ -1,7 +1,5 @@
 //! The plan of a gripper: the links of both fingers, the object, palm and table, and a differential as wheels.
 
-use std::f64::consts::PI;
-
 use super::finger::{L11, Mount, Parts, add};
 use super::plan::{Against, Meet, Plan, PlannedBody, PlannedContact, PlannedFixed, PlannedGear, PlannedMotor, Shape};
 use crate::gripper::{Body, Site};
@@ -26,7 +24,7 @@ pub fn plan_gripper(scene: &GripperScene) -> Result<Plan, Side> {
     let origin_m = scene.object.centre_m;
     let object = match scene.object.motion {
         ObjectMotion::Fixed => {
-            plan.fixed.push(PlannedFixed { shape, origin_m, angle_rad: scene.object.angle_rad });
+            plan.fixed.push(PlannedFixed { shape, origin_m, direction: [1.0, 0.0] });
             Against::Fixed(0)
         }
         ObjectMotion::Free { .. } => Against::Body(OBJECT),
@@ -59,13 +57,13 @@ pub fn plan_gripper(scene: &GripperScene) -> Result<Plan, Side> {
             rate_rad_s: spin_rad_s,
             shape: Some(shape),
         });
-        let mut plane = |level_m: f64, angle_rad: f64, law: ContactLaw| {
-            plan.fixed.push(PlannedFixed { shape: Shape::HalfPlane, origin_m: [0.0, level_m], angle_rad });
+        let mut plane = |level_m: f64, side: f64, law: ContactLaw| {
+            plan.fixed.push(PlannedFixed { shape: Shape::HalfPlane, origin_m: [0.0, level_m], direction: [side, 0.0] });
             let against = Against::Fixed(plan.fixed.len() - 1);
             plan.contacts.push(PlannedContact { body: OBJECT, against, meet: Meet::Other, law });
         };
-        scene.palm.iter().for_each(|law| plane(0.0, 0.0, *law));
-        scene.table.iter().for_each(|table| plane(table.level_m, PI, table.contact));
+        scene.palm.iter().for_each(|law| plane(0.0, 1.0, *law));
+        scene.table.iter().for_each(|table| plane(table.level_m, -1.0, table.contact));
     }
     if let Some(differential) = &scene.differential {
         add_differential(&mut plan, differential);
@@ -125,7 +123,7 @@ pub fn index_of_place(plan: &Plan, place: Place) -> Option<usize> {
         }
         Place::Palm | Place::Table => is_contact(&|contact| {
             let Against::Fixed(index) = contact.against else { return false };
-            contact.body == OBJECT && (plan.fixed[index].angle_rad == 0.0) == (place == Place::Palm)
+            contact.body == OBJECT && (plan.fixed[index].direction == [1.0, 0.0]) == (place == Place::Palm)
         }),
     }
 }

@@ -46,7 +46,8 @@ pub struct Capsule {
 pub struct PlannedFixed {
     pub shape: Shape,
     pub origin_m: [f64; 2],
-    pub angle_rad: f64,
+    /// Its x axis: exact, where an angle of π would not be.
+    pub direction: [f64; 2],
 }
 
 /// A revolute joint; `None` is the ground. Anchors are in each body's frame.

@@ -150,7 +150,8 @@ fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
         .iter()
         .enumerate()
         .map(|(index, fixed)| {
-            let pose = Pose::new(Vector::new(fixed.origin_m[0], fixed.origin_m[1]), fixed.angle_rad);
+            let [re, im] = fixed.direction;
+            let pose = Pose::from_parts(Vector::new(fixed.origin_m[0], fixed.origin_m[1]), Rotation { re, im });
             world.physics.insert_collider(finish(collider(fixed.shape).position(pose), count + index), None)
         })
         .collect();
