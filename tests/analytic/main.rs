@@ -9,6 +9,7 @@ mod anchor;
 mod contact_geometry;
 mod dynamics_independent;
 mod energy;
+mod gripper;
 mod integrator_events;
 mod integrator_impact;
 mod integrator_order;

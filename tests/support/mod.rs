@@ -4,6 +4,7 @@
 pub mod cli;
 pub mod faults;
 pub mod gripper;
+pub mod grippers;
 pub mod held;
 pub mod laws;
 pub mod replay;

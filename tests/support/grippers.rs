@@ -1,0 +1,156 @@
+//! Grippers whose motion an independent program has found: absolute coordinates, its own Radau IIA of order 5, rtol 3e-12
+//! (tests/anchors/gripper.json; against 1e-12 its own runs differ by less than 2e-9 rad).
+
+use std::collections::BTreeMap;
+
+use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
+use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::scene::{
+    Actuation, Bounds, Contacts, Differential, Engine, GripperFinger, GripperObject, GripperScene, Initial, Integrator,
+    LogRates, Motor, ObjectMotion, Preset, Table,
+};
+use serde_json::Value;
+
+/// One case: the scene, and what was found.
+pub struct Anchor {
+    pub name: String,
+    pub scene: GripperScene,
+    /// First touch of the four phalanges, s: right proximal and distal, then left.
+    pub first_touch_s: [f64; 4],
+    pub states: Vec<State>,
+    /// ∫ F_n dt over the run, N·s, of R21, R22, L21, L22, palm and table.
+    pub impulse: [f64; 6],
+}
+
+/// (q11, q21) right, (q11, q21) left, (x, y, θ), and their rates, at a time.
+pub struct State {
+    pub time_s: f64,
+    pub q: [f64; 7],
+    pub v: [f64; 7],
+}
+
+/// All cases, by the letter they have in the specification.
+pub fn anchors() -> Vec<Anchor> {
+    let text = std::fs::read_to_string("tests/anchors/gripper.json").expect("the anchors");
+    let cases: BTreeMap<String, Value> = serde_json::from_str(&text).expect("JSON");
+    cases.iter().map(|(letter, case)| read(letter, case)).collect()
+}
+
+pub fn anchor(letter: &str) -> Anchor {
+    anchors().into_iter().find(|anchor| anchor.name.starts_with(letter)).expect("a case of that letter")
+}
+
+const PAIRS: [&str; 6] = ["R21", "R22", "L21", "L22", "palm", "support"];
+
+fn read(letter: &str, case: &Value) -> Anchor {
+    let first_touch = |pair: &str| {
+        let touches = case["touches"].as_array().expect("touches");
+        number(&touches.iter().find(|touch| touch["pair"] == pair).expect("a touch")["t"])
+    };
+    let states = case["states"].as_array().expect("states").iter().map(|state| State {
+        time_s: number(&state["t"]),
+        q: numbers(&state["q"]),
+        v: numbers(&state["v"]),
+    });
+    Anchor {
+        name: format!("{letter}: {}", case["name"].as_str().expect("a name")),
+        scene: scene(&case["scene"]),
+        first_touch_s: std::array::from_fn(|i| first_touch(PAIRS[i])),
+        states: states.collect(),
+        impulse: PAIRS.map(|pair| number(&case["impulse"][pair])),
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn numbers<const N: usize>(value: &Value) -> [f64; N] {
+    std::array::from_fn(|i| number(&value[i]))
+}
+
+fn normal([k, e, c, d]: [f64; 4]) -> NormalLaw {
+    NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m: d }
+}
+
+fn law(value: &Value) -> ContactLaw {
+    let [k, e, c, d] = ["k", "e", "c_max", "d_max"].map(|key| number(&value[key]));
+    let [mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s] =
+        ["mu_s", "mu_d", "v_s", "v_d"].map(|key| number(&value[key]));
+    let friction = FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s };
+    ContactLaw { normal: normal([k, e, c, d]), friction: Some(friction) }
+}
+
+fn motor(torque: &Value, inertia: &Value, no_load_speed: &Value) -> Motor {
+    Motor {
+        actuation: Actuation::Constant { torque_n_m: number(torque) },
+        inertia_kg_m2: inertia.as_f64().unwrap_or(0.0),
+        no_load_speed_rad_s: no_load_speed.as_f64().filter(|speed| *speed > 0.0),
+    }
+}
+
+fn finger(value: &Value, proximal: &Value, distal: &Value) -> GripperFinger {
+    let [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m] =
+        ["l11", "l12", "l21", "l22", "t22", "phi22", "w"].map(|key| number(&value[key]));
+    let body = |index: usize| {
+        let [mass_kg, a, b, inertia_kg_m2] = numbers(&value["bodies"][index]);
+        Body { mass_kg, com_m: [a, b], inertia_kg_m2 }
+    };
+    let ([q11_rad, q21_rad], [qd11_rad_s, qd21_rad_s]) = (numbers(&value["q"]), numbers(&value["v"]));
+    GripperFinger {
+        finger: Finger {
+            lengths: Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m },
+            bodies: Bodies { l11: body(0), l12: body(1), l21: body(2), l22: body(3) },
+            assembly: Assembly::Reference,
+        },
+        motor: motor(&value["tau"], &value["inertia"], &value["no_load_speed"]),
+        spring: Some(Spring {
+            kind: SpringKind::Constant { torque_n_m: number(&value["ks"]) },
+            placement: Placement::Phalanges,
+        }),
+        limit: Some(normal(numbers(&value["limit"]))),
+        contact: Contacts { proximal: law(proximal), distal: law(distal) },
+        initial: Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s },
+    }
+}
+
+fn scene(value: &Value) -> GripperScene {
+    let (object, contacts) = (&value["object"], &value["contacts"]);
+    let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (numbers(&object["start"]), numbers(&object["rates"]));
+    let has_table = value["support"].as_bool() == Some(true);
+    let duration_s = number(&value["T"]);
+    let differential = &value["diff"];
+    GripperScene {
+        name: "anchor".to_string(),
+        description: String::new(),
+        source: String::new(),
+        fingers: [
+            finger(&value["right"], &contacts["R21"], &contacts["R22"]),
+            finger(&value["left"], &contacts["L21"], &contacts["L22"]),
+        ],
+        palm_width_m: number(&value["palm"]),
+        object: GripperObject {
+            radius_m: number(&object["radius"]),
+            centre_m: [x, y],
+            angle_rad,
+            motion: ObjectMotion::Free {
+                mass_kg: number(&object["mass"]),
+                inertia_kg_m2: number(&object["inertia"]),
+                velocity_m_s: [vx, vy],
+                spin_rad_s,
+            },
+        },
+        palm: Some(law(&contacts["palm"])),
+        table: has_table.then(|| Table { level_m: number(&value["h"]), contact: law(&contacts["support"]) }),
+        differential: differential.is_object().then(|| Differential {
+            motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
+            seesaw_inertia_kg_m2: number(&differential["J_s"]),
+        }),
+        gravity_m_s2: numbers(&value["gravity"]),
+        duration_s,
+        integrator: Integrator::preset(Preset::Engineering),
+        engine: Engine::DEFAULT,
+        bounds: Bounds::over(duration_s),
+        log: LogRates { numeric_hz: 1e4, picture_hz: 0.0 },
+    }
+}
