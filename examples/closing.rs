@@ -16,7 +16,9 @@ pub fn closing() -> Result<Outcome, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let outcome = closing()?;
-    for (site, now) in [(Site::Proximal, &outcome.last.proximal), (Site::Distal, &outcome.last.distal)] {
+    for (site, now) in
+        [(Site::Proximal, outcome.last.contact(Site::Proximal)), (Site::Distal, outcome.last.contact(Site::Distal))]
+    {
         let summary = outcome.site(site);
         let Some(first_s) = summary.first_s else {
             println!("{:9} never touches the object", site.name());

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use phalanx::log::{self, Reading};
 use phalanx::scene::{self, Actuation};
-use phalanx::trace::{Model, Recording};
+use phalanx::trace::{Layout, Model, Recording};
 
 /// A closing with a motor of our own, logged.
 pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
@@ -16,7 +16,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
     scene.name = "stronger motor".to_string();
     scene.actuation = Actuation::Ramp { torque_n_m: 0.8, rise_s: 2e-3 };
     let run = log::run_to(&scene, Model::Analytic, path)?;
-    if let Some(criteria) = run.found {
+    if let Some(criteria) = run.criteria {
         println!("{}: {}", scene.name, criteria.class.name());
     }
     Ok(())
@@ -24,7 +24,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
 
 /// What the log says of its run, and its samples as arrays.
 pub fn read(path: &Path) -> Result<(Reading, Recording), Box<dyn Error>> {
-    let mut recording = Recording::finger();
+    let mut recording = Recording::new(&Layout::finger());
     let reading = log::read_file(path, &mut recording)?;
     Ok((reading, recording))
 }

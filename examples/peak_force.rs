@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     for event in recording.events().iter().take(4) {
-        println!("{:.4} ms: {:?} of {}", event.time_s * 1e3, event.kind, event.site.name());
+        println!("{:.4} ms: {:?} of {}", event.time_s * 1e3, event.kind, event.site().name());
     }
     Ok(())
 }

@@ -6,8 +6,7 @@ use std::error::Error;
 
 use phalanx::criteria::Rebounds;
 use phalanx::scene::{self, AnyScene, DiscMotion};
-use phalanx::trace::Model;
-use phalanx::trace::bodies::run_bodies;
+use phalanx::trace::{Model, run};
 
 /// Speeds before and after, in m/s, and the peak force in N.
 pub struct Bounce {
@@ -29,11 +28,11 @@ pub fn bounces() -> Result<Vec<Bounce>, Box<dyn Error>> {
         }
         // This sink keeps what the impacts were like.
         let mut rebounds = Rebounds::new(scene.pairs().len());
-        let outcome = run_bodies(Model::Analytic, &scene, &mut rebounds)?;
+        let outcome = run(Model::Analytic, &scene, &mut rebounds)?;
         if let [pair] = rebounds.pairs()
             && let (Some(approach_m_s), Some(separation_m_s)) = (pair.approach_m_s, pair.separation_m_s)
         {
-            found.push(Bounce { approach_m_s, separation_m_s, peak_n: outcome.pairs[0].peak_normal_n });
+            found.push(Bounce { approach_m_s, separation_m_s, peak_n: outcome.contacts[0].peak_normal_n });
         }
     }
     Ok(found)

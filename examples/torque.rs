@@ -26,7 +26,7 @@ pub fn sweep() -> Result<Vec<Row>, Box<dyn Error>> {
         scene.actuation = Actuation::Constant { torque_n_m };
         let outcome = run(Model::Analytic, &scene, &mut ())?;
         let distal = outcome.site(Site::Distal);
-        let last_n = [outcome.last.proximal.normal_n, outcome.last.distal.normal_n];
+        let last_n = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];
         rows.push(Row { torque_n_m, first_s: distal.first_s, peak_n: distal.peak_normal_n, last_n });
     }
     Ok(rows)

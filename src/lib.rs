@@ -7,14 +7,15 @@
 //! A scene file in, a closing out:
 //!
 //! ```
-//! use phalanx::{scene, trace};
+//! use phalanx::scene;
+//! use phalanx::trace::{self, Site};
 //!
 //! let scene = scene::load("scenes/experiment-95.toml")?;
 //! let outcome = trace::run_analytic(&scene, &mut ())?;
-//! let distal = outcome.site(trace::Site::Distal);
+//! let distal = outcome.site(Site::Distal);
 //! assert_eq!(distal.touchdowns, 1);
 //! assert!((distal.first_s.unwrap() - 6.883746e-3).abs() < 1e-8);
-//! assert!((outcome.last.proximal.normal_n - 23.609).abs() < 1e-3);
+//! assert!((outcome.last.contact(Site::Proximal).normal_n - 23.609).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -22,12 +23,12 @@
 //!
 //! ```
 //! use phalanx::scene::{self, AnyScene};
-//! use phalanx::trace::{Model, bodies};
+//! use phalanx::trace::{Model, run};
 //!
 //! let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/spring.toml")? else { unreachable!() };
-//! let outcome = bodies::run_bodies(Model::Analytic, &scene, &mut ())?;
+//! let outcome = run(Model::Analytic, &scene, &mut ())?;
 //! // k δ^e at 2 cm.
-//! assert!((outcome.pairs[0].peak_normal_n / (1e8 * 0.02f64.powf(2.2)) - 1.0).abs() < 1e-9);
+//! assert!((outcome.contacts[0].peak_normal_n / (1e8 * 0.02f64.powf(2.2)) - 1.0).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

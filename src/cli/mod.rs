@@ -32,7 +32,6 @@ mod replay_recover;
 mod replay_verify;
 mod reproduce;
 mod run;
-mod run_bodies;
 mod run_page;
 pub mod scene;
 mod scene_figure;

@@ -3,8 +3,8 @@
 use clap::{Args, ValueEnum};
 
 use super::Failure;
-use crate::scene::{BodiesScene, Construction, Engine, Integrator, LogRates, Preset, Scene, Stepping};
-use crate::trace::Model;
+use crate::scene::{AnyScene, Construction, Engine, Preset, Stepping};
+use crate::trace::{Model, Numerics};
 use crate::units::{self, Dimension};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -62,36 +62,18 @@ pub struct Overrides {
 }
 
 impl Overrides {
-    /// Puts the flags into the scene of a finger.
+    /// Puts the flags into a scene.
     ///
     /// # Errors
-    /// A flag of the model that does not run.
-    pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
-        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s, &mut scene.log)
-    }
-
-    /// Puts the flags into a scene of discs.
-    ///
-    /// # Errors
-    /// A flag of the model that does not run, or of a finger.
-    pub fn apply_bodies(&self, model: Model, scene: &mut BodiesScene) -> Result<(), Failure> {
-        if self.construction == Some(ConstructionArg::Reduced) {
+    /// A flag of the model that does not run, or, for a scene of discs, of a finger.
+    pub fn apply(&self, model: Model, scene: &mut AnyScene) -> Result<(), Failure> {
+        if matches!(scene, AnyScene::Bodies(_)) && self.construction == Some(ConstructionArg::Reduced) {
             return Err(Failure::bad_input(
                 "--construction reduced makes coordinates of joints, and a scene of discs has none; leave it out: every disc \
                  moves freely in the engine",
             ));
         }
-        self.put(model, &mut scene.integrator, &mut scene.engine, &mut scene.duration_s, &mut scene.log)
-    }
-
-    fn put(
-        &self,
-        model: Model,
-        integrator: &mut Integrator,
-        engine: &mut Engine,
-        scene_duration_s: &mut f64,
-        log: &mut LogRates,
-    ) -> Result<(), Failure> {
+        let Numerics { duration_s: scene_duration_s, log, integrator, engine } = scene.into();
         self.refuse_idle(model)?;
         if let Some(preset) = self.preset {
             let preset = match preset {

@@ -11,7 +11,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::output::is_quiet;
 use crate::report::duration;
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Nothing is shown before this.
@@ -129,17 +128,6 @@ impl Sink for Progress {
     }
 
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
-impl Sink<BodiesSample> for Progress {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.reached(sample.time_s);
-        Ok(())
-    }
-
-    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
         Ok(())
     }
 }

@@ -14,14 +14,13 @@ use super::replay_read::{Listeners, bad_log};
 use super::validate_files::{PAGE, broken, save};
 use super::{Failure, Status};
 use crate::limits::MOST_COMPARED_FIGURES;
-use crate::log::{self, LogSink, Names, Reading};
+use crate::log::{self, LogSink, Reading};
 use crate::page::{Note, Page, page};
 use crate::plot::{self, Apart, Differences, Touches};
 use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
 use crate::scene::Bounds;
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
-use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
-use crate::validate::{Angle, BodiesComparison, BodiesRecording, Recording, compare};
+use crate::trace::{Event, EventKind, Layout, Sample, Sink, SinkError};
+use crate::validate::{Angle, BodiesComparison, Recording, compare};
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
@@ -30,9 +29,8 @@ const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "dif
 pub(super) struct Side<'a> {
     pub listeners: Listeners<'a>,
     pub reading: Reading,
-    pub finger: Recording,
-    pub discs: BodiesRecording,
-    pub names: Names,
+    pub recording: Recording,
+    pub layout: Layout,
     figures: usize,
     too_long: bool,
 }
@@ -144,9 +142,8 @@ impl<'a> Side<'a> {
         let mut side = Side {
             listeners: Listeners::new(path, interrupt)?,
             reading: Reading::default(),
-            finger: Recording::default(),
-            discs: BodiesRecording::default(),
-            names: Names::default(),
+            recording: Recording::default(),
+            layout: Layout::default(),
             figures: 0,
             too_long: false,
         };
@@ -162,11 +159,8 @@ impl<'a> Side<'a> {
             }
             reading => reading.map_err(|error| bad_log(path, &error))?,
         };
-        if let Some(outcome) = side.listeners.outcome() {
-            side.finger.outcome = *outcome;
-        }
-        if let (_, Some(outcome)) = side.listeners.discs_outcome() {
-            side.discs.outcome = outcome.clone();
+        if let Some(outcome) = side.listeners.summary().outcome() {
+            side.recording.outcome = outcome.clone();
         }
         Ok(side)
     }
@@ -182,33 +176,22 @@ impl<'a> Side<'a> {
 }
 
 impl LogSink for Side<'_> {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.layout = layout.clone();
+        self.listeners.layout(layout)
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.hold(size_of::<Sample>() / size_of::<f64>())?;
-        self.finger.sample(sample)?;
+        let Sample { fingers, bodies, contacts, .. } = sample;
+        self.hold(8 + 10 * fingers.len() + 6 * bodies.len() + 10 * contacts.len())?;
+        self.recording.sample(sample)?;
         self.listeners.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.hold(8)?;
-        self.finger.event(event)?;
+        self.recording.event(event)?;
         self.listeners.event(event)
-    }
-
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        self.names = names.clone();
-        self.listeners.names(names)
-    }
-
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.hold(16 + 6 * sample.discs.len() + 10 * sample.contacts.len())?;
-        self.discs.sample(sample)?;
-        self.listeners.discs(sample)
-    }
-
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.hold(8)?;
-        self.discs.event(event)?;
-        self.listeners.discs_event(event)
     }
 }
 
@@ -239,7 +222,7 @@ fn fingers(
     logs: &[ReplayReport; 2],
     until_s: f64,
 ) -> (Vec<ApartReport>, Pictures) {
-    let [first, second] = sides.each_ref().map(|side| &side.finger);
+    let [first, second] = sides.each_ref().map(|side| &side.recording);
     let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
     let found = compare(run, dense, &Bounds { until_s, ..Bounds::over(until_s) });
     let apart = Angle::ALL.into_iter().enumerate().map(|(k, angle)| ApartReport {
@@ -271,23 +254,22 @@ fn discs(
     logs: &[ReplayReport; 2],
     until_s: f64,
 ) -> (Vec<ApartReport>, Pictures) {
-    let names = &sides[0].names;
-    let [first, second] = sides.each_ref().map(|side| &side.discs);
+    let Layout { bodies, contacts, .. } = &sides[0].layout;
+    let [first, second] = sides.each_ref().map(|side| &side.recording);
     let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
     let mut comparison = BodiesComparison::new(dense);
-    let mut curves: Vec<Apart> =
-        names.discs.iter().map(|name| Apart { name: name.clone(), points: Vec::new() }).collect();
+    let mut curves: Vec<Apart> = bodies.iter().map(|name| Apart { name: name.clone(), points: Vec::new() }).collect();
     let mut cursor = 0;
     for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
         comparison.sample(sample).expect("comparing writes nothing");
         let Some(other) = dense.at(sample.time_s, &mut cursor) else { continue };
-        for ((curve, a), b) in curves.iter_mut().zip(&sample.discs).zip(&other.discs) {
+        for ((curve, a), b) in curves.iter_mut().zip(&sample.bodies).zip(&other.bodies) {
             let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
             curve.points.push((sample.time_s, x.hypot(y)));
         }
     }
     let found = comparison.finish(&run.outcome);
-    let apart = names.discs.iter().enumerate().map(|(k, name)| ApartReport {
+    let apart = bodies.iter().enumerate().map(|(k, name)| ApartReport {
         quantity: format!("{name}_centre_m"),
         max: found.position_max_m[k],
         max_at_s: found.position_max_at_s[k],
@@ -295,12 +277,12 @@ fn discs(
         end: found.position_end_m[k],
     });
     let apart = if run.samples.is_empty() { Vec::new() } else { apart.collect() };
-    let touches = names.pairs.iter().enumerate().map(|(pair, name)| Touches {
-        name: name.clone(),
+    let touches = contacts.iter().enumerate().map(|(pair, place)| Touches {
+        name: place.name.clone(),
         times_s: first
             .events
             .iter()
-            .filter(|event| event.pair == pair && event.kind == EventKind::TouchDown && event.time_s <= until_s)
+            .filter(|event| event.contact == pair && event.kind == EventKind::TouchDown && event.time_s <= until_s)
             .map(|event| event.time_s)
             .collect(),
     });
@@ -314,6 +296,6 @@ fn discs(
     });
     let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
     let words = labels.each_ref().map(String::as_str);
-    let overlay = plot::bodies_overlay_of(title(logs, labels), words, &names.pairs, [first, second], end_s);
+    let overlay = plot::bodies_overlay_of(title(logs, labels), words, &sides[0].layout, [first, second], end_s);
     (apart, (overlay, difference))
 }

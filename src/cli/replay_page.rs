@@ -9,17 +9,18 @@ use super::replay_read::{Listeners, attached, bad_log};
 use super::validate_files::save;
 use super::{Failure, Status};
 
-use crate::log::{self, LogSink, Names, Reading};
+use crate::log::{self, LogSink, Reading};
 use crate::page::{Film, Page, Reel, page};
 use crate::report::{Sheet, replay_text};
-use crate::scene::{AnyScene, BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::scene::AnyScene;
+use crate::trace::{Event, Layout, Sample, Simulated, Sink, SinkError};
 
 /// A run kept for a page, in bounded memory: one of many samples is thinned out.
-pub(super) enum Reels {
-    Finger { scene: Box<Scene>, reel: Box<Reel<Sample, Event>> },
-    Discs { scene: Box<BodiesScene>, reel: Box<Reel<BodiesSample, BodiesEvent>>, fits: bool },
+pub(super) struct Reels {
+    scene: AnyScene,
+    reel: Box<Reel>,
+    /// Whether the samples are of what the scene has.
+    fits: bool,
 }
 
 /// Runs the command for one log.
@@ -46,11 +47,8 @@ impl Reels {
     pub fn new(path: &Path, head: &Reading) -> Result<Self, Failure> {
         let refused = |why: String| Failure::bad_input(format!("{}: there is nothing to draw: {why}", path.display()));
         match attached(head) {
-            Some(Ok(AnyScene::Finger(scene))) if !head.is_of_discs() => {
-                Ok(Reels::Finger { scene, reel: Box::default() })
-            }
-            Some(Ok(AnyScene::Bodies(scene))) if head.is_of_discs() => {
-                Ok(Reels::Discs { scene, reel: Box::default(), fits: true })
+            Some(Ok(scene)) if matches!(scene, AnyScene::Bodies(_)) == head.is_of_discs() => {
+                Ok(Reels { scene, reel: Box::default(), fits: true })
             }
             Some(Ok(_)) => Err(refused("the scene in the log is of another kind than its metadata say".to_string())),
             Some(Err(error)) => Err(refused(format!("the scene in the log cannot be read by this phalanx:\n{error}"))),
@@ -60,17 +58,14 @@ impl Reels {
 
     /// Name and description of the scene.
     pub fn about(&self) -> (String, String) {
-        match self {
-            Reels::Finger { scene, .. } => (scene.name.clone(), scene.description.clone()),
-            Reels::Discs { scene, .. } => (scene.name.clone(), scene.description.clone()),
-        }
+        let scene = Simulated::from(&self.scene);
+        (scene.name().to_string(), scene.description().to_string())
     }
 
     pub fn film(self, path: &Path, label: &str, summary: impl Into<Sheet>) -> Result<Film, Failure> {
-        match self {
-            Reels::Finger { scene, reel } => Ok(reel.film(label, &scene, summary)),
-            Reels::Discs { scene, reel, fits: true } => Ok(reel.film(label, &scene, summary)),
-            Reels::Discs { .. } => Err(Failure::bad_input(format!(
+        match self.fits {
+            true => Ok(self.reel.film(label, &self.scene, summary)),
+            false => Err(Failure::bad_input(format!(
                 "{}: there is nothing to draw: the samples are not of the discs that the scene in the log has",
                 path.display()
             ))),
@@ -79,41 +74,17 @@ impl Reels {
 }
 
 impl LogSink for Reels {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        match self {
-            Reels::Finger { reel, .. } => reel.sample(sample),
-            Reels::Discs { .. } => Ok(()),
-        }
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        match self {
-            Reels::Finger { reel, .. } => reel.event(event),
-            Reels::Discs { .. } => Ok(()),
-        }
-    }
-
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        if let Reels::Discs { scene, fits, .. } = self {
-            let discs = scene.discs.iter().map(|disc| &disc.name).eq(&names.discs);
-            let pairs = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).eq(names.pairs.iter().cloned());
-            *fits = discs && pairs;
-        }
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.fits = Simulated::from(&self.scene).layout() == *layout;
         Ok(())
     }
 
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        match self {
-            Reels::Discs { reel, fits: true, .. } => reel.sample(sample),
-            _ => Ok(()),
-        }
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        if self.fits { self.reel.sample(sample) } else { Ok(()) }
     }
 
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        match self {
-            Reels::Discs { reel, fits: true, .. } => reel.event(event),
-            _ => Ok(()),
-        }
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        if self.fits { self.reel.event(event) } else { Ok(()) }
     }
 }
 
@@ -131,18 +102,8 @@ impl<A: LogSink, B: LogSink> LogSink for Tee<'_, A, B> {
         self.1.event(event)
     }
 
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        self.0.names(names)?;
-        self.1.names(names)
-    }
-
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.0.discs(sample)?;
-        self.1.discs(sample)
-    }
-
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.0.discs_event(event)?;
-        self.1.discs_event(event)
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.0.layout(layout)?;
+        self.1.layout(layout)
     }
 }

@@ -2,8 +2,7 @@
 
 use super::replay_against::Side;
 use crate::report::duration;
-use crate::trace::SiteSummary;
-use crate::trace::bodies::BodiesSample;
+use crate::trace::{Layout, Sample, Site};
 
 /// Notes on lengths, losses, scenes, and what only one of the logs has.
 pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> {
@@ -39,14 +38,14 @@ pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> 
         if reading.samples == 0 {
             notes.push(format!("{label} has no sample"));
         }
-        if !reading.is_of_discs() && side.finger.samples.first().is_some_and(|first| first.time_s > 0.0) {
+        if !reading.is_of_discs() && side.recording.samples.first().is_some_and(|first| first.time_s > 0.0) {
             notes.push(format!("{label} does not begin at 0"));
         }
     }
     if !readings[0].is_of_discs() && readings.iter().all(|reading| reading.samples > 0) {
-        let last = sides.each_ref().map(|side| &side.finger.outcome.last);
-        let objects = last.map(|sample| sample.proximal.gap_m.is_finite());
-        let limits = last.map(|sample| sample.limit.gap_m.is_finite());
+        let last = sides.each_ref().map(|side| &side.recording.outcome.last);
+        let objects = last.map(|sample| sample.contact(Site::Proximal).gap_m.is_finite());
+        let limits = last.map(|sample| sample.contact(Site::Limit).gap_m.is_finite());
         for (what, there) in [("an object", objects), ("a joint limit", limits)] {
             if there[0] != there[1] {
                 notes.push(format!("only {} has {what}", labels[usize::from(there[1])]));
@@ -58,45 +57,57 @@ pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> 
 
 /// Leaves of both logs only the discs and pairs that both have, in the same order; says what goes.
 pub(super) fn common(sides: &mut [Side<'_>; 2], labels: &[String; 2]) -> Vec<String> {
-    if sides[0].names == sides[1].names {
+    let [first, second] = sides.each_ref().map(|side| side.layout.clone());
+    if first == second {
         return Vec::new();
     }
     let mut notes = Vec::new();
-    let [first, second] = sides.each_ref().map(|side| side.names.clone());
     for ((ours, theirs), label) in [(&first, &second), (&second, &first)].into_iter().zip(labels) {
-        let only = |ours: &[String], theirs: &[String]| {
-            ours.iter().filter(|name| !theirs.contains(name)).cloned().collect::<Vec<_>>().join(", ")
-        };
-        for (what, names) in [("disc", only(&ours.discs, &theirs.discs)), ("pair", only(&ours.pairs, &theirs.pairs))] {
+        let discs = only(&ours.bodies, &theirs.bodies, |name| name);
+        let pairs = only(&ours.contacts, &theirs.contacts, |place| &place.name);
+        for (what, names) in [("disc", discs), ("pair", pairs)] {
             if !names.is_empty() {
                 notes.push(format!("only {label} has the {what} {names}"));
             }
         }
     }
-    let both = |ours: &[String], theirs: &[String]| -> Vec<String> {
-        ours.iter().filter(|name| theirs.contains(name)).cloned().collect()
+    let layout = Layout {
+        bodies: both(&first.bodies, &second.bodies),
+        contacts: both(&first.contacts, &second.contacts),
+        ..first
     };
-    let (discs, pairs) = (both(&first.discs, &second.discs), both(&first.pairs, &second.pairs));
     for side in sides {
-        let places = |wanted: &[String], names: &[String]| -> Vec<usize> {
-            wanted.iter().filter_map(|name| names.iter().position(|known| known == name)).collect()
+        let bodies = places(&layout.bodies, &side.layout.bodies);
+        let contacts = places(&layout.contacts, &side.layout.contacts);
+        let keep = |sample: &mut Sample| {
+            sample.bodies = bodies.iter().filter_map(|&k| sample.bodies.get(k).copied()).collect();
+            sample.contacts = contacts.iter().filter_map(|&k| sample.contacts.get(k).copied()).collect();
         };
-        let (disc_places, pair_places) = (places(&discs, &side.names.discs), places(&pairs, &side.names.pairs));
-        let keep = |sample: &mut BodiesSample| {
-            sample.discs = disc_places.iter().filter_map(|&k| sample.discs.get(k).copied()).collect();
-            sample.contacts = pair_places.iter().filter_map(|&k| sample.contacts.get(k).copied()).collect();
-        };
-        side.discs.samples.iter_mut().for_each(keep);
-        let outcome = &mut side.discs.outcome;
+        side.recording.samples.iter_mut().for_each(keep);
+        let outcome = &mut side.recording.outcome;
         keep(&mut outcome.last);
-        let kept: Vec<SiteSummary> = pair_places.iter().filter_map(|&k| outcome.pairs.get(k).copied()).collect();
-        outcome.pairs = kept;
-        side.discs.events.retain_mut(|event| {
-            let place = pair_places.iter().position(|&k| k == event.pair);
-            event.pair = place.unwrap_or(event.pair);
+        outcome.contacts = contacts.iter().filter_map(|&k| outcome.contacts.get(k).copied()).collect();
+        side.recording.events.retain_mut(|event| {
+            let place = contacts.iter().position(|&k| k == event.contact);
+            event.contact = place.unwrap_or(event.contact);
             place.is_some()
         });
-        (side.names.discs, side.names.pairs) = (discs.clone(), pairs.clone());
+        side.layout = layout.clone();
     }
     notes
+}
+
+/// The names of what only `ours` has.
+fn only<T: PartialEq>(ours: &[T], theirs: &[T], name: impl Fn(&T) -> &String) -> String {
+    let names = ours.iter().filter(|part| !theirs.contains(part)).map(name);
+    names.cloned().collect::<Vec<_>>().join(", ")
+}
+
+fn both<T: PartialEq + Clone>(ours: &[T], theirs: &[T]) -> Vec<T> {
+    ours.iter().filter(|part| theirs.contains(part)).cloned().collect()
+}
+
+/// Where the wanted parts are among those that are there.
+fn places<T: PartialEq>(wanted: &[T], there: &[T]) -> Vec<usize> {
+    wanted.iter().filter_map(|part| there.iter().position(|known| known == part)).collect()
 }

@@ -10,20 +10,19 @@ use super::progress::Progress;
 use super::simulate::grasp;
 use super::{Failure, replay};
 use crate::criteria::{AtRest, Criteria, Tracker};
-use crate::log::{self, LARGEST_RECORD, LogSink, Names, ReadError, Reading};
-use crate::report::{CsvHead, DiscsSummary, ReplayReport, Summary, csv_discs, csv_finger};
+use crate::log::{self, LARGEST_RECORD, LogSink, ReadError, Reading};
+use crate::report::{ReplayReport, Summary, csv_head, csv_sample};
 use crate::scene::{self, AnyScene, BodiesScene, SceneError};
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
-use crate::trace::{Event, Outcome, Sample, Sink, SinkError};
+use crate::trace::columns::{Column, columns};
+use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
 pub(super) struct Listeners<'a> {
     summary: Summary,
     grasp: Option<AtRest>,
     tracker: Option<Tracker>,
-    discs: DiscsSummary,
-    /// The scene of a log of discs, if there is one that this phalanx reads.
-    bodies: Option<Box<BodiesScene>>,
+    /// The scene of a log of discs, if there is one that this phalanx reads: how they are moved.
+    discs: Option<Box<BodiesScene>>,
     progress: Progress,
     interrupt: &'a Interrupt,
 }
@@ -37,8 +36,7 @@ impl<'a> Listeners<'a> {
             summary: Summary::default(),
             grasp: None,
             tracker: None,
-            discs: DiscsSummary::default(),
-            bodies: None,
+            discs: None,
             progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)),
             interrupt,
         };
@@ -47,7 +45,7 @@ impl<'a> Listeners<'a> {
                 listeners.grasp = grasp(&scene);
                 listeners.tracker = listeners.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
             }
-            Some(Ok(AnyScene::Bodies(scene))) => listeners.bodies = Some(scene),
+            Some(Ok(AnyScene::Bodies(scene))) => listeners.discs = Some(scene),
             Some(Err(error)) => {
                 let missing =
                     if head.is_of_discs() { "what moves the discs is unknown" } else { "no dynamic criteria" };
@@ -58,14 +56,9 @@ impl<'a> Listeners<'a> {
         Ok(listeners)
     }
 
-    /// What is known of a run of a finger.
-    pub fn outcome(&self) -> Option<&Outcome> {
-        self.summary.outcome()
-    }
-
-    /// What is known of a run of discs, and what they are called.
-    pub fn discs_outcome(&self) -> (&Names, Option<&BodiesOutcome>) {
-        (&self.discs.names, self.discs.outcome())
+    /// What is known of the run, and what its samples consist of.
+    pub fn summary(&self) -> &Summary {
+        &self.summary
     }
 
     /// Wipes the line that says how far it has come.
@@ -75,10 +68,7 @@ impl<'a> Listeners<'a> {
 
     /// The summary of what was read.
     pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
-        match reading.is_of_discs() {
-            false => ReplayReport::new(name, reading, &self.summary, self.criteria(reading)),
-            true => ReplayReport::of_discs(name, reading, &self.discs, self.bodies.as_deref()),
-        }
+        ReplayReport::new(name, reading, &self.summary, self.criteria(reading), self.discs.as_deref())
     }
 
     /// Of a run that was completed, and of which nothing is missing.
@@ -95,6 +85,13 @@ impl<'a> Listeners<'a> {
 }
 
 impl LogSink for Listeners<'_> {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.summary = Summary::new(layout.clone());
+        // The scene may be of another kind than the log.
+        self.tracker = self.tracker.take().filter(|_| !layout.fingers.is_empty());
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.check()?;
         Sink::sample(&mut self.progress, sample)?;
@@ -106,36 +103,21 @@ impl LogSink for Listeners<'_> {
         self.summary.event(event)?;
         self.tracker.event(event)
     }
-
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        self.discs = DiscsSummary::new(names.clone());
-        Ok(())
-    }
-
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.check()?;
-        Sink::sample(&mut self.progress, sample)?;
-        self.discs.sample(sample)
-    }
-
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.discs.event(event)
-    }
 }
 
 /// Writes every sample as a line, and passes everything on.
 struct Table<'l, 'a> {
     out: &'l mut dyn Write,
     listeners: &'l mut Listeners<'a>,
+    columns: Vec<Column>,
     /// The columns have been named.
     headed: bool,
     gone: bool,
 }
 
 impl Table<'_, '_> {
-    fn put(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), SinkError> {
-        self.headed = true;
-        write(self.out).map_err(|source| {
+    fn written(&mut self, written: io::Result<()>) -> Result<(), SinkError> {
+        written.map_err(|source| {
             self.gone = source.kind() == io::ErrorKind::BrokenPipe;
             SinkError { what: "the table of samples".to_string(), source }
         })
@@ -143,30 +125,24 @@ impl Table<'_, '_> {
 }
 
 impl LogSink for Table<'_, '_> {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.listeners.layout(layout)?;
+        self.columns = columns(layout);
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if !self.headed {
-            self.put(|out| CsvHead::Finger.write(out))?;
+        if !std::mem::replace(&mut self.headed, true) {
+            let head = csv_head(self.out, &self.columns);
+            self.written(head)?;
         }
-        self.put(|out| csv_finger(out, sample))?;
+        let line = csv_sample(self.out, &self.columns, sample);
+        self.written(line)?;
         self.listeners.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.listeners.event(event)
-    }
-
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        self.put(|out| CsvHead::Discs(names).write(out))?;
-        self.listeners.names(names)
-    }
-
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.put(|out| csv_discs(out, sample))?;
-        self.listeners.discs(sample)
-    }
-
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.listeners.discs_event(event)
     }
 }
 
@@ -183,7 +159,7 @@ pub(super) fn tabulate(
     listeners: &mut Listeners<'_>,
     out: &mut dyn Write,
 ) -> Result<Option<Reading>, Failure> {
-    let mut table = Table { out, listeners, headed: false, gone: false };
+    let mut table = Table { out, listeners, columns: Vec::new(), headed: false, gone: false };
     let reading = log::read_any_file(path, &mut table);
     let gone = table.gone;
     listeners.progress.clear();

@@ -9,12 +9,12 @@ use super::interrupt::Interrupt;
 use super::output::complain;
 use super::replay::{ReplayArgs, head, losses, say};
 use super::replay_read::{Listeners, Watch, attached, bad_log, read};
-use super::simulate::{self, Broken, Checking, Limits, Simulated};
+use super::simulate::{Broken, Checking, Finished, Limits, simulate};
 use super::{Failure, Status};
 use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, gaps, settings, stamp_ns};
 use crate::report::VerificationReport;
 use crate::scene::AnyScene;
-use crate::trace::SinkError;
+use crate::trace::{Simulated, SinkError};
 
 /// What errors call the log of the new run.
 const AGAIN: &str = "the log of the new run to a temporary file (the directory for these is that of TMPDIR)";
@@ -71,15 +71,12 @@ fn again_from(path: &Path, head: &Reading) -> Result<(AnyScene, Settings), Failu
             )));
         }
     };
-    match &mut scene {
-        AnyScene::Finger(scene) if !head.is_of_discs() => found.impose(scene),
-        AnyScene::Bodies(scene) if head.is_of_discs() => found.impose_bodies(scene),
-        _ => {
-            return Err(Failure::bad_input(format!(
-                "{place}: the scene in the log is of another kind than its metadata say; they do not belong together"
-            )));
-        }
+    if matches!(scene, AnyScene::Bodies(_)) != head.is_of_discs() {
+        return Err(Failure::bad_input(format!(
+            "{place}: the scene in the log is of another kind than its metadata say; they do not belong together"
+        )));
     }
+    found.impose(&mut scene);
     Ok((scene, found))
 }
 
@@ -100,18 +97,10 @@ fn simulate_again(scene: &AnyScene, settings: &Settings, limits: &Limits<'_>) ->
     let (model, scene_file) = (settings.model(), settings.scene_file.as_str());
     let failed = |error: SinkError| Failure::incomplete(format!("{error}; free some space there or set TMPDIR"));
     let file = tempfile::tempfile().map_err(|source| failed(SinkError { what: AGAIN.to_string(), source }))?;
-    let log = match scene {
-        AnyScene::Finger(scene) => {
-            let info = RunInfo { scene: scene.as_ref(), scene_file, model: model.name() };
-            let writer = Beside::start(file, AGAIN, &info, None, || {}).map_err(failed)?;
-            ended(simulate::finger(model, scene, Some(writer), limits, &mut ()))
-        }
-        AnyScene::Bodies(scene) => {
-            let info = RunInfo { scene: scene.as_ref(), scene_file, model: model.name() };
-            let writer = Beside::start(file, AGAIN, &info, None, || {}).map_err(failed)?;
-            ended(simulate::bodies(model, scene, Some(writer), limits, &mut ()))
-        }
-    };
+    let scene = Simulated::from(scene);
+    let info = RunInfo { scene, scene_file, model: model.name() };
+    let writer = Beside::start(file, AGAIN, &info, None, || {}).map_err(failed)?;
+    let log = ended(simulate(model, scene, Some(writer), limits, &mut ()));
     if let Some(signal) = limits.interrupt.signal() {
         return Err(Failure::incomplete(format!(
             "interrupted by {signal} while the run was simulated again: nothing has been compared"
@@ -123,7 +112,7 @@ fn simulate_again(scene: &AnyScene, settings: &Settings, limits: &Limits<'_>) ->
 }
 
 /// The log of a run. One that stopped is as good as one that was completed, unless its log could not be written.
-fn ended<O, F>(run: Simulated<File, O, F>) -> Result<Option<File>, SinkError> {
+fn ended(run: Finished<File>) -> Result<Option<File>, SinkError> {
     match run.result {
         Err(Broken { so_far: None, error }) => {
             Err(SinkError { what: AGAIN.to_string(), source: std::io::Error::other(error.reason) })

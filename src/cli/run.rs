@@ -10,14 +10,13 @@ use super::output::{print, show};
 use super::overrides::Overrides;
 use super::run_page::PageArgs;
 use super::set::SetArgs;
-use super::simulate::{self, Broken, Checking, Limits, Simulated};
+use super::simulate::{Checking, Limits, simulate};
 use super::words::ModelArg;
-use super::{Failure, Status, run_bodies, run_page, watch};
-use crate::log::{self, FileWriter, LogError, LogFile, Logged, RunInfo};
+use super::{Failure, Status, run_page, watch};
+use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::Reel;
-use crate::report::{self, RunCheckReport, RunReport};
-use crate::scene::{AnyScene, Scene};
-use crate::trace::{Model, SinkError};
+use crate::report;
+use crate::trace::{Model, Simulated, SinkError};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
@@ -99,35 +98,26 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 
 /// One run; `first` of those that are to be made.
 fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
-    match args.set.load_any(&args.scene)? {
-        AnyScene::Finger(scene) => finger(args, *scene, first),
-        AnyScene::Bodies(scene) => run_bodies::run(args, *scene, first),
-    }
-}
-
-fn finger(args: &RunArgs, mut scene: Scene, first: bool) -> Result<Status, Failure> {
+    let mut scene = args.set.load_any(&args.scene)?;
     args.overrides.apply(args.model(), &mut scene)?;
+    let scene = Simulated::from(&scene);
+    let (name, duration_s) = (scene.name(), scene.duration_s());
     let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
-    let live = args.live.start(&scene.name, scene.duration_s, &interrupt)?;
-    let log = started(args, &scene, live.as_ref(), &interrupt)?;
+    let live = args.live.start(name, duration_s, &interrupt)?;
+    let log = started(args, scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
-    let Simulated { result, found, wall_s, check, log } =
-        simulate::finger(args.model(), &scene, log, &limits, &mut reel);
-    let model = args.model().name();
-    let mut report = match result {
-        Ok(outcome) => RunReport::completed(&scene, model, wall_s, &outcome, found),
-        Err(Broken { error, so_far }) => RunReport::failed(&scene, model, wall_s, error, so_far.as_ref()),
-    };
-    report.check = check.map(|check| RunCheckReport::new(&check, true));
+    let run = simulate(args.model(), scene, log, &limits, &mut reel);
+    let mut report = run.report(args.model(), scene);
     // A page is given to others: it does not say where the files are.
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
-        page.write(&scene.name, &scene.description, reel.film(model, &scene, report::text(&report)))
+        let film = reel.film(args.model().name(), scene, report::text(&report));
+        page.write(name, scene.description(), film)
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
-    let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
+    let kept = run.log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
     match args.json {
         true => print(&report::json(&report)),
         false => show(&report::text(&report)),
@@ -135,16 +125,16 @@ fn finger(args: &RunArgs, mut scene: Scene, first: bool) -> Result<Status, Failu
     if let Some(live) = live {
         live.end();
     }
-    run_page::ended(page.as_ref(), made, ended(args, scene.duration_s, report.error.as_ref(), kept))
+    run_page::ended(page.as_ref(), made, ended(args, duration_s, report.error.as_ref(), kept))
 }
 
 /// The log of a run, if there is to be one or the run is watched.
-pub(super) fn started<S: Logged + Clone + Send + 'static>(
+fn started(
     args: &RunArgs,
-    scene: &S,
+    scene: Simulated<'_>,
     live: Option<&Live>,
     interrupt: &Interrupt,
-) -> Result<Option<FileWriter<S::Channels>>, Failure> {
+) -> Result<Option<FileWriter>, Failure> {
     if args.log.is_none() && live.is_none() {
         return Ok(None);
     }
@@ -158,7 +148,7 @@ pub(super) fn started<S: Logged + Clone + Send + 'static>(
 }
 
 /// How the command ends, by how the run and its log did.
-pub(super) fn ended(
+fn ended(
     args: &RunArgs,
     duration_s: f64,
     error: Option<&report::Failure>,
@@ -172,7 +162,7 @@ pub(super) fn ended(
 }
 
 /// What the log says about the run.
-pub(super) fn info<'a, S>(scene: &'a S, path: &'a Path, model: &'a str) -> RunInfo<'a, S> {
+pub(super) fn info<'a>(scene: Simulated<'a>, path: &'a Path, model: &'a str) -> RunInfo<'a> {
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 

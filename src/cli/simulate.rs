@@ -8,36 +8,41 @@ use super::output::complain;
 use super::progress::Progress;
 use crate::check::{self, Check};
 use crate::criteria::{AtRest, Criteria, Rebound, at_rest};
-use crate::integrator;
-use crate::log::{self, Beside, BodiesChannels, FingerChannels, Ran};
-use crate::report;
-use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample};
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError};
+use crate::log::{self, Beside, Ran};
+use crate::report::{self, Came, RunCheckReport, RunReport};
+use crate::scene::Scene;
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError};
 
 /// A simulation that is over.
-pub(super) struct Simulated<W, O, F> {
-    pub result: Result<O, Broken<O>>,
-    /// Criteria of a finger, restitution of discs.
-    pub found: F,
+pub(super) struct Finished<W> {
+    pub result: Result<Outcome, Broken>,
+    /// Of a finger, if it can grasp its object and the run was completed.
+    pub criteria: Option<Criteria>,
+    /// Of every pair of discs.
+    pub rebounds: Vec<Rebound>,
     pub wall_s: f64,
     /// What a check of the run found, if one was made.
-    pub check: Option<Check>,
+    pub check: Option<RunCheckReport>,
     /// What the log was written to, finished.
     pub log: Result<Option<W>, SinkError>,
 }
 
 /// A run that was not completed.
-pub(super) struct Broken<O> {
+pub(super) struct Broken {
     pub error: report::Failure,
     /// What there is of it.
-    pub so_far: Option<O>,
+    pub so_far: Option<Outcome>,
 }
 
-impl<O> Broken<O> {
-    /// When and why, as its log says it.
-    fn words(&self) -> (f64, &str) {
-        (self.error.time_s, &self.error.reason)
+impl<W> Finished<W> {
+    /// What is reported of it.
+    pub fn report(&self, model: Model, scene: Simulated<'_>) -> RunReport {
+        let (outcome, error) = match &self.result {
+            Ok(outcome) => (Some(outcome), None),
+            Err(Broken { error, so_far }) => (so_far.as_ref(), Some(error.clone())),
+        };
+        let came = Came { wall_s: self.wall_s, outcome, criteria: self.criteria, rebounds: &self.rebounds };
+        RunReport { check: self.check.clone(), ..RunReport::new(scene, model, &came, error) }
     }
 }
 
@@ -71,64 +76,39 @@ impl Limits<'_> {
     }
 }
 
-/// Simulates a finger.
-pub(super) fn finger<W: Write + Send + 'static>(
+/// Simulates a scene.
+pub(super) fn simulate<W: Write + Send + 'static>(
     model: Model,
-    scene: &Scene,
-    log: Option<Beside<W, FingerChannels>>,
+    scene: Simulated<'_>,
+    log: Option<Beside<W>>,
     limits: &Limits<'_>,
     also: &mut impl Sink,
-) -> Simulated<W, Outcome, Option<Criteria>> {
-    grasp(scene);
-    let mut watched = Watched::new(scene.duration_s, limits, also);
-    let Ran { result, found, last_s, wall_s, log } = log::run_finger(model, scene, log, &mut watched);
-    watched.progress.clear();
-    let result = result.map_err(|error| match error {
-        RunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
-        RunError::Sink(error) => failed(&error, last_s),
-    });
-    let steps = steps(&result, |outcome| outcome.work.steps);
-    let check = limits.check(steps, |go_on| check::check(model, scene, go_on));
-    let log = log.close(result.as_ref().err().map(Broken::words), check.as_ref());
-    Simulated { result, found, wall_s, check, log }
-}
-
-/// Simulates discs.
-pub(super) fn bodies<W: Write + Send + 'static>(
-    model: Model,
-    scene: &BodiesScene,
-    log: Option<Beside<W, BodiesChannels>>,
-    limits: &Limits<'_>,
-    also: &mut impl Sink<BodiesSample>,
-) -> Simulated<W, BodiesOutcome, Vec<Rebound>> {
-    let mut watched = Watched::new(scene.duration_s, limits, also);
-    let Ran { result, found, last_s, wall_s, log } = log::run_bodies(model, scene, log, &mut watched);
-    watched.progress.clear();
-    let result = result.map_err(|error| match error {
-        BodiesRunError::Simulation { failure, so_far } => stopped(failure, Some(*so_far), limits.interrupt),
-        BodiesRunError::Sink(error) => failed(&error, last_s),
-    });
-    let steps = steps(&result, |outcome| outcome.work.steps);
-    let check = limits.check(steps, |go_on| check::check_bodies(model, scene, go_on));
-    let log = log.close(result.as_ref().err().map(Broken::words), check.as_ref());
-    Simulated { result, found, wall_s, check, log }
-}
-
-/// Steps of a run, whether it was completed or not.
-fn steps<O>(result: &Result<O, Broken<O>>, of: impl Fn(&O) -> u64) -> u64 {
-    match result {
-        Ok(outcome) => of(outcome),
-        Err(broken) => broken.so_far.as_ref().map_or(0, of),
+) -> Finished<W> {
+    if let Simulated::Finger(scene) = scene {
+        grasp(scene);
     }
-}
-
-fn stopped<O>(failure: integrator::Failure, so_far: Option<O>, interrupt: &Interrupt) -> Broken<O> {
-    let reason = interrupt.reason(&failure.reason);
-    Broken { error: report::Failure { time_s: failure.time_s, reason }, so_far }
-}
-
-fn failed<O>(error: &SinkError, last_s: f64) -> Broken<O> {
-    Broken { error: report::Failure { time_s: last_s, reason: error.to_string() }, so_far: None }
+    let mut watched = Watched::new(scene.duration_s(), limits, also);
+    let Ran { result, criteria, rebounds, last_s, wall_s, log } = log::simulate(model, scene, log, &mut watched);
+    watched.progress.clear();
+    let result = result.map_err(|error| match error {
+        RunError::Simulation { failure, so_far } => {
+            let reason = limits.interrupt.reason(&failure.reason);
+            Broken { error: report::Failure { time_s: failure.time_s, reason }, so_far: Some(*so_far) }
+        }
+        RunError::Sink(error) => {
+            Broken { error: report::Failure { time_s: last_s, reason: error.to_string() }, so_far: None }
+        }
+    });
+    let outcome = match &result {
+        Ok(outcome) => Some(outcome),
+        Err(broken) => broken.so_far.as_ref(),
+    };
+    let steps = outcome.map_or(0, |outcome| outcome.work.steps);
+    let check = limits.check(steps, |go_on| check::check(model, scene, go_on));
+    let stopped = result.as_ref().err().map(|broken| (broken.error.time_s, broken.error.reason.as_str()));
+    let log = log.close(stopped, check.as_ref());
+    let check = check.map(|check| RunCheckReport::new(&check, matches!(scene, Simulated::Finger(_))));
+    Finished { result, criteria, rebounds, wall_s, check, log }
 }
 
 /// The grasp at rest that a run is judged by; `None`, and said why, if the criteria make no sense for this scene.
@@ -154,10 +134,6 @@ impl<'a, A> Watched<'a, A> {
         let progress = Progress::new(duration_s.min(limits.until_s));
         Watched { last_s: 0.0, progress, limits, also }
     }
-
-    fn proceed(&self) -> bool {
-        self.last_s <= self.limits.until_s && self.limits.interrupt.signal().is_none()
-    }
 }
 
 impl<A: Sink> Sink for Watched<'_, A> {
@@ -172,22 +148,6 @@ impl<A: Sink> Sink for Watched<'_, A> {
     }
 
     fn proceed(&self) -> bool {
-        self.proceed()
-    }
-}
-
-impl<A: Sink<BodiesSample>> Sink<BodiesSample> for Watched<'_, A> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.last_s = sample.time_s;
-        Sink::sample(&mut self.progress, sample)?;
-        self.also.sample(sample)
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.also.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        self.proceed()
+        self.last_s <= self.limits.until_s && self.limits.interrupt.signal().is_none()
     }
 }

@@ -5,20 +5,13 @@ use std::path::Path;
 use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
-use super::run::{info, unstarted};
-use super::simulate::{self, Checking, Limits};
 use super::validate::{ValidateArgs, stopped, watched};
-use super::validate_files::{PAGE, finished, pictures, save, show_page, table};
+use super::validate_files::{PAGE, pictures, record, save, show_page, table};
 use super::{Failure, Status};
-use crate::log;
-use crate::page::{Film, Reel};
 use crate::plot;
-use crate::report::{
-    BodiesReport, BodiesValidationReport, bodies_series, bodies_text, bodies_validation_json, bodies_validation_text,
-};
+use crate::report::{BodiesValidationReport, bodies_series, bodies_validation_json, bodies_validation_text};
 use crate::scene::{BodiesScene, Preset};
-use crate::trace::Model;
-use crate::trace::bodies::BodiesRunError;
+use crate::trace::{Model, RunError};
 use crate::validate::{StudyError, Subject, Validation};
 
 /// Everything that is in the directory in the end.
@@ -41,10 +34,10 @@ pub fn run(args: &ValidateArgs, scene: &BodiesScene) -> Result<Status, Failure> 
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
 }
 
-fn incomplete(error: StudyError<BodiesRunError>) -> Failure {
+fn incomplete(error: StudyError<RunError>) -> Failure {
     match error.error {
-        BodiesRunError::Simulation { failure, .. } => stopped(error.model, &failure),
-        BodiesRunError::Sink(sink) => Failure::incomplete(format!("the {} model stopped: {sink}", error.model.name())),
+        RunError::Simulation { failure, .. } => stopped(error.model, &failure),
+        RunError::Sink(sink) => Failure::incomplete(format!("the {} model stopped: {sink}", error.model.name())),
     }
 }
 
@@ -75,21 +68,4 @@ fn write(
     report.files = Some(FILES.map(String::from).to_vec());
     save(&out.join("report.txt"), &bodies_validation_text(report).to_string())?;
     save(&out.join("report.json"), &bodies_validation_json(report))
-}
-
-/// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
-fn record(
-    model: Model,
-    scene: &BodiesScene,
-    scene_file: &Path,
-    path: &Path,
-    interrupt: &Interrupt,
-) -> Result<Film, Failure> {
-    let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
-    let mut reel = Reel::default();
-    let limits = Limits { interrupt, until_s: f64::INFINITY, checking: Checking::Cheap };
-    let run = simulate::bodies(model, scene, Some(log), &limits, &mut reel);
-    let outcome = finished(path, interrupt, run.result, run.log)?;
-    let summary = BodiesReport::new(scene, model, run.wall_s, Some(&outcome), &run.found, None);
-    Ok(reel.film(model.name(), scene, bodies_text(&summary)))
 }

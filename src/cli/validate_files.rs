@@ -8,17 +8,15 @@ use std::path::Path;
 use super::Failure;
 use super::interrupt::Interrupt;
 use super::run::{info, unstarted};
-use super::simulate::{self, Broken, Checking, Limits};
+use super::simulate::{Broken, Checking, Limits, simulate};
 use super::validate::ValidateArgs;
 use crate::files::replace;
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
-use crate::report::{
-    self, RunCheckReport, RunReport, Sheet, ValidationReport, series, validation_json, validation_text,
-};
+use crate::report::{self, Sheet, ValidationReport, series, validation_json, validation_text};
 use crate::scene::{Preset, Scene};
-use crate::trace::{Model, SinkError};
+use crate::trace::{Model, Outcome, Simulated, SinkError};
 use crate::validate::Validation;
 
 /// The file that says what the others are; written last.
@@ -121,29 +119,38 @@ pub(super) fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result
 }
 
 /// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
-fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<Film, Failure> {
+pub(super) fn record<'a>(
+    model: Model,
+    scene: impl Into<Simulated<'a>>,
+    scene_file: &Path,
+    path: &Path,
+    interrupt: &Interrupt,
+) -> Result<Film, Failure> {
+    let scene = scene.into();
     let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
     let mut reel = Reel::default();
     let limits = Limits { interrupt, until_s: f64::INFINITY, checking: Checking::Cheap };
-    let run = simulate::finger(model, scene, Some(log), &limits, &mut reel);
-    let outcome = finished(path, interrupt, run.result, run.log)?;
-    let mut summary = RunReport::completed(scene, model.name(), run.wall_s, &outcome, run.found);
-    summary.check = run.check.map(|check| RunCheckReport::new(&check, true));
+    let run = simulate(model, scene, Some(log), &limits, &mut reel);
+    let mut summary = run.report(model, scene);
+    if let Simulated::Discs(_) = scene {
+        // Their page shows the run alone.
+        summary.check = None;
+    }
+    finished(path, interrupt, run.result, run.log)?;
     Ok(reel.film(model.name(), scene, report::text(&summary)))
 }
 
 /// Keeps the log of a run that was completed; why not, if a signal came or the log could not be written.
-pub(super) fn finished<O>(
+fn finished(
     path: &Path,
     interrupt: &Interrupt,
-    result: Result<O, Broken<O>>,
+    result: Result<Outcome, Broken>,
     log: Result<Option<LogFile>, SinkError>,
-) -> Result<O, Failure> {
+) -> Result<(), Failure> {
     match (result, interrupt.signal()) {
-        (Ok(outcome), _) => {
+        (Ok(_), _) => {
             let kept = log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
-            kept.map_err(|error| broken(path, error))?;
-            Ok(outcome)
+            kept.map_err(|error| broken(path, error))
         }
         (Err(_), Some(signal)) => {
             // Its place is untouched, and half a log of a validation is of no use.

@@ -10,13 +10,10 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant as Clock};
 
-use super::bodies::BodiesChannels;
 use super::core::{Feed, Severity};
 use super::file::LogFile;
-use super::finger::FingerChannels;
-use super::metadata::{Logged, RunInfo};
-use super::writer::{Channels, Writer};
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
+use super::metadata::RunInfo;
+use super::writer::Writer;
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Entries that are handed over at once…
@@ -27,63 +24,93 @@ const PATIENCE: Duration = Duration::from_millis(100);
 const WAITING: usize = 32;
 
 /// A log that goes to a file.
-pub type FileWriter<C = FingerChannels> = Beside<LogFile, C>;
+pub type FileWriter = Beside<LogFile>;
 
 /// A log that is written on a thread of its own.
 ///
 /// An error comes out of a later call, or of [`Beside::finish`]. Dropping one finishes the log too, but swallows errors.
-pub struct Beside<W: Write + Send + 'static, C: Channels> {
+pub struct Beside<W: Write + Send + 'static> {
     /// `None` once the thread has been told to end.
-    sender: Option<SyncSender<Vec<Entry<C>>>>,
+    sender: Option<SyncSender<Batch>>,
     thread: Option<JoinHandle<Result<W, SinkError>>>,
-    batch: Vec<Entry<C>>,
+    batch: Batch,
     /// Batches that have been written, to be filled again.
-    empty: Receiver<Vec<Entry<C>>>,
+    empty: Receiver<Batch>,
     handed_over: Clock,
 }
 
-enum Entry<C: Channels> {
-    Sample(C::Sample),
-    Event(C::Event),
-    Note { time_s: f64, severity: Severity, source: &'static str, text: String },
-    Record { name: &'static str, entries: BTreeMap<String, String> },
+/// What is handed over at once. Samples stand apart, so that a batch that comes back has the room that they take.
+#[derive(Default)]
+struct Batch {
+    entries: Vec<Entry>,
+    samples: Vec<Sample>,
+    /// How many of the samples are of this batch.
+    filled: usize,
 }
 
-impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
+enum Entry {
+    /// The next of the samples.
+    Sample,
+    Event(Event),
+    Note {
+        time_s: f64,
+        severity: Severity,
+        source: &'static str,
+        text: String,
+    },
+    Record {
+        name: &'static str,
+        entries: BTreeMap<String, String>,
+    },
+}
+
+impl Batch {
+    fn put(&mut self, sample: &Sample) {
+        match self.samples.get_mut(self.filled) {
+            Some(room) => room.clone_from(sample),
+            None => self.samples.push(sample.clone()),
+        }
+        self.filled += 1;
+    }
+
+    /// Writes everything, and is empty then.
+    fn write<W: Write>(&mut self, writer: &mut Writer<W>) -> Result<(), SinkError> {
+        let mut samples = self.samples.iter();
+        for entry in self.entries.drain(..) {
+            match entry {
+                Entry::Sample => samples.next().map_or(Ok(()), |sample| writer.sample(sample))?,
+                Entry::Event(event) => writer.event(&event)?,
+                Entry::Note { time_s, severity, source, text } => writer.note(time_s, severity, source, &text)?,
+                Entry::Record { name, entries } => writer.record(name, entries)?,
+            }
+        }
+        self.filled = 0;
+        Ok(())
+    }
+}
+
+impl<W: Write + Send + 'static> Beside<W> {
     /// Starts a log on a thread of its own; `name` is what errors call it. `unstarted` is called if not even its beginning can
     /// be written.
     ///
     /// # Errors
     /// If there is no thread to be had.
-    pub fn start<S>(
+    pub fn start(
         out: W,
         name: &str,
-        run: &RunInfo<'_, S>,
+        run: &RunInfo<'_>,
         feed: Option<Box<dyn Feed>>,
         unstarted: impl FnOnce() + Send + 'static,
-    ) -> Result<Self, SinkError>
-    where
-        S: Logged<Channels = C> + Clone + Send + 'static,
-        C: Channels<Scene = S>,
-    {
-        let (sender, receiver) = sync_channel::<Vec<Entry<C>>>(WAITING);
+    ) -> Result<Self, SinkError> {
+        let (sender, receiver) = sync_channel::<Batch>(WAITING);
         let (written, empty) = channel();
-        let (scene, scene_file, model) = (run.scene.clone(), run.scene_file.to_string(), run.model.to_string());
+        let (scene, scene_file, model) = (run.scene.to_owned(), run.scene_file.to_string(), run.model.to_string());
         let called = name.to_string();
         let work = move || {
-            let run = RunInfo { scene: &scene, scene_file: &scene_file, model: &model };
+            let run = RunInfo { scene: (&scene).into(), scene_file: &scene_file, model: &model };
             let mut writer = Writer::with_feed(out, &called, &run, feed).inspect_err(|_| unstarted())?;
             for mut batch in receiver {
-                for entry in batch.drain(..) {
-                    match entry {
-                        Entry::Sample(sample) => writer.take(&sample)?,
-                        Entry::Event(event) => writer.take_event(&event)?,
-                        Entry::Note { time_s, severity, source, text } => {
-                            writer.note(time_s, severity, source, &text)?;
-                        }
-                        Entry::Record { name, entries } => writer.record(name, entries)?,
-                    }
-                }
+                batch.write(&mut writer)?;
                 // Nobody waits for it once the run is over.
                 let _ = written.send(batch);
             }
@@ -94,7 +121,7 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
         Ok(Beside {
             sender: Some(sender),
             thread: Some(thread),
-            batch: Vec::with_capacity(BATCH),
+            batch: Batch::default(),
             empty,
             handed_over: Clock::now(),
         })
@@ -115,9 +142,9 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
         self.end()
     }
 
-    fn take(&mut self, entry: Entry<C>) -> Result<(), SinkError> {
-        self.batch.push(entry);
-        if self.batch.len() >= BATCH || self.handed_over.elapsed() >= PATIENCE {
+    fn take(&mut self, entry: Entry) -> Result<(), SinkError> {
+        self.batch.entries.push(entry);
+        if self.batch.entries.len() >= BATCH || self.handed_over.elapsed() >= PATIENCE {
             self.hand_over()?;
         }
         Ok(())
@@ -125,7 +152,7 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
 
     fn hand_over(&mut self) -> Result<(), SinkError> {
         self.handed_over = Clock::now();
-        let next = self.empty.try_recv().unwrap_or_else(|_| Vec::with_capacity(BATCH));
+        let next = self.empty.try_recv().unwrap_or_default();
         let batch = std::mem::replace(&mut self.batch, next);
         match &self.sender {
             Some(sender) if sender.send(batch).is_ok() => Ok(()),
@@ -150,14 +177,14 @@ impl<W: Write + Send + 'static, C: Channels> Beside<W, C> {
     }
 }
 
-impl<C: Channels> FileWriter<C> {
+impl FileWriter {
     /// Finishes the log and puts it in its place.
     pub fn keep(self) -> Result<(), SinkError> {
         self.finish()?.keep()
     }
 }
 
-impl<W: Write + Send + 'static, C: Channels> Drop for Beside<W, C> {
+impl<W: Write + Send + 'static> Drop for Beside<W> {
     fn drop(&mut self) {
         if self.thread.is_some() {
             let _ = self.end();
@@ -165,30 +192,17 @@ impl<W: Write + Send + 'static, C: Channels> Drop for Beside<W, C> {
     }
 }
 
-impl<W: Write + Send + 'static> Sink for Beside<W, FingerChannels> {
+impl<W: Write + Send + 'static> Sink for Beside<W> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(Entry::Sample(*sample))
+        self.batch.put(sample);
+        self.take(Entry::Sample)
     }
 
     fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(Entry::Sample(*sample))
+        self.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.take(Entry::Event(*event))
-    }
-}
-
-impl<W: Write + Send + 'static> Sink<BodiesSample> for Beside<W, BodiesChannels> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.take(Entry::Sample(sample.clone()))
-    }
-
-    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.take(Entry::Sample(sample.clone()))
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
         self.take(Entry::Event(*event))
     }
 }

@@ -11,7 +11,7 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use super::messages::stamp_ns;
-use super::metadata::{ATTACHMENT_MEDIA_TYPE, Logged, METADATA_NAME, RunInfo, metadata};
+use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, scene_text};
 use super::schema::schema_of;
 
 /// Largest uncompressed size of a chunk, at which it is closed, written and flushed: what a killed run loses at most.
@@ -70,11 +70,11 @@ pub struct Core<W: Write> {
 
 impl<W: Write> Core<W> {
     /// Starts a file: header, metadata, scene text.
-    pub fn start<S: Logged>(out: W, run: &RunInfo<'_, S>, feed: Option<Box<dyn Feed>>) -> Result<Self, McapError> {
+    pub fn start(out: W, run: &RunInfo<'_>, feed: Option<Box<dyn Feed>>) -> Result<Self, McapError> {
         let options = options().compression_level(COMPRESSION_LEVEL);
         let mut mcap = options.create(NoSeek::new(BufWriter::new(out)))?;
         mcap.write_metadata(&mcap::write::Metadata { name: METADATA_NAME.to_string(), metadata: metadata(run) })?;
-        let text = run.scene.text();
+        let text = scene_text(run.scene);
         mcap.attach(&Attachment {
             log_time: 0,
             create_time: 0,

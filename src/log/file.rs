@@ -13,7 +13,7 @@ use fs4::TryLockError;
 
 use super::beside::FileWriter;
 use super::core::Feed;
-use super::metadata::{Logged, METADATA_NAME, RunInfo};
+use super::metadata::{METADATA_NAME, RunInfo};
 use crate::trace::SinkError;
 
 /// As much of a log as says whose it is.
@@ -154,10 +154,7 @@ impl Write for LogFile {
 ///
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
-pub fn create<S: Logged + Clone + Send + 'static>(
-    path: &Path,
-    run: &RunInfo<'_, S>,
-) -> Result<FileWriter<S::Channels>, LogError> {
+pub fn create(path: &Path, run: &RunInfo<'_>) -> Result<FileWriter, LogError> {
     create_with_feed(Some(path), run, None)
 }
 
@@ -165,11 +162,11 @@ pub fn create<S: Logged + Clone + Send + 'static>(
 ///
 /// # Errors
 /// [`LogError`] with the path, the reason and the way out.
-pub fn create_with_feed<S: Logged + Clone + Send + 'static>(
+pub fn create_with_feed(
     path: Option<&Path>,
-    run: &RunInfo<'_, S>,
+    run: &RunInfo<'_>,
     feed: Option<Box<dyn Feed>>,
-) -> Result<FileWriter<S::Channels>, LogError> {
+) -> Result<FileWriter, LogError> {
     let file = path.map_or(Ok(LogFile::nowhere()), LogFile::open)?;
     let (name, partial) = (file.name.clone(), file.partial().map(Path::to_path_buf));
     // Not even the beginning of a log: nobody has a use for it.

@@ -5,31 +5,28 @@ use std::io::Write;
 use std::time::Instant;
 
 use super::beside::Beside;
-use super::bodies::BodiesChannels;
 use super::core::Severity;
-use super::finger::FingerChannels;
 use super::metadata::{CHECK_NAME, check_entries};
-use super::writer::Channels;
 use crate::check::Check;
 use crate::criteria::{Criteria, Rebound, Rebounds, Tracker, at_rest};
-use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample, run_bodies};
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run};
 
 /// A run that is over, and its log, which is not.
-pub struct Ran<W: Write + Send + 'static, C: Channels, O, F, E> {
-    pub result: Result<O, E>,
-    /// Criteria of a finger, restitution of discs.
-    pub found: F,
+pub struct Ran<W: Write + Send + 'static> {
+    pub result: Result<Outcome, RunError>,
+    /// Of a finger, if it can grasp its object and the run was completed.
+    pub criteria: Option<Criteria>,
+    /// Of every pair of discs; empty where there is a finger.
+    pub rebounds: Vec<Rebound>,
     /// Time of the latest sample.
     pub last_s: f64,
     pub wall_s: f64,
-    pub log: Open<W, C>,
+    pub log: Open<W>,
 }
 
 /// A log that waits for what is said in the end.
-pub struct Open<W: Write + Send + 'static, C: Channels> {
-    log: Option<Beside<W, C>>,
+pub struct Open<W: Write + Send + 'static> {
+    log: Option<Beside<W>>,
     /// Whether the last sample could be passed on.
     last: Result<(), SinkError>,
     last_s: f64,
@@ -37,47 +34,33 @@ pub struct Open<W: Write + Send + 'static, C: Channels> {
     verdict: Option<String>,
 }
 
-/// Simulates a finger; `also` gets what the log gets, and is asked whether the run may go on.
-pub fn finger<W: Write + Send + 'static>(
+/// Simulates a scene; `also` gets what the log gets, and is asked whether the run may go on.
+pub fn simulate<W: Write + Send + 'static>(
     model: Model,
-    scene: &Scene,
-    log: Option<Beside<W, FingerChannels>>,
+    scene: Simulated<'_>,
+    log: Option<Beside<W>>,
     also: &mut impl Sink,
-) -> Ran<W, FingerChannels, Outcome, Option<Criteria>, RunError> {
-    let grasp = scene.object.and_then(|object| at_rest(scene, object).ok());
+) -> Ran<W> {
+    let (grasp, rebounds) = match scene {
+        Simulated::Finger(scene) => (scene.object.and_then(|object| at_rest(scene, object).ok()), None),
+        Simulated::Discs(scene) => (None, Some(Rebounds::new(scene.pairs().len()))),
+    };
     let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
-    let listeners = Listeners { log, found: tracker, last_s: 0.0, also };
-    let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
+    let listeners = Listeners { log, tracker, rebounds, last_s: 0.0, also };
+    let mut thinned = Thinned::new(scene.log().numeric_hz, listeners);
     let start = Instant::now();
     let result = run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
     let last = thinned.end();
-    let Listeners { log, found, last_s, .. } = thinned.sink;
-    let found = found.as_ref().zip(grasp).filter(|_| result.is_ok());
-    let found = found.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()));
-    let log = Open { log, last, last_s, verdict: found.as_ref().map(verdict) };
-    Ran { result, found, last_s, wall_s, log }
+    let Listeners { log, tracker, rebounds, last_s, .. } = thinned.sink;
+    let rebounds = rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default();
+    let judged = tracker.as_ref().zip(grasp).filter(|_| result.is_ok());
+    let criteria = judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()));
+    let log = Open { log, last, last_s, verdict: criteria.as_ref().map(verdict) };
+    Ran { result, criteria, rebounds, last_s, wall_s, log }
 }
 
-/// Simulates discs.
-pub fn bodies<W: Write + Send + 'static>(
-    model: Model,
-    scene: &BodiesScene,
-    log: Option<Beside<W, BodiesChannels>>,
-    also: &mut impl Sink<BodiesSample>,
-) -> Ran<W, BodiesChannels, BodiesOutcome, Vec<Rebound>, BodiesRunError> {
-    let listeners = Listeners { log, found: Rebounds::new(scene.pairs().len()), last_s: 0.0, also };
-    let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
-    let start = Instant::now();
-    let result = run_bodies(model, scene, &mut thinned);
-    let wall_s = start.elapsed().as_secs_f64();
-    let last = thinned.end();
-    let Listeners { log, found, last_s, .. } = thinned.sink;
-    let log = Open { log, last, last_s, verdict: None };
-    Ran { result, found: found.pairs().to_vec(), last_s, wall_s, log }
-}
-
-impl<W: Write + Send + 'static, C: Channels> Open<W, C> {
+impl<W: Write + Send + 'static> Open<W> {
     /// Says in the log how the run ended (`stopped`: when, and why, if before its time) and finishes it.
     pub fn close(self, stopped: Option<(f64, &str)>, check: Option<&Check>) -> Result<Option<W>, SinkError> {
         let Some(mut log) = self.log else { return Ok(None) };
@@ -115,47 +98,29 @@ fn verdict(criteria: &Criteria) -> String {
     }
 }
 
-/// Everything that listens to a run; `found` is the tracker of criteria or rebounds.
-struct Listeners<'a, W: Write + Send + 'static, C: Channels, F, A> {
-    log: Option<Beside<W, C>>,
-    found: F,
+/// Everything that listens to a run.
+struct Listeners<'a, W: Write + Send + 'static, A> {
+    log: Option<Beside<W>>,
+    tracker: Option<Tracker>,
+    rebounds: Option<Rebounds>,
     /// Time of the latest sample.
     last_s: f64,
     /// Whoever else wants what the log gets.
     also: &'a mut A,
 }
 
-impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, FingerChannels, Option<Tracker>, A> {
+impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
-        self.found.sample(sample)?;
+        self.tracker.sample(sample)?;
+        self.rebounds.sample(sample)?;
         self.also.sample(sample)?;
         self.log.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.found.event(event)?;
-        self.also.event(event)?;
-        self.log.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        self.also.proceed()
-    }
-}
-
-impl<W: Write + Send + 'static, A: Sink<BodiesSample>> Sink<BodiesSample>
-    for Listeners<'_, W, BodiesChannels, Rebounds, A>
-{
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.last_s = sample.time_s;
-        self.found.sample(sample)?;
-        self.also.sample(sample)?;
-        self.log.sample(sample)
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.found.event(event)?;
+        self.tracker.event(event)?;
+        self.rebounds.event(event)?;
         self.also.event(event)?;
         self.log.event(event)
     }

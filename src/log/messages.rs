@@ -5,8 +5,7 @@
 
 use foxglove::Encode;
 
-use crate::trace::bodies::{BodiesEvent, DiscState};
-use crate::trace::{self, ContactSample, Event, EventKind, Sample};
+use crate::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState};
 
 /// `/state`: joint angles and rates, motor torque.
 #[derive(Clone, Copy, Debug, PartialEq, Encode)]
@@ -107,20 +106,20 @@ pub struct LimitImpact {
     pub impulse_n_m_s: f64,
 }
 
-impl From<&Sample> for State {
-    fn from(sample: &Sample) -> Self {
+impl State {
+    pub fn new(time_s: f64, finger: &FingerState) -> Self {
         State {
-            timestamp: sample.time_s,
-            q11_rad: sample.q11_rad,
-            q21_rad: sample.q21_rad,
-            q12_rad: sample.q12_rad,
-            q22_rad: sample.q22_rad,
-            q13_rad: sample.q13_rad,
-            qd11_rad_s: sample.qd11_rad_s,
-            qd21_rad_s: sample.qd21_rad_s,
-            qd12_rad_s: sample.qd12_rad_s,
-            qd22_rad_s: sample.qd22_rad_s,
-            motor_torque_n_m: sample.motor_torque_n_m,
+            timestamp: time_s,
+            q11_rad: finger.q11_rad,
+            q21_rad: finger.q21_rad,
+            q12_rad: finger.q12_rad,
+            q22_rad: finger.q22_rad,
+            q13_rad: finger.q13_rad,
+            qd11_rad_s: finger.qd11_rad_s,
+            qd21_rad_s: finger.qd21_rad_s,
+            qd12_rad_s: finger.qd12_rad_s,
+            qd22_rad_s: finger.qd22_rad_s,
+            motor_torque_n_m: finger.motor_torque_n_m,
         }
     }
 }
@@ -143,20 +142,20 @@ impl Contact {
     }
 }
 
-impl From<&Sample> for Limit {
-    fn from(sample: &Sample) -> Self {
+impl Limit {
+    pub fn new(time_s: f64, limit: &ContactSample) -> Self {
         Limit {
-            timestamp: sample.time_s,
-            gap_rad: sample.limit.gap_m,
-            gap_rate_rad_s: sample.limit.gap_rate_m_s,
-            torque_n_m: sample.limit.normal_n,
-            impulse_n_m_s: sample.limit.impulse_n_s,
+            timestamp: time_s,
+            gap_rad: limit.gap_m,
+            gap_rate_rad_s: limit.gap_rate_m_s,
+            torque_n_m: limit.normal_n,
+            impulse_n_m_s: limit.impulse_n_s,
         }
     }
 }
 
 impl Disc {
-    pub fn new(time_s: f64, disc: &DiscState) -> Self {
+    pub fn new(time_s: f64, disc: &BodyState) -> Self {
         Disc {
             timestamp: time_s,
             x_m: disc.centre_m[0],
@@ -192,18 +191,6 @@ impl From<&Event> for Impact {
             touch_down: event.kind == EventKind::TouchDown,
             approach_speed_m_s: event.approach_speed,
             impulse_n_s: event.impulse,
-        }
-    }
-}
-
-impl From<&BodiesEvent> for Impact {
-    fn from(event: &BodiesEvent) -> Self {
-        Impact {
-            timestamp: event.time_s,
-            pressed: event.kind != EventKind::LiftOff,
-            touch_down: event.kind == EventKind::TouchDown,
-            approach_speed_m_s: event.approach_m_s,
-            impulse_n_s: event.impulse_n_s,
         }
     }
 }

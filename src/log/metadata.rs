@@ -3,14 +3,12 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::bodies::BodiesChannels;
-use super::finger::FingerChannels;
-use super::writer::Channels;
 use crate::check::{Check, PUSH};
 use crate::scene::{
-    AnyScene, BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
-    Words, parse, parse_any, show, show_bodies,
+    AnyScene, BodiesScene, Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping, Words, parse,
+    parse_any, show, show_bodies,
 };
+use crate::trace::Simulated;
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
@@ -24,91 +22,54 @@ const ENGINE: &str = "engine";
 /// The version of rapier that is pinned in the manifest.
 const RAPIER_VERSION: &str = "0.36.1";
 
-/// A kind of scene as far as a log has to know it.
-pub trait Logged: Sized {
-    /// Its channels.
-    type Channels: Channels<Scene = Self>;
-
-    fn about(&self) -> About<'_>;
-
-    /// The text of a scene file that says what is simulated, but for the settings that the metadata record has: the file as it was
-    /// written, or, of a scene that was changed since, one made of it.
-    fn text(&self) -> Cow<'_, str>;
-}
-
-/// What the log of any scene says about it.
-#[derive(Clone, Copy, Debug)]
-pub struct About<'a> {
-    /// In the words of scene files.
-    pub kind: &'static str,
-    pub name: &'a str,
-    pub duration_s: f64,
-    pub rates: LogRates,
-    pub integrator: &'a Integrator,
-    pub engine: &'a Engine,
-}
-
-impl Logged for Scene {
-    type Channels = FingerChannels;
-
-    fn about(&self) -> About<'_> {
-        About {
-            kind: "finger",
-            name: &self.name,
-            duration_s: self.duration_s,
-            rates: self.log,
-            integrator: &self.integrator,
-            engine: &self.engine,
-        }
-    }
-
-    fn text(&self) -> Cow<'_, str> {
-        let recorded = |read: Scene| Scene {
-            name: self.name.clone(),
-            source: self.source.clone(),
-            duration_s: self.duration_s,
-            integrator: self.integrator,
-            engine: self.engine,
-            bounds: self.bounds,
-            log: self.log,
-            ..read
-        };
-        match parse(&self.source, "scene.toml").map(recorded) {
-            Ok(written) if written == *self => Cow::Borrowed(&self.source),
-            _ => Cow::Owned(show(self)),
-        }
+/// The kind of a scene in the words of scene files.
+fn kind(scene: Simulated<'_>) -> &'static str {
+    match scene {
+        Simulated::Finger(_) => "finger",
+        Simulated::Discs(_) => "bodies",
     }
 }
 
-impl Logged for BodiesScene {
-    type Channels = BodiesChannels;
-
-    fn about(&self) -> About<'_> {
-        About {
-            kind: "bodies",
-            name: &self.name,
-            duration_s: self.duration_s,
-            rates: self.log,
-            integrator: &self.integrator,
-            engine: &self.engine,
-        }
+/// The text of a scene file that says what is simulated, but for the settings that the metadata record has: the file as it was
+/// written, or, of a scene that was changed since, one made of it.
+pub fn scene_text<'a>(scene: impl Into<Simulated<'a>>) -> Cow<'a, str> {
+    match scene.into() {
+        Simulated::Finger(scene) => text_of_finger(scene),
+        Simulated::Discs(scene) => text_of_discs(scene),
     }
+}
 
-    fn text(&self) -> Cow<'_, str> {
-        let recorded = |read: BodiesScene| BodiesScene {
-            name: self.name.clone(),
-            source: self.source.clone(),
-            duration_s: self.duration_s,
-            integrator: self.integrator,
-            engine: self.engine,
-            bounds: self.bounds,
-            log: self.log,
-            ..read
-        };
-        match parse_any(&self.source, "scene.toml") {
-            Ok(AnyScene::Bodies(written)) if recorded((*written).clone()) == *self => Cow::Borrowed(&self.source),
-            _ => Cow::Owned(show_bodies(self)),
-        }
+fn text_of_finger(scene: &Scene) -> Cow<'_, str> {
+    let recorded = |read: Scene| Scene {
+        name: scene.name.clone(),
+        source: scene.source.clone(),
+        duration_s: scene.duration_s,
+        integrator: scene.integrator,
+        engine: scene.engine,
+        bounds: scene.bounds,
+        log: scene.log,
+        ..read
+    };
+    match parse(&scene.source, "scene.toml").map(recorded) {
+        Ok(written) if written == *scene => Cow::Borrowed(&scene.source),
+        _ => Cow::Owned(show(scene)),
+    }
+}
+
+fn text_of_discs(scene: &BodiesScene) -> Cow<'_, str> {
+    let recorded = |read: BodiesScene| BodiesScene {
+        name: scene.name.clone(),
+        source: scene.source.clone(),
+        duration_s: scene.duration_s,
+        integrator: scene.integrator,
+        engine: scene.engine,
+        bounds: scene.bounds,
+        log: scene.log,
+        ..read
+    };
+    match parse_any(&scene.source, "scene.toml") {
+        Ok(AnyScene::Bodies(written)) if recorded((*written).clone()) == *scene => Cow::Borrowed(&scene.source),
+        _ => Cow::Owned(show_bodies(scene)),
     }
 }
 
@@ -131,8 +92,8 @@ pub fn check_entries(check: &Check) -> BTreeMap<String, String> {
 
 /// Which run a log is of.
 #[derive(Clone, Copy, Debug)]
-pub struct RunInfo<'a, S = Scene> {
-    pub scene: &'a S,
+pub struct RunInfo<'a> {
+    pub scene: Simulated<'a>,
     /// File name of the scene, without directories: the name of the attachment.
     pub scene_file: &'a str,
     /// `analytic` or `engine`.
@@ -143,22 +104,22 @@ pub struct RunInfo<'a, S = Scene> {
 ///
 /// The attached scene is the file as written; where the command line overrode it, these settings are the ones that
 /// held. Numbers are printed in the shortest form that reads back to the same double.
-pub fn metadata<S: Logged>(run: &RunInfo<'_, S>) -> BTreeMap<String, String> {
-    let About { kind, name, duration_s, rates, integrator: integration, engine: stepping, .. } = run.scene.about();
+pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
+    let (scene, rates) = (run.scene, run.scene.log());
     let mut entries = vec![
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("model", run.model.to_string()),
-        ("kind", kind.to_string()),
-        ("scene", name.to_string()),
+        ("kind", kind(scene).to_string()),
+        ("scene", scene.name().to_string()),
         ("scene_file", run.scene_file.to_string()),
-        ("duration_s", format!("{duration_s:?}")),
+        ("duration_s", format!("{:?}", scene.duration_s())),
         ("log_numeric_hz", format!("{:?}", rates.numeric_hz)),
         ("log_picture_hz", format!("{:?}", rates.picture_hz)),
     ];
     match run.model {
-        ENGINE => entries.extend(engine(stepping)),
-        _ => entries.extend(integrator(integration)),
+        ENGINE => entries.extend(engine(scene.engine())),
+        _ => entries.extend(integrator(scene.integrator())),
     }
     entries.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
 }

@@ -50,17 +50,17 @@
 //! |---|---|
 //! | `core`, `writer`, `beside`, `file` | the MCAP file: chunks and clock; what goes in; the thread; its place on the disk |
 //! | `run`, `listeners` | one call that runs and logs; everything that listens to a run |
-//! | `finger`, `bodies`, `messages`, `schema` | channels of either kind of scene, their messages, and what those are called |
+//! | `channels`, `messages`, `schema`, `lines` | the channels of a scene, their messages, what those are called; events as text |
 //! | `pictures` | frames, shapes and arrows for 3-D views |
 //! | `metadata`, `settings` | the settings of a run, written and read back |
 //! | `reader` | a log back to samples and events, whatever has happened to it |
 //! | `recovered`, `verify` | the good part of a damaged log; two logs message by message |
 
 mod beside;
-mod bodies;
+mod channels;
 mod core;
 mod file;
-mod finger;
+mod lines;
 mod listeners;
 mod messages;
 mod metadata;
@@ -74,22 +74,20 @@ mod verify;
 mod writer;
 
 pub use beside::{Beside, FileWriter};
-pub use bodies::BodiesChannels;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
 pub use file::{LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
-pub use finger::FingerChannels;
-pub(crate) use listeners::{Ran, bodies as run_bodies, finger as run_finger};
+pub(crate) use listeners::{Ran, simulate};
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
 pub use metadata::{
-    ATTACHMENT_MEDIA_TYPE, About, CHECK_NAME, Logged, METADATA_NAME, RunInfo, check_entries, construction_name,
-    law_name, metadata, method_name, preset_name, stepping_name,
+    ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, construction_name, law_name, metadata,
+    method_name, preset_name, scene_text, stepping_name,
 };
 pub use reader::{
-    AttachmentRecord, Behind, ChannelRecord, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, Names, ReadError,
-    Reading, Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
+    AttachmentRecord, Behind, ChannelRecord, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, ReadError, Reading,
+    Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
 };
 pub use recovered::{Gap, RECOVERED_NAME, Recovery, gaps, recover};
-pub use run::{LoggedRun, LoggedRunError, RunOf, RunResult, Runs, run_into, run_to};
+pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
 pub use verify::{Difference, Expected, FieldTally, Leaf, Lockstep, Verification};
-pub use writer::{Channels, Writer};
+pub use writer::Writer;

@@ -6,15 +6,11 @@ use std::path::Path;
 
 use super::beside::Beside;
 use super::file::{LogError, LogFile, create};
-use super::listeners::{Open, bodies, finger};
-use super::metadata::{Logged, RunInfo};
-use super::writer::Channels;
+use super::listeners::{Ran, simulate};
+use super::metadata::RunInfo;
 use crate::check::{self, Check};
 use crate::criteria::{Criteria, Rebound};
-use crate::integrator::Failure;
-use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesOutcome, BodiesRunError};
-use crate::trace::{Model, Outcome, RunError, SinkError, Work};
+use crate::trace::{Model, Outcome, RunError, Simulated, SinkError};
 
 /// The name of the scene in a log: a scene in memory has none.
 const SCENE_FILE: &str = "scene.toml";
@@ -23,44 +19,26 @@ const NAMELESS: &str = "the log";
 
 /// A run that was completed; its log says the same.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LoggedRun<O, F> {
-    pub outcome: O,
-    /// Criteria of a finger, if it can grasp its object; the restitution of every pair of discs.
-    pub found: F,
+pub struct LoggedRun {
+    pub outcome: Outcome,
+    /// Of a finger, if it can grasp its object.
+    pub criteria: Option<Criteria>,
+    /// Of every pair of discs; empty where there is a finger.
+    pub rebounds: Vec<Rebound>,
     /// What a check of the run found; none is made of runs of more than [`check::MOST_STEPS`] steps.
     pub check: Option<Check>,
 }
 
 /// Why a scene was not run to its end, or has no log.
 #[derive(Debug, thiserror::Error)]
-pub enum LoggedRunError<E> {
+pub enum LoggedRunError {
     /// There can be no log: nothing has been simulated.
     #[error(transparent)]
     Log(#[from] LogError),
     /// The simulation ended before its time, or its log could not be written.
     #[error(transparent)]
-    Run(E),
+    Run(#[from] RunError),
 }
-
-/// A kind of scene that can be run and logged by one call.
-pub trait Runs: Logged + Clone + Send + 'static {
-    type Outcome;
-    type Found;
-    type Error: From<SinkError>;
-
-    /// Simulates, says in the log how that ended, and finishes it.
-    fn run_logged<W: Write + Send + 'static>(&self, model: Model, log: Beside<W, Self::Channels>)
-    -> RunAndLog<Self, W>;
-}
-
-/// A completed run of a kind of scene.
-pub type RunOf<S> = LoggedRun<<S as Runs>::Outcome, <S as Runs>::Found>;
-
-/// What [`run_to`] gives for a kind of scene.
-pub type RunResult<S, T = RunOf<S>> = Result<T, LoggedRunError<<S as Runs>::Error>>;
-
-/// A run that is over, and its log, which is too.
-pub type RunAndLog<S, W> = (Result<RunOf<S>, <S as Runs>::Error>, Result<W, SinkError>);
 
 /// Runs a scene with one of the models, and writes the log that `phalanx run --log` would: of the scene as it is, also
 /// where it was changed since it was read.
@@ -84,12 +62,16 @@ pub type RunAndLog<S, W> = (Result<RunOf<S>, <S as Runs>::Error>, Result<W, Sink
 ///
 /// # Errors
 /// [`LoggedRunError`] with what could not be done.
-pub fn run_to<S: Runs>(scene: &S, model: Model, path: impl AsRef<Path>) -> RunResult<S> {
-    let log = create(path.as_ref(), &info(scene, model))?;
-    let (run, log) = scene.run_logged(model, log);
+pub fn run_to<'a>(
+    scene: impl Into<Simulated<'a>>,
+    model: Model,
+    path: impl AsRef<Path>,
+) -> Result<LoggedRun, LoggedRunError> {
+    let scene = scene.into();
+    let (run, log) = run_logged(scene, model, create(path.as_ref(), &info(scene, model))?);
     let kept = log.and_then(LogFile::keep);
-    let run = run.map_err(LoggedRunError::Run)?;
-    kept.map_err(|error| LoggedRunError::Run(error.into()))?;
+    let run = run?;
+    kept.map_err(RunError::from)?;
     Ok(run)
 }
 
@@ -97,80 +79,41 @@ pub fn run_to<S: Runs>(scene: &S, model: Model, path: impl AsRef<Path>) -> RunRe
 ///
 /// # Errors
 /// As [`run_to`].
-pub fn run_into<S: Runs, W: Write + Send + 'static>(scene: &S, model: Model, out: W) -> RunResult<S, (RunOf<S>, W)> {
+pub fn run_into<'a, W: Write + Send + 'static>(
+    scene: impl Into<Simulated<'a>>,
+    model: Model,
+    out: W,
+) -> Result<(LoggedRun, W), LoggedRunError> {
+    let scene = scene.into();
     let log = Beside::start(out, NAMELESS, &info(scene, model), None, || {}).map_err(LogError::Start)?;
-    let (run, log) = scene.run_logged(model, log);
-    let run = run.map_err(LoggedRunError::Run)?;
-    Ok((run, log.map_err(|error| LoggedRunError::Run(error.into()))?))
+    let (run, log) = run_logged(scene, model, log);
+    let run = run?;
+    Ok((run, log.map_err(RunError::from)?))
 }
 
-fn info<S>(scene: &S, model: Model) -> RunInfo<'_, S> {
+fn info(scene: Simulated<'_>, model: Model) -> RunInfo<'_> {
     RunInfo { scene, scene_file: SCENE_FILE, model: model.name() }
 }
 
-impl Runs for Scene {
-    type Outcome = Outcome;
-    type Found = Option<Criteria>;
-    type Error = RunError;
-
-    fn run_logged<W: Write + Send + 'static>(
-        &self,
-        model: Model,
-        log: Beside<W, Self::Channels>,
-    ) -> RunAndLog<Self, W> {
-        let ran = finger(model, self, Some(log), &mut ());
-        let end = match &ran.result {
-            Ok(outcome) => End::Completed(&outcome.work),
-            Err(RunError::Simulation { failure, so_far }) => End::Stopped(failure, &so_far.work),
-            Err(RunError::Sink(error)) => End::Unwritten(error, ran.last_s),
-        };
-        let (check, log) = close(ran.log, &end, || check::check(model, self, &|| true));
-        (ran.result.map(|outcome| LoggedRun { outcome, found: ran.found, check }), log)
-    }
-}
-
-impl Runs for BodiesScene {
-    type Outcome = BodiesOutcome;
-    type Found = Vec<Rebound>;
-    type Error = BodiesRunError;
-
-    fn run_logged<W: Write + Send + 'static>(
-        &self,
-        model: Model,
-        log: Beside<W, Self::Channels>,
-    ) -> RunAndLog<Self, W> {
-        let ran = bodies(model, self, Some(log), &mut ());
-        let end = match &ran.result {
-            Ok(outcome) => End::Completed(&outcome.work),
-            Err(BodiesRunError::Simulation { failure, so_far }) => End::Stopped(failure, &so_far.work),
-            Err(BodiesRunError::Sink(error)) => End::Unwritten(error, ran.last_s),
-        };
-        let (check, log) = close(ran.log, &end, || check::check_bodies(model, self, &|| true));
-        (ran.result.map(|outcome| LoggedRun { outcome, found: ran.found, check }), log)
-    }
-}
-
-/// How a run ended.
-enum End<'a> {
-    Completed(&'a Work),
-    Stopped(&'a Failure, &'a Work),
-    Unwritten(&'a SinkError, f64),
-}
-
-/// Checks a run that is not too long for it, and closes its log.
-fn close<W: Write + Send + 'static, C: Channels>(
-    log: Open<W, C>,
-    end: &End<'_>,
-    check: impl FnOnce() -> Check,
-) -> (Option<Check>, Result<W, SinkError>) {
-    let (work, stopped) = match end {
-        End::Completed(work) => (Some(work), None),
-        End::Stopped(failure, work) => (Some(work), Some((failure.time_s, failure.reason.to_string()))),
-        End::Unwritten(error, last_s) => (None, Some((*last_s, error.to_string()))),
+/// Simulates, checks a run that is not too long for it, says in the log how it ended, and finishes that.
+fn run_logged<W: Write + Send + 'static>(
+    scene: Simulated<'_>,
+    model: Model,
+    log: Beside<W>,
+) -> (Result<LoggedRun, RunError>, Result<W, SinkError>) {
+    let Ran { result, criteria, rebounds, last_s, log, .. } = simulate(model, scene, Some(log), &mut ());
+    let (work, stopped) = match &result {
+        Ok(outcome) => (Some(outcome.work), None),
+        Err(RunError::Simulation { failure, so_far }) => {
+            (Some(so_far.work), Some((failure.time_s, failure.reason.to_string())))
+        }
+        Err(RunError::Sink(error)) => (None, Some((last_s, error.to_string()))),
     };
-    let check = work.filter(|work| work.steps <= check::MOST_STEPS).map(|_| check());
+    let short = work.is_some_and(|work| work.steps <= check::MOST_STEPS);
+    let check = short.then(|| check::check(model, scene, &|| true));
     let stopped = stopped.as_ref().map(|(time_s, reason)| (*time_s, reason.as_str()));
     let closed = log.close(stopped, check.as_ref());
     let gone = || SinkError { what: NAMELESS.to_string(), source: io::Error::other("it was never begun") };
-    (check, closed.and_then(|out| out.ok_or_else(gone)))
+    let closed = closed.and_then(|out| out.ok_or_else(gone));
+    (result.map(|outcome| LoggedRun { outcome, criteria, rebounds, check }), closed)
 }

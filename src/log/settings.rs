@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::metadata::{construction_name, law_name, method_name, preset_name, stepping_name};
-use crate::scene::{
-    BodiesScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Scene, Stepping,
-};
-use crate::trace::Model;
+use crate::scene::{AnyScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Stepping};
+use crate::trace::{Model, Numerics};
 
 /// Everything that a run was made with beside its scene file: what the command line had overridden is in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,22 +49,12 @@ impl Settings {
     }
 
     /// Puts the settings in place of those of a scene.
-    pub fn impose(&self, scene: &mut Scene) {
-        scene.duration_s = self.duration_s;
-        scene.log = self.log;
+    pub fn impose(&self, scene: &mut AnyScene) {
+        let Numerics { duration_s, log, integrator, engine } = scene.into();
+        (*duration_s, *log) = (self.duration_s, self.log);
         match self.solver {
-            Solver::Analytic(integrator) => scene.integrator = integrator,
-            Solver::Engine(engine) => scene.engine = engine,
-        }
-    }
-
-    /// Puts the settings in place of those of a scene of discs.
-    pub fn impose_bodies(&self, scene: &mut BodiesScene) {
-        scene.duration_s = self.duration_s;
-        scene.log = self.log;
-        match self.solver {
-            Solver::Analytic(integrator) => scene.integrator = integrator,
-            Solver::Engine(engine) => scene.engine = engine,
+            Solver::Analytic(settings) => *integrator = settings,
+            Solver::Engine(settings) => *engine = settings,
         }
     }
 }

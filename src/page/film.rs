@@ -2,7 +2,7 @@
 
 use super::thin::{MOST_SAMPLES, kept};
 use crate::drawing::{Drawing, Pose, Shape};
-use crate::trace::{ContactSample, EventKind};
+use crate::trace::{Event, EventKind, Sample};
 use crate::wording::Sheet;
 
 /// A run as the page shows it. Every list of values has one for each time.
@@ -99,73 +99,64 @@ pub struct Mark {
 }
 
 /// How a sample has a number.
-pub(super) type Value<'a, S> = Box<dyn Fn(&S) -> f64 + 'a>;
+pub(super) type Value<'a> = Box<dyn Fn(&Sample) -> f64 + 'a>;
 
 /// A curve before it has values: its name, and how a sample has it and, maybe, its rate.
-pub(super) struct Curve<'a, S> {
+pub(super) struct Curve<'a> {
     pub name: String,
-    pub value: Value<'a, S>,
-    pub rate: Option<Value<'a, S>>,
+    pub value: Value<'a>,
+    pub rate: Option<Value<'a>>,
 }
 
-impl<'a, S> Curve<'a, S> {
-    pub fn new(name: impl Into<String>, value: impl Fn(&S) -> f64 + 'a) -> Self {
+impl<'a> Curve<'a> {
+    pub fn new(name: impl Into<String>, value: impl Fn(&Sample) -> f64 + 'a) -> Self {
         Curve { name: name.into(), value: Box::new(value), rate: None }
     }
 
-    pub fn with_rate(self, rate: impl Fn(&S) -> f64 + 'a) -> Self {
+    pub fn with_rate(self, rate: impl Fn(&Sample) -> f64 + 'a) -> Self {
         Curve { rate: Some(Box::new(rate)), ..self }
     }
 }
 
 /// A panel before it has values; left out where it has no curves.
-pub(super) struct Plan<'a, S> {
+pub(super) struct Plan<'a> {
     pub title: &'static str,
     pub unit: &'static str,
     pub scale: Scale,
-    pub curves: Vec<Curve<'a, S>>,
+    pub curves: Vec<Curve<'a>>,
 }
 
-pub(super) fn plan<'a, S>(
-    title: &'static str,
-    unit: &'static str,
-    scale: Scale,
-    curves: Vec<Curve<'a, S>>,
-) -> Plan<'a, S> {
+pub(super) fn plan<'a>(title: &'static str, unit: &'static str, scale: Scale, curves: Vec<Curve<'a>>) -> Plan<'a> {
     Plan { title, unit, scale, curves }
 }
 
 /// Where the bodies of a sample are.
-pub(super) type Poses<'a, S> = Box<dyn Fn(&S) -> Vec<Pose> + 'a>;
+pub(super) type Poses<'a> = Box<dyn Fn(&Sample) -> Vec<Pose> + 'a>;
 
-/// How a sample has a contact.
-pub(super) type Contact<'a, S> = Box<dyn Fn(&S) -> ContactSample + 'a>;
-
-/// What a kind of samples has to show.
-pub(super) struct Shown<'a, S> {
+/// What a scene has to show.
+pub(super) struct Shown<'a> {
     pub label: &'a str,
     pub summary: Sheet,
     pub drawing: Drawing,
-    pub samples: &'a [S],
-    pub time_s: fn(&S) -> f64,
-    pub poses: Poses<'a, S>,
+    pub samples: &'a [Sample],
+    pub poses: Poses<'a>,
     /// Their time derivatives.
-    pub motions: Poses<'a, S>,
-    /// Contacts that are drawn, by their names.
-    pub contacts: Vec<(String, Contact<'a, S>)>,
-    pub panels: Vec<Plan<'a, S>>,
+    pub motions: Poses<'a>,
+    /// Contacts that are drawn: their names, and their indices.
+    pub contacts: Vec<(String, usize)>,
+    pub panels: Vec<Plan<'a>>,
     pub marks: Vec<Mark>,
 }
 
 /// Samples → film, thinned out where they are too many.
-pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
-    let times: Vec<f64> = shown.samples.iter().map(shown.time_s).collect();
+pub(super) fn develop(shown: Shown<'_>) -> Film {
+    let times: Vec<f64> = shown.samples.iter().map(|sample| sample.time_s).collect();
     let keep = match times.len() <= MOST_SAMPLES {
         true => (0..times.len()).collect(),
         false => thinned(&shown, &times),
     };
-    let samples: Vec<&S> = keep.iter().map(|&index| &shown.samples[index]).collect();
-    let column = |value: &dyn Fn(&S) -> f64| samples.iter().map(|sample| value(sample)).collect::<Vec<f64>>();
+    let samples: Vec<&Sample> = keep.iter().map(|&index| &shown.samples[index]).collect();
+    let column = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(|sample| value(sample)).collect::<Vec<f64>>();
 
     let poses: Vec<Vec<Pose>> = samples.iter().map(|sample| (shown.poses)(sample)).collect();
     let motions: Vec<Vec<Pose>> = samples.iter().map(|sample| (shown.motions)(sample)).collect();
@@ -183,23 +174,23 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
         vy_m_s: motion(index, |rate| rate.position_m[1]),
         spin_rad_s: motion(index, |rate| rate.angle_rad),
     };
-    let touch = |(name, contact): &(String, Contact<'_, S>)| Touch {
+    let touch = |(name, index): &(String, usize)| Touch {
         name: name.clone(),
-        gap_m: column(&|sample| contact(sample).gap_m),
-        gap_rate_m_s: column(&|sample| contact(sample).gap_rate_m_s),
-        normal_n: column(&|sample| contact(sample).normal_n),
-        tangential_n: column(&|sample| contact(sample).tangential_n),
-        point_x_m: column(&|sample| contact(sample).point_m[0]),
-        point_y_m: column(&|sample| contact(sample).point_m[1]),
-        normal_x: column(&|sample| contact(sample).normal[0]),
-        normal_y: column(&|sample| contact(sample).normal[1]),
+        gap_m: column(&|sample| sample.contacts[*index].gap_m),
+        gap_rate_m_s: column(&|sample| sample.contacts[*index].gap_rate_m_s),
+        normal_n: column(&|sample| sample.contacts[*index].normal_n),
+        tangential_n: column(&|sample| sample.contacts[*index].tangential_n),
+        point_x_m: column(&|sample| sample.contacts[*index].point_m[0]),
+        point_y_m: column(&|sample| sample.contacts[*index].point_m[1]),
+        normal_x: column(&|sample| sample.contacts[*index].normal[0]),
+        normal_y: column(&|sample| sample.contacts[*index].normal[1]),
     };
-    let series = |Curve { name, value, rate }: &Curve<'_, S>| Series {
+    let series = |Curve { name, value, rate }: &Curve<'_>| Series {
         name: name.clone(),
         values: column(value.as_ref()),
         rates: rate.as_ref().map(|rate| column(rate.as_ref())),
     };
-    let panel = |plan: &Plan<'_, S>| Panel {
+    let panel = |plan: &Plan<'_>| Panel {
         title: plan.title.to_string(),
         unit: plan.unit,
         scale: plan.scale,
@@ -220,10 +211,10 @@ pub(super) fn film<S>(shown: Shown<'_, S>) -> Film {
     }
 }
 
-fn thinned<S>(shown: &Shown<'_, S>, times: &[f64]) -> Vec<usize> {
+fn thinned(shown: &Shown<'_>, times: &[f64]) -> Vec<usize> {
     let curves = shown.panels.iter().flat_map(|plan| &plan.curves);
     let values: Vec<Vec<f64>> = curves.map(|curve| shown.samples.iter().map(&curve.value).collect()).collect();
-    let force = |sample: &S| shown.contacts.iter().map(|(_, contact)| contact(sample).normal_n).sum();
+    let force = |sample: &Sample| shown.contacts.iter().map(|(_, index)| sample.contacts[*index].normal_n).sum();
     let weight: Vec<f64> = shown.samples.iter().map(force).collect();
     let events: Vec<f64> = shown.marks.iter().map(|mark| mark.time_s).collect();
     kept(times, &events, &values, &weight, MOST_SAMPLES)
@@ -242,18 +233,13 @@ fn part(part: crate::drawing::Part) -> &'static str {
     }
 }
 
-/// An event of either kind of scene; `figures` are its closing speed and its impulse, `units` theirs.
-pub(super) fn mark(
-    time_s: f64,
-    place: &str,
-    kind: EventKind,
-    [speed, impulse]: [f64; 2],
-    [speed_unit, impulse_unit]: [&'static str; 2],
-) -> Mark {
-    let (kind, figure) = match kind {
-        EventKind::TouchDown => ("touch-down", Some((speed, speed_unit))),
-        EventKind::LiftOff => ("lift-off", Some((impulse, impulse_unit))),
+/// An event at a place of this name; `angular` is whether its gap is an angle.
+pub(super) fn mark(event: &Event, place: &str, angular: bool) -> Mark {
+    let [speed_unit, impulse_unit] = if angular { ["rad/s", "N·m·s"] } else { ["m/s", "N·s"] };
+    let (kind, figure) = match event.kind {
+        EventKind::TouchDown => ("touch-down", Some((event.approach_speed, speed_unit))),
+        EventKind::LiftOff => ("lift-off", Some((event.impulse, impulse_unit))),
         EventKind::Reload => ("pressed again", None),
     };
-    Mark { time_s, place: place.to_string(), kind, figure }
+    Mark { time_s: event.time_s, place: place.to_string(), kind, figure }
 }

@@ -9,8 +9,8 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `film` | everything the page knows of a run, from samples of either kind |
-//! | `finger`, `discs` | the plots, contacts and events of each kind |
+//! | `film` | everything the page knows of a run |
+//! | `shown`, `panels` | the bodies, contacts and events of a scene that are shown; its plots |
 //! | `reel` | a sink that keeps a run for a film, in bounded memory |
 //! | `thin` | which samples stay where there are too many |
 //! | `data` | films → JSON with base64 columns |
@@ -18,20 +18,19 @@
 //! | `html` | JSON, texts and pictures → the file, with the `assets` |
 
 mod data;
-mod discs;
 mod film;
-mod finger;
 mod html;
+mod panels;
 mod reel;
+mod shown;
 mod thin;
 mod volume;
 mod volume_data;
 
-pub use discs::discs_film;
 pub use film::{Body, Film, Mark, Panel, Scale, Series, Touch};
-pub use finger::finger_film;
 pub use html::page;
 pub use reel::Reel;
+pub use shown::film;
 pub use thin::MOST_SAMPLES;
 pub use volume::{VolumePage, volume_page};
 

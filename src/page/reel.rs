@@ -1,12 +1,10 @@
 //! A sink that keeps what a page needs of a run, in bounded memory however long the run is.
 
-use super::{Film, discs_film, finger_film};
-use crate::scene::{BodiesScene, Scene};
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use super::{Film, film};
+use crate::trace::{Event, Sample, Simulated, Sink, SinkError};
 use crate::wording::Sheet;
 
-/// Samples that are held at most; 350 bytes each of a finger.
+/// Samples that are held at most; some 500 bytes each of a finger.
 const MOST_HELD: usize = 60_000;
 
 /// Samples kept from an event on, however coarse the rest is.
@@ -15,7 +13,7 @@ const AFTER_EVENT: u32 = 4;
 /// Samples and events of a run as it goes by. Beyond 60,000 samples only every second, fourth, … is kept, and
 /// those at events and at peaks of any contact's force; of these too only every second, where they alone are too many.
 #[derive(Clone, Debug)]
-pub struct Reel<S, E> {
+pub struct Reel<S = Sample, E = Event> {
     held: Vec<Held<S>>,
     events: Vec<E>,
     recorded: usize,
@@ -33,7 +31,7 @@ pub struct Reel<S, E> {
 
 #[derive(Clone, Debug)]
 struct Held<S> {
-    /// Of every contact.
+    /// Of every contact between surfaces.
     forces_n: Vec<f64>,
     /// At an event or at a peak.
     special: bool,
@@ -121,43 +119,22 @@ impl<S, E> Reel<S, E> {
     }
 }
 
-impl Reel<Sample, Event> {
-    /// The film of a finger.
-    pub fn film(self, label: &str, scene: &Scene, summary: impl Into<Sheet>) -> Film {
+impl Reel {
+    /// The film of a scene.
+    pub fn film<'a>(self, label: &str, scene: impl Into<Simulated<'a>>, summary: impl Into<Sheet>) -> Film {
         let recorded = self.recorded;
         let (samples, events) = self.into_parts();
-        Film { recorded, ..finger_film(label, scene, &samples, &events, summary) }
+        Film { recorded, ..film(label, scene.into(), &samples, &events, summary) }
     }
 }
 
-impl Reel<BodiesSample, BodiesEvent> {
-    /// The film of a scene of discs.
-    pub fn film(self, label: &str, scene: &BodiesScene, summary: impl Into<Sheet>) -> Film {
-        let recorded = self.recorded;
-        let (samples, events) = self.into_parts();
-        Film { recorded, ..discs_film(label, scene, &samples, &events, summary) }
-    }
-}
-
-impl Sink for Reel<Sample, Event> {
+impl Sink for Reel {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(*sample, vec![sample.proximal.normal_n, sample.distal.normal_n]);
+        self.take(sample.clone(), sample.surfaces().map(|contact| contact.normal_n).collect());
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.note(*event);
-        Ok(())
-    }
-}
-
-impl Sink<BodiesSample> for Reel<BodiesSample, BodiesEvent> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.take(sample.clone(), sample.contacts.iter().map(|contact| contact.normal_n).collect());
-        Ok(())
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
         self.note(*event);
         Ok(())
     }

@@ -72,7 +72,7 @@ pub fn touches(run: &Recording, until_s: f64) -> Vec<Touches> {
         times_s: run
             .events
             .iter()
-            .filter(|event| event.site == site && event.kind == EventKind::TouchDown && event.time_s <= until_s)
+            .filter(|event| event.site() == site && event.kind == EventKind::TouchDown && event.time_s <= until_s)
             .map(|event| event.time_s)
             .collect(),
     };

@@ -9,7 +9,7 @@ use super::canvas::{
     Area, BLACK, BLUE, COUPLER, DISTAL, DRIVER, DrawError, Entry, GREEN, GREY, Mark, OBJECT, ORANGE, PALM, PROXIMAL,
     PURPLE, Pixel, WIDTH, legend, picture, titled, words,
 };
-use crate::drawing::{Body, Part, Pose, Shape, finger, finger_poses_at};
+use crate::drawing::{Body, Drawing, Part, Pose, Shape, finger_poses_at};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
 use crate::statics::{Certificate, FormClosure, Unknown};
@@ -57,7 +57,7 @@ impl View {
 
 /// The picture, with the forces of the last of the friction coefficients.
 pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
-    let bodies = finger(scene).bodies;
+    let bodies = Drawing::of(scene).bodies;
     let rest = coloured(scene, &bodies, &found.end.posture);
     let centre = found.disc.centre_m;
     let round = circle(centre, found.disc.radius_m);

@@ -6,7 +6,7 @@ use super::canvas::{
     titled,
 };
 use super::curve::over_time;
-use crate::trace::Sample;
+use crate::trace::{Sample, Site};
 use crate::validate::{Recording, Validation, turned};
 use plotters::style::RGBColor;
 
@@ -56,7 +56,7 @@ pub fn overlay_of(
     [first, second]: [&Recording; 2],
     end_s: f64,
 ) -> Result<String, DrawError> {
-    let touches = |run: &Recording| run.outcome.last.proximal.gap_m.is_finite();
+    let touches = |run: &Recording| run.outcome.last.contact(Site::Proximal).gap_m.is_finite();
     let panels = panels(touches(first) || touches(second));
     let (first, second) = (&first.samples, &second.samples);
     draw_all(&panels, &Runs { title, labels, first, second, time_s: |sample: &Sample| sample.time_s, end_s })
@@ -129,18 +129,18 @@ fn panels(object: bool) -> Vec<Panel<'static, Sample>> {
             label: "joint angle, deg",
             log: false,
             quantities: vec![
-                quantity("q11", BLUE, |s| turned(s.q11_rad).to_degrees()),
-                quantity("q21", ORANGE, |s| turned(s.q21_rad).to_degrees()),
-                quantity("q22", GREEN, |s| turned(s.q22_rad).to_degrees()),
+                quantity("q11", BLUE, |s| turned(s.finger().q11_rad).to_degrees()),
+                quantity("q21", ORANGE, |s| turned(s.finger().q21_rad).to_degrees()),
+                quantity("q22", GREEN, |s| turned(s.finger().q22_rad).to_degrees()),
             ],
         },
         Panel {
             label: "joint rate, rad/s",
             log: false,
             quantities: vec![
-                quantity("qd11", BLUE, |s| s.qd11_rad_s),
-                quantity("qd21", ORANGE, |s| s.qd21_rad_s),
-                quantity("qd22", GREEN, |s| s.qd22_rad_s),
+                quantity("qd11", BLUE, |s| s.finger().qd11_rad_s),
+                quantity("qd21", ORANGE, |s| s.finger().qd21_rad_s),
+                quantity("qd22", GREEN, |s| s.finger().qd22_rad_s),
             ],
         },
     ];
@@ -149,16 +149,16 @@ fn panels(object: bool) -> Vec<Panel<'static, Sample>> {
             label: "normal force, N",
             log: true,
             quantities: vec![
-                quantity("proximal", BLUE, |s| s.proximal.normal_n),
-                quantity("distal", ORANGE, |s| s.distal.normal_n),
+                quantity("proximal", BLUE, |s| s.contact(Site::Proximal).normal_n),
+                quantity("distal", ORANGE, |s| s.contact(Site::Distal).normal_n),
             ],
         });
         panels.push(Panel {
             label: "gap, mm",
             log: false,
             quantities: vec![
-                quantity("proximal", BLUE, |s| s.proximal.gap_m * 1e3),
-                quantity("distal", ORANGE, |s| s.distal.gap_m * 1e3),
+                quantity("proximal", BLUE, |s| s.contact(Site::Proximal).gap_m * 1e3),
+                quantity("distal", ORANGE, |s| s.contact(Site::Distal).gap_m * 1e3),
             ],
         });
     }

@@ -2,34 +2,44 @@
 //!
 //! Keys carry their SI unit; where there is no value the key is there and null. Keys are added over time, never renamed.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::check::RunCheckReport;
-use crate::criteria::Criteria;
+use super::contacts::Contacts;
+use super::discs::{DiscReport, discs};
+use crate::criteria::{Criteria, Rebound};
 use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
-use crate::scene::{Engine, Integrator, Scene, Stepping};
-use crate::trace::{ContactSample, Energy, Outcome, Sample, Site, SiteSummary, Work};
+use crate::scene::{Engine, Integrator, Stepping};
+use crate::trace::{Energy, FingerState, Model, Outcome, Simulated, Work};
 
-/// One run. All that is known only from the simulation is null if that could not even report how far it came.
+/// One run. All that is known only from the simulation is null if that could not even report how far it came; what a kind of
+/// scene does not have is no key at all.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
     /// Name of the scene.
     pub scene: String,
-    /// `finger`.
+    /// `finger` or `bodies`.
     pub kind: &'static str,
     /// `analytic` or `engine`.
-    pub model: String,
+    pub model: &'static str,
     /// Length asked for; `end_s` says how far the run came.
     pub duration_s: f64,
     /// Accepted steps.
     pub steps: Option<u64>,
     /// Wall time of the simulation: the one figure that differs between two runs of the same scene.
     pub wall_s: f64,
-    #[serde(rename = "final")]
-    pub last: Option<Final>,
+    /// Of a finger.
+    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
+    pub last: Option<Option<Final>>,
+    /// Of a scene of discs, by their names, as they are at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discs: Option<Option<BTreeMap<String, DiscReport>>>,
     pub contacts: Option<Contacts>,
-    /// Null without an object, without a grasp of it, or if the run was not completed.
-    pub criteria: Option<Dynamics>,
+    /// Of a finger; null without an object, without a grasp of it, or if the run was not completed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub criteria: Option<Option<Dynamics>>,
     pub completed: bool,
     /// Time reached.
     pub end_s: Option<f64>,
@@ -41,8 +51,9 @@ pub struct RunReport {
     pub integrator: Option<IntegratorUsed>,
     /// Settings of the engine model; null for a run of the analytic one.
     pub engine: Option<EngineUsed>,
-    /// Largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
-    pub loop_gap_m: Option<f64>,
+    /// Of a finger: largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_gap_m: Option<Option<f64>>,
     /// Path of the log as given; null if none was asked for.
     pub log: Option<String>,
     /// Path of the page; null if none was asked for.
@@ -61,37 +72,6 @@ pub struct Final {
     pub qd21_rad_s: f64,
     pub q12_rad: f64,
     pub q13_rad: f64,
-}
-
-/// The three places where contact can be.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Contacts {
-    pub proximal: PhalanxReport,
-    pub distal: PhalanxReport,
-    pub limit: LimitReport,
-}
-
-/// One phalanx against the object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct PhalanxReport {
-    pub first_s: Option<f64>,
-    pub touchdowns: u32,
-    pub final_normal_n: f64,
-    pub final_tangential_n: f64,
-    pub peak_normal_n: f64,
-    pub max_penetration_m: f64,
-    pub impulse_n_s: f64,
-}
-
-/// The joint limit: the same figures for an angle and a torque.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct LimitReport {
-    pub first_s: Option<f64>,
-    pub touchdowns: u32,
-    pub final_torque_n_m: f64,
-    pub peak_torque_n_m: f64,
-    pub max_penetration_rad: f64,
-    pub impulse_n_m_s: f64,
 }
 
 /// The dynamic criteria, see [`crate::criteria`].
@@ -161,91 +141,67 @@ pub struct EngineUsed {
     pub max_steps: u64,
 }
 
+/// What a run came to, as far as it did.
+#[derive(Clone, Copy, Debug)]
+pub struct Came<'a> {
+    pub wall_s: f64,
+    pub outcome: Option<&'a Outcome>,
+    /// Of a finger, if its run was completed.
+    pub criteria: Option<Criteria>,
+    /// Of pairs of discs.
+    pub rebounds: &'a [Rebound],
+}
+
 impl RunReport {
-    /// A run that reached its end.
-    pub fn completed(scene: &Scene, model: &str, wall_s: f64, outcome: &Outcome, criteria: Option<Criteria>) -> Self {
+    /// A run with what is known of it: all of it, or up to where it broke off, and why.
+    pub fn new<'a>(scene: impl Into<Simulated<'a>>, model: Model, came: &Came<'_>, error: Option<Failure>) -> Self {
+        let (scene, engine, outcome) = (scene.into(), model == Model::Engine, came.outcome);
+        let finger = matches!(scene, Simulated::Finger(_));
+        let of_discs = |outcome: &Outcome| match scene {
+            Simulated::Finger(_) => None,
+            Simulated::Discs(of) => Some(discs(&scene.layout().bodies, Some(of), &outcome.last.bodies)),
+        };
         RunReport {
-            criteria: criteria.map(Dynamics::from),
-            completed: true,
-            error: None,
-            ..RunReport::up_to(scene, model, wall_s, Some(outcome))
-        }
-    }
-
-    /// A run that broke off, with what is known of it up to then.
-    pub fn failed(scene: &Scene, model: &str, wall_s: f64, failure: Failure, so_far: Option<&Outcome>) -> Self {
-        RunReport { error: Some(failure), ..RunReport::up_to(scene, model, wall_s, so_far) }
-    }
-
-    fn up_to(scene: &Scene, model: &str, wall_s: f64, outcome: Option<&Outcome>) -> Self {
-        let engine = model == "engine";
-        RunReport {
-            scene: scene.name.clone(),
-            kind: "finger",
-            model: model.to_string(),
-            duration_s: scene.duration_s,
+            scene: scene.name().to_string(),
+            kind: if finger { "finger" } else { "bodies" },
+            model: model.name(),
+            duration_s: scene.duration_s(),
             steps: outcome.map(|outcome| outcome.work.steps),
-            wall_s,
-            last: outcome.map(|outcome| Final::from(&outcome.last)),
-            contacts: outcome.map(Contacts::from),
-            criteria: None,
-            completed: false,
+            wall_s: came.wall_s,
+            last: finger.then(|| outcome.map(|outcome| Final::from(outcome.last.finger()))),
+            discs: (!finger).then(|| outcome.and_then(of_discs)),
+            contacts: outcome.map(|outcome| Contacts::new(&scene.layout(), outcome, came.rebounds)),
+            criteria: finger.then(|| came.criteria.filter(|_| error.is_none()).map(Dynamics::from)),
+            completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
-            error: None,
+            error,
             energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
             work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
-            integrator: (!engine).then(|| IntegratorUsed::from(&scene.integrator)),
-            engine: engine.then(|| EngineUsed::from(&scene.engine)),
-            loop_gap_m: outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m),
+            integrator: (!engine).then(|| IntegratorUsed::from(scene.integrator())),
+            engine: engine.then(|| EngineUsed::from(scene.engine())),
+            loop_gap_m: finger.then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,
             check: None,
         }
     }
-}
 
-impl From<&Outcome> for Contacts {
-    fn from(outcome: &Outcome) -> Self {
-        let limit = outcome.site(Site::Limit);
-        Contacts {
-            proximal: PhalanxReport::new(outcome.site(Site::Proximal), &outcome.last.proximal),
-            distal: PhalanxReport::new(outcome.site(Site::Distal), &outcome.last.distal),
-            limit: LimitReport {
-                first_s: limit.first_s,
-                touchdowns: limit.touchdowns,
-                final_torque_n_m: outcome.last.limit.normal_n,
-                peak_torque_n_m: limit.peak_normal_n,
-                max_penetration_rad: limit.max_penetration_m,
-                impulse_n_m_s: limit.impulse_n_s,
-            },
-        }
+    /// Whether the scene has joints to speak of.
+    pub(super) fn has_joints(&self) -> bool {
+        self.kind == "finger"
     }
 }
 
-impl PhalanxReport {
-    fn new(site: &SiteSummary, last: &ContactSample) -> Self {
-        PhalanxReport {
-            first_s: site.first_s,
-            touchdowns: site.touchdowns,
-            final_normal_n: last.normal_n,
-            final_tangential_n: last.tangential_n,
-            peak_normal_n: site.peak_normal_n,
-            max_penetration_m: site.max_penetration_m,
-            impulse_n_s: site.impulse_n_s,
-        }
-    }
-}
-
-impl From<&Sample> for Final {
-    fn from(sample: &Sample) -> Self {
+impl From<&FingerState> for Final {
+    fn from(finger: &FingerState) -> Self {
         Final {
-            q11_rad: sample.q11_rad,
-            q21_rad: sample.q21_rad,
-            q22_rad: sample.q22_rad,
-            qd11_rad_s: sample.qd11_rad_s,
-            qd21_rad_s: sample.qd21_rad_s,
-            q12_rad: sample.q12_rad,
-            q13_rad: sample.q13_rad,
+            q11_rad: finger.q11_rad,
+            q21_rad: finger.q21_rad,
+            q22_rad: finger.q22_rad,
+            qd11_rad_s: finger.qd11_rad_s,
+            qd21_rad_s: finger.qd21_rad_s,
+            q12_rad: finger.q12_rad,
+            q13_rad: finger.q13_rad,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! What a run is reported as: one document of plain figures, printed for people or as JSON.
 
-mod bodies;
 mod check;
+mod contacts;
 mod csv;
+mod discs;
 mod document;
 mod paper;
 mod replay;
@@ -13,23 +14,21 @@ mod stability;
 mod statics;
 mod step_size;
 mod sweep;
+mod tables;
 mod text;
 mod validation;
 mod volume;
 mod volume_points;
 
-pub use bodies::{BodiesReport, DiscReport, PairReport, bodies_json, bodies_text};
 pub use check::RunCheckReport;
-pub use document::{
-    Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, LimitReport, PhalanxReport, RunReport,
-    WorkReport,
-};
+pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport};
+pub use discs::DiscReport;
+pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
 pub use replay::{
-    AgainstReport, ApartReport, CsvHead, DifferenceReport, DiscsSummary, EntryReport, FieldReport, FigureReport,
-    GapReport, Lost, RecoveryReport, ReplayReport, Summary, Touches, VerificationReport, WordReport, against_json,
-    against_text, csv_discs, csv_finger, is_samples, recovery_json, recovery_text, replay_json, replay_text,
-    side_by_side,
+    AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Lost,
+    RecoveryReport, ReplayReport, Summary, VerificationReport, WordReport, against_json, against_text, csv_head,
+    csv_sample, is_samples, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
 pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,

@@ -10,8 +10,7 @@ use serde::Serialize;
 
 use crate::integrator::Failure;
 use crate::scene::{BodiesScene, Integrator, Method, Preset, Response, Stepping};
-use crate::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, run_bodies};
-use crate::trace::{EventKind, Model, Sink, SinkError};
+use crate::trace::{Event, EventKind, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
 const FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -113,19 +112,19 @@ struct Curve {
     rate_after_m_s: f64,
 }
 
-impl Sink<BodiesSample> for Curve {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+impl Sink for Curve {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let contact = &sample.contacts[self.pair];
         self.points.push((sample.time_s, contact.normal_n));
         self.rate_after_m_s = contact.gap_rate_m_s;
         Ok(())
     }
 
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         match event.kind {
-            _ if event.pair != self.pair => {}
+            _ if event.contact != self.pair => {}
             EventKind::TouchDown if self.touch_s.is_none() => {
-                (self.touch_s, self.approach_m_s) = (Some(event.time_s), event.approach_m_s);
+                (self.touch_s, self.approach_m_s) = (Some(event.time_s), event.approach_speed);
             }
             EventKind::LiftOff => self.lift_s = Some(event.time_s),
             EventKind::TouchDown | EventKind::Reload => {}
@@ -140,12 +139,12 @@ struct While<'a, S> {
     go_on: &'a dyn Fn() -> bool,
 }
 
-impl<S: Sink<BodiesSample>> Sink<BodiesSample> for While<'_, S> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+impl<S: Sink> Sink for While<'_, S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.sink.sample(sample)
     }
 
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.sink.event(event)
     }
 
@@ -229,9 +228,9 @@ pub fn step_size(
 
 /// The pair with the largest force.
 fn hit(scene: &BodiesScene, go_on: &dyn Fn() -> bool) -> Result<usize, StudyError> {
-    let outcome = run_bodies(Model::Analytic, scene, &mut While { sink: (), go_on })
-        .map_err(|error| stopped(Model::Analytic, error))?;
-    let touched = outcome.pairs.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
+    let outcome =
+        run(Model::Analytic, scene, &mut While { sink: (), go_on }).map_err(|error| stopped(Model::Analytic, error))?;
+    let touched = outcome.contacts.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
     let hardest = touched.max_by(|a, b| a.1.peak_normal_n.total_cmp(&b.1.peak_normal_n));
     hardest.map(|(pair, _)| pair).ok_or(StudyError::NoImpact)
 }
@@ -243,14 +242,14 @@ fn simulate(
     go_on: &dyn Fn() -> bool,
 ) -> Result<(Curve, f64, u64), StudyError> {
     let mut curve = While { sink: Curve { pair, ..Curve::default() }, go_on };
-    let outcome = run_bodies(model, scene, &mut curve).map_err(|error| stopped(model, error))?;
-    Ok((curve.sink, outcome.pairs[pair].peak_normal_n, outcome.work.steps))
+    let outcome = run(model, scene, &mut curve).map_err(|error| stopped(model, error))?;
+    Ok((curve.sink, outcome.contacts[pair].peak_normal_n, outcome.work.steps))
 }
 
-fn stopped(model: Model, error: BodiesRunError) -> StudyError {
+fn stopped(model: Model, error: RunError) -> StudyError {
     match error {
-        BodiesRunError::Simulation { failure, .. } => StudyError::Simulation { model: model.name(), failure },
-        BodiesRunError::Sink(_) => StudyError::NoImpact,
+        RunError::Simulation { failure, .. } => StudyError::Simulation { model: model.name(), failure },
+        RunError::Sink(_) => StudyError::NoImpact,
     }
 }
 

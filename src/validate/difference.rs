@@ -159,7 +159,8 @@ pub fn compare(run: &Recording, reference: &Recording, bounds: &Bounds) -> Diffe
 }
 
 fn final_forces(last: &Sample, expected: &Sample) -> [Option<f64>; 2] {
-    [(last.proximal, expected.proximal), (last.distal, expected.distal)].map(|(contact, expected)| {
+    PHALANGES.map(|site| {
+        let (contact, expected) = (last.contact(site), expected.contact(site));
         // Without an object there is nothing to press on.
         let there = expected.gap_m.is_finite() || contact.gap_m.is_finite();
         let scale = if expected.normal_n > NO_FORCE_N { expected.normal_n } else { 1.0 };
@@ -180,9 +181,9 @@ fn first_touch(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Op
 fn impulses(impacts: &Impacts, expected: &Impacts, site: Site, until_s: f64) -> Option<f64> {
     let whole = |impact: &&Impact| impact.end_s() <= until_s;
     let largest = expected.all.iter().filter(whole).map(Impact::impulse_n_s).fold(0.0, f64::max);
-    let mut found = impacts.of(site);
+    let mut found = impacts.of(site as usize);
     let mut worst = None;
-    for expected in expected.of(site).filter(whole) {
+    for expected in expected.of(site as usize).filter(whole) {
         let found = found.next();
         let impulse = expected.impulse_n_s();
         if impulse > 0.0 && impulse >= SIGNIFICANT * largest {

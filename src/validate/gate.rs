@@ -1,6 +1,5 @@
 //! Runs that end when they are told to.
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Says whether to go on; asked once a step.
@@ -22,24 +21,6 @@ impl<S: Sink> Sink for While<'_, S> {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.sink.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        (self.go_on)()
-    }
-}
-
-impl<S: Sink<BodiesSample>> Sink<BodiesSample> for While<'_, S> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.sink.sample(sample)
-    }
-
-    fn extreme(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.sink.extreme(sample)
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
         self.sink.event(event)
     }
 

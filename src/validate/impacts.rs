@@ -1,19 +1,20 @@
-//! The normal impulse of every impact of a phalanx, measured as a run goes by.
+//! The normal impulse of every impact of two surfaces, measured as a run goes by.
 
-use crate::trace::{ContactSample, Event, EventKind, Sample, Sink, SinkError, Site};
+use crate::trace::{ContactSample, Event, EventKind, Sample, Sink, SinkError};
 
 /// How long after its touch-down the impulse of a contact that stays is taken. The force of an impact of these grippers has done
 /// its work after some 10 µs; what the motor and the spring press into the object in 20 µs is below a hundredth of it.
 pub const IMPACT_S: f64 = 20e-6;
 
-/// One touch-down of a phalanx and the normal impulse of the time after it.
+/// One touch-down and the normal impulse of the time after it.
 ///
 /// In the step in which the surfaces meet, the impulse counts as given at once, but for what presses at its end: a step
 /// knows no finer, and what it holds is the impact. In later steps it is interpolated, rising as steeply as the forces
 /// say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    pub site: Site,
+    /// Index among the contacts of a sample.
+    pub contact: usize,
     /// Time of the touch-down.
     pub time_s: f64,
     /// Normal impulse of the run at the last sample before the touch-down: nothing pressed since.
@@ -44,8 +45,8 @@ impl Impact {
             return;
         }
         self.after_n_s = match self.met {
-            true => impulse(from, to, self.site, end_s),
-            false => self.first(contact(to, self.site), to.time_s - end_s),
+            true => impulse(from, to, self.contact, end_s),
+            false => self.first(&to.contacts[self.contact], to.time_s - end_s),
         };
         (self.met, self.over) = (true, to.time_s >= end_s);
     }
@@ -68,29 +69,35 @@ pub struct Impacts {
 }
 
 impl Impacts {
-    /// The impacts of one phalanx.
-    pub fn of(&self, site: Site) -> impl Iterator<Item = &Impact> {
-        self.all.iter().filter(move |impact| impact.site == site)
+    /// The impacts of one contact.
+    pub fn of(&self, contact: usize) -> impl Iterator<Item = &Impact> {
+        self.all.iter().filter(move |impact| impact.contact == contact)
     }
 }
 
 impl Sink for Impacts {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let from = self.last.replace(*sample).unwrap_or(*sample);
+        let from = self.last.as_ref().unwrap_or(sample);
         for impact in &mut self.all[self.open..] {
-            impact.look(&from, sample);
+            impact.look(from, sample);
         }
         while self.all.get(self.open).is_some_and(|impact| impact.over) {
             self.open += 1;
+        }
+        match &mut self.last {
+            Some(last) => last.clone_from(sample),
+            None => self.last = Some(sample.clone()),
         }
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if event.kind == EventKind::TouchDown && event.site != Site::Limit {
-            let before_n_s = self.last.map_or(0.0, |last| contact(&last, event.site).impulse_n_s);
+        let contact = event.contact;
+        let stop = self.last.as_ref().is_some_and(|last| last.is_stop(contact));
+        if event.kind == EventKind::TouchDown && !stop {
+            let before_n_s = self.last.as_ref().map_or(0.0, |last| last.contacts[contact].impulse_n_s);
             self.all.push(Impact {
-                site: event.site,
+                contact,
                 time_s: event.time_s,
                 before_n_s,
                 after_n_s: before_n_s,
@@ -99,7 +106,7 @@ impl Sink for Impacts {
                 lift: None,
             });
         }
-        if let Some(impact) = self.all.iter_mut().rfind(|impact| impact.site == event.site) {
+        if let Some(impact) = self.all.iter_mut().rfind(|impact| impact.contact == contact) {
             match event.kind {
                 EventKind::LiftOff => impact.lift = Some((event.time_s, event.impulse)),
                 EventKind::TouchDown | EventKind::Reload => impact.lift = None,
@@ -111,8 +118,8 @@ impl Sink for Impacts {
 
 /// Normal impulse since the start of the run at a time between two samples: cubic, with the forces as slopes as far as
 /// it stays monotone (Fritsch and Carlson 1980: slopes up to three times the mean one).
-fn impulse(from: &Sample, to: &Sample, site: Site, time_s: f64) -> f64 {
-    let (a, b) = (contact(from, site), contact(to, site));
+fn impulse(from: &Sample, to: &Sample, contact: usize, time_s: f64) -> f64 {
+    let (a, b) = (&from.contacts[contact], &to.contacts[contact]);
     let length = to.time_s - from.time_s;
     if length <= 0.0 || time_s >= to.time_s {
         return b.impulse_n_s;
@@ -125,12 +132,4 @@ fn impulse(from: &Sample, to: &Sample, site: Site, time_s: f64) -> f64 {
         + rise * (3.0 * x2 - 2.0 * x3)
         + slope(a.normal_n) * (x3 - 2.0 * x2 + x)
         + slope(b.normal_n) * (x3 - x2)
-}
-
-/// The contact of one phalanx.
-fn contact(sample: &Sample, site: Site) -> &ContactSample {
-    match site {
-        Site::Proximal => &sample.proximal,
-        Site::Distal | Site::Limit => &sample.distal,
-    }
 }

@@ -45,7 +45,7 @@ mod subject;
 mod track;
 mod verdict;
 
-pub use bodies::{BodiesComparison, BodiesDifferences, BodiesRecording};
+pub use bodies::{BodiesComparison, BodiesDifferences};
 pub use cost::{Cost, cost};
 pub use difference::{Comparison, Differences, compare};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member};

@@ -1,8 +1,7 @@
 //! A run kept whole.
 
 use super::{GoOn, Impacts, While};
-use crate::scene::Scene;
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, between, run};
 
 /// Everything a run said, in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,7 +16,7 @@ pub struct Recording {
 impl Sink for Recording {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.impacts.sample(sample)?;
-        self.samples.push(*sample);
+        self.samples.push(sample.clone());
         Ok(())
     }
 
@@ -40,19 +39,51 @@ impl Recording {
         while *cursor < last && self.samples[*cursor + 1].time_s <= time_s {
             *cursor += 1;
         }
-        let next = self.samples[(*cursor + 1).min(last)];
-        Some(between(&self.samples[*cursor], &next, time_s.min(next.time_s)))
+        let (from, to) = (&self.samples[*cursor], &self.samples[(*cursor + 1).min(last)]);
+        Some(between(from, to, time_s.min(to.time_s)))
     }
 }
 
 /// Runs the scene and keeps all of it.
-pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
+pub fn record<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Result<Recording, RunError> {
     record_while(model, scene, &|| true)
 }
 
 /// Runs the scene as long as it may and keeps all of it.
-pub fn record_while(model: Model, scene: &Scene, go_on: GoOn) -> Result<Recording, RunError> {
+pub fn record_while<'a>(model: Model, scene: impl Into<Simulated<'a>>, go_on: GoOn) -> Result<Recording, RunError> {
     let mut recording = Recording::default();
     recording.outcome = run(model, scene, &mut While { sink: &mut recording, go_on })?;
     Ok(recording)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::BodyState;
+
+    fn thrown(time_s: f64) -> Sample {
+        let disc = BodyState {
+            centre_m: [3.0 * time_s, 1.0 - 5.0 * time_s * time_s],
+            angle_rad: 7.0 * time_s,
+            velocity_m_s: [3.0, -10.0 * time_s],
+            spin_rad_s: 7.0,
+        };
+        Sample { time_s, bodies: vec![disc], ..Sample::default() }
+    }
+
+    #[test]
+    fn a_throw_between_two_samples_is_exact() {
+        let recording = Recording { samples: [0.0, 0.5, 2.0].map(thrown).to_vec(), ..Recording::default() };
+        let mut cursor = 0;
+        for t in [0.0, 0.2, 0.5, 1.1, 2.0, 0.3] {
+            let (found, expected) = (recording.at(t, &mut cursor).expect("samples"), thrown(t));
+            let (found, expected) = (found.bodies[0], expected.bodies[0]);
+            for k in 0..2 {
+                assert!((found.centre_m[k] - expected.centre_m[k]).abs() < 1e-14, "{t}");
+                assert!((found.velocity_m_s[k] - expected.velocity_m_s[k]).abs() < 1e-14, "{t}");
+            }
+            assert!((found.angle_rad - expected.angle_rad).abs() < 1e-14, "{t}");
+        }
+        assert_eq!(Recording::default().at(0.0, &mut 0), None);
+    }
 }

@@ -136,14 +136,15 @@ struct Tally {
 
 impl Tally {
     fn figures(&self, outcome: &Outcome) -> [f64; 6] {
-        let first = self.first.unwrap_or_default();
+        let nothing = Sample::of_finger();
+        let first = self.first.as_ref().unwrap_or(&nothing);
         let length_s = outcome.last.time_s - first.time_s;
         let [proximal, distal] = self.touchdowns;
         [
             proximal,
             distal,
-            outcome.last.proximal.impulse_n_s - first.proximal.impulse_n_s,
-            outcome.last.distal.impulse_n_s - first.distal.impulse_n_s,
+            outcome.last.contact(Site::Proximal).impulse_n_s - first.contact(Site::Proximal).impulse_n_s,
+            outcome.last.contact(Site::Distal).impulse_n_s - first.contact(Site::Distal).impulse_n_s,
             self.q21_rad_s / length_s,
             self.kinetic_j_s / length_s,
         ]
@@ -155,17 +156,21 @@ impl Sink for Tally {
         if sample.time_s < self.from_s {
             return Ok(());
         }
-        self.first.get_or_insert(*sample);
-        let before = self.last.replace(*sample).unwrap_or(*sample);
+        self.first.get_or_insert_with(|| sample.clone());
+        let before = self.last.as_ref().unwrap_or(sample);
         let half = 0.5 * (sample.time_s - before.time_s);
-        self.q21_rad_s += half * (before.q21_rad + sample.q21_rad);
+        self.q21_rad_s += half * (before.finger().q21_rad + sample.finger().q21_rad);
         self.kinetic_j_s += half * (before.energy.kinetic_j + sample.energy.kinetic_j);
+        match &mut self.last {
+            Some(last) => last.clone_from(sample),
+            None => self.last = Some(sample.clone()),
+        }
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if event.kind == EventKind::TouchDown && event.time_s >= self.from_s && event.site != Site::Limit {
-            self.touchdowns[event.site as usize] += 1.0;
+        if event.kind == EventKind::TouchDown && event.time_s >= self.from_s && event.site() != Site::Limit {
+            self.touchdowns[event.site() as usize] += 1.0;
         }
         Ok(())
     }

@@ -25,9 +25,9 @@ impl Angle {
 
     pub fn of(self, sample: &Sample) -> f64 {
         match self {
-            Angle::Q11 => sample.q11_rad,
-            Angle::Q21 => sample.q21_rad,
-            Angle::Q22 => sample.q22_rad,
+            Angle::Q11 => sample.finger().q11_rad,
+            Angle::Q21 => sample.finger().q21_rad,
+            Angle::Q22 => sample.finger().q22_rad,
         }
     }
 
@@ -50,9 +50,9 @@ impl Rate {
 
     pub fn of(self, sample: &Sample) -> f64 {
         match self {
-            Rate::Qd11 => sample.qd11_rad_s,
-            Rate::Qd21 => sample.qd21_rad_s,
-            Rate::Qd22 => sample.qd22_rad_s,
+            Rate::Qd11 => sample.finger().qd11_rad_s,
+            Rate::Qd21 => sample.finger().qd21_rad_s,
+            Rate::Qd22 => sample.finger().qd22_rad_s,
         }
     }
 

@@ -36,11 +36,11 @@ fn assert_is_the_anchor(settings: Integrator, time: f64, angle: f64, force: f64,
     let last = outcome.last;
     assert_eq!(last.time_s, 20e-3);
     let angle = angle + digits * HALF_DIGIT_DEG.to_radians();
-    assert_near(last.q11_rad, Q11_DEG.to_radians(), angle, "q11");
-    assert_near(last.q21_rad, Q21_DEG.to_radians(), angle, "q21");
+    assert_near(last.finger().q11_rad, Q11_DEG.to_radians(), angle, "q11");
+    assert_near(last.finger().q21_rad, Q21_DEG.to_radians(), angle, "q21");
     let force = |f: f64| force * f + digits * HALF_DIGIT_N;
-    assert_near(last.proximal.normal_n, PROXIMAL_N, force(PROXIMAL_N), "proximal force");
-    assert_near(last.distal.normal_n, DISTAL_N, force(DISTAL_N), "distal force");
+    assert_near(last.contact(Site::Proximal).normal_n, PROXIMAL_N, force(PROXIMAL_N), "proximal force");
+    assert_near(last.contact(Site::Distal).normal_n, DISTAL_N, force(DISTAL_N), "distal force");
 }
 
 #[test]
@@ -72,10 +72,10 @@ fn both_methods_agree_along_the_whole_trajectory() {
         let t = f64::from(i) * grid_s;
         let (a, b) = (rodas_log.at(t), radau_log.at(t));
         assert!((a.time_s - t).abs() < 1e-15 && (b.time_s - t).abs() < 1e-15, "no sample at {t}");
-        assert_near(a.q11_rad, b.q11_rad, 1e-9, &format!("q11 at {t}"));
-        assert_near(a.q21_rad, b.q21_rad, 1e-9, &format!("q21 at {t}"));
+        assert_near(a.finger().q11_rad, b.finger().q11_rad, 1e-9, &format!("q11 at {t}"));
+        assert_near(a.finger().q21_rad, b.finger().q21_rad, 1e-9, &format!("q21 at {t}"));
     }
-    for (a, b) in rodas.sites.iter().zip(&radau.sites) {
+    for (a, b) in rodas.contacts.iter().zip(&radau.contacts) {
         assert_near(a.impulse_n_s, b.impulse_n_s, 1e-7 * b.impulse_n_s.abs(), "impulse");
         assert_near(a.first_s.unwrap_or(0.0), b.first_s.unwrap_or(0.0), 1e-12, "contact time");
     }
@@ -89,7 +89,14 @@ fn the_same_scene_gives_the_same_bits() {
         assert_eq!(first, again);
         let bits = |log: &Collect| -> Vec<[u64; 5]> {
             let key = |s: &phalanx::trace::Sample| {
-                [s.time_s, s.q11_rad, s.qd21_rad_s, s.proximal.normal_n, s.energy.balance_j].map(f64::to_bits)
+                [
+                    s.time_s,
+                    s.finger().q11_rad,
+                    s.finger().qd21_rad_s,
+                    s.contact(Site::Proximal).normal_n,
+                    s.energy.balance_j,
+                ]
+                .map(f64::to_bits)
             };
             log.samples.iter().map(key).collect()
         };

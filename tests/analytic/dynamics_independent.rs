@@ -220,8 +220,8 @@ fn closing_cases() -> Vec<Case> {
         finger,
         gamma: gamma_of(&finger),
         gravity: scene.gravity_m_s2,
-        q: [s.q11_rad, s.q21_rad],
-        v: [s.qd11_rad_s, s.qd21_rad_s],
+        q: [s.finger().q11_rad, s.finger().q21_rad],
+        v: [s.finger().qd11_rad_s, s.finger().qd21_rad_s],
     };
     log.samples.iter().map(state).collect()
 }

@@ -86,7 +86,7 @@ fn assert_balanced(settings: Integrator, tolerance: f64, drop_tolerance: f64) {
             "{:?} {}: balance {balance:.1e}, drop {drop:.1e}, contacts {:?}",
             settings.method,
             scene.name,
-            outcome.sites.map(|s| s.touchdowns)
+            outcome.contacts.iter().map(|s| s.touchdowns).collect::<Vec<_>>()
         );
         assert!(balance < tolerance, "{}: {balance:e}", scene.name);
         assert!(drop < drop_tolerance, "{}: {drop:e}", scene.name);
@@ -116,7 +116,7 @@ fn work_of_a_constant_torque_is_torque_times_angle() {
         let (_, log) = complete(&scene);
         let mut worst = 0.0f64;
         for s in &log.samples {
-            let work = 0.48 * (s.q11_rad - scene.initial.q11_rad);
+            let work = 0.48 * (s.finger().q11_rad - scene.initial.q11_rad);
             worst = worst.max((s.energy.motor_work_j - work).abs());
         }
         println!("{:?}: work off by {worst:e} J", settings.method);
@@ -134,13 +134,13 @@ fn logged_energies_are_those_of_the_logged_state() {
     let dip = |[x, y]: [f64; 2], angle: f64| x * angle.sin() + y * angle.cos();
     let mut height_energy = Vec::new();
     for s in &log.samples {
-        let theta3 = s.q11_rad + s.q12_rad;
-        let theta4 = s.q13_rad;
+        let theta3 = s.finger().q11_rad + s.finger().q12_rad;
+        let theta4 = s.finger().q13_rad;
         let heights = [
-            (b.l11, dip(b.l11.com_m, s.q11_rad)),
-            (b.l21, dip(b.l21.com_m, s.q21_rad)),
-            (b.l12, l.l11_m * s.q11_rad.sin() + dip(b.l12.com_m, theta3)),
-            (b.l22, l.l21_m * s.q21_rad.sin() + dip(b.l22.com_m, theta4)),
+            (b.l11, dip(b.l11.com_m, s.finger().q11_rad)),
+            (b.l21, dip(b.l21.com_m, s.finger().q21_rad)),
+            (b.l12, l.l11_m * s.finger().q11_rad.sin() + dip(b.l12.com_m, theta3)),
+            (b.l22, l.l21_m * s.finger().q21_rad.sin() + dip(b.l22.com_m, theta4)),
         ];
         // Gravity pulls along +y.
         let gravity: f64 = heights.iter().map(|(body, y)| -9.81 * body.mass_kg * y).sum();
@@ -150,13 +150,22 @@ fn logged_energies_are_those_of_the_logged_state() {
             [base[0] - rate * (sin * com[0] + cos * com[1]), base[1] + rate * (cos * com[0] - sin * com[1])]
         };
         let joint = |length: f64, angle: f64, rate: f64| [-length * rate * angle.sin(), length * rate * angle.cos()];
-        let (rate3, rate4) = (s.qd11_rad_s + s.qd12_rad_s, s.qd21_rad_s + s.qd22_rad_s);
+        let (rate3, rate4) =
+            (s.finger().qd11_rad_s + s.finger().qd12_rad_s, s.finger().qd21_rad_s + s.finger().qd22_rad_s);
         let none = [0.0; 2];
         let moving = [
-            (b.l11, velocity(none, b.l11.com_m, s.q11_rad, s.qd11_rad_s), s.qd11_rad_s),
-            (b.l21, velocity(none, b.l21.com_m, s.q21_rad, s.qd21_rad_s), s.qd21_rad_s),
-            (b.l12, velocity(joint(l.l11_m, s.q11_rad, s.qd11_rad_s), b.l12.com_m, theta3, rate3), rate3),
-            (b.l22, velocity(joint(l.l21_m, s.q21_rad, s.qd21_rad_s), b.l22.com_m, theta4, rate4), rate4),
+            (b.l11, velocity(none, b.l11.com_m, s.finger().q11_rad, s.finger().qd11_rad_s), s.finger().qd11_rad_s),
+            (b.l21, velocity(none, b.l21.com_m, s.finger().q21_rad, s.finger().qd21_rad_s), s.finger().qd21_rad_s),
+            (
+                b.l12,
+                velocity(joint(l.l11_m, s.finger().q11_rad, s.finger().qd11_rad_s), b.l12.com_m, theta3, rate3),
+                rate3,
+            ),
+            (
+                b.l22,
+                velocity(joint(l.l21_m, s.finger().q21_rad, s.finger().qd21_rad_s), b.l22.com_m, theta4, rate4),
+                rate4,
+            ),
         ];
         let kinetic: f64 = moving
             .iter()
@@ -164,7 +173,7 @@ fn logged_energies_are_those_of_the_logged_state() {
             .sum();
         assert!((kinetic - s.energy.kinetic_j).abs() < 1e-13 * (1.0 + kinetic), "{kinetic} {}", s.energy.kinetic_j);
         // Constant spring torque on q22, from the straight line on.
-        let spring = 0.1326 * (s.q22_rad + l.phi22_rad);
+        let spring = 0.1326 * (s.finger().q22_rad + l.phi22_rad);
         assert!((spring - s.energy.spring_j).abs() < 1e-14, "{spring} {}", s.energy.spring_j);
     }
     let spread = height_energy.iter().map(|e| (e - height_energy[0]).abs()).fold(0.0, f64::max);

@@ -4,8 +4,7 @@ use crate::support::laws::{FRICTION, THESIS, disc, on_plane, sliding};
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
 use phalanx::scene::{Response, Scene, Stepping};
-use phalanx::trace::bodies::{BodiesSample, DiscState};
-use phalanx::trace::{ContactSample, Energy, Model, Sample, Sink};
+use phalanx::trace::{BodyState, ContactSample, Energy, Model, Sample, Sink, Site};
 
 const SPEED_M_S: f64 = 1.0;
 const START: Energy = Energy {
@@ -44,11 +43,13 @@ fn clean() -> Vec<Sample> {
         let lost_j = 1e-4 * f64::from(k);
         Sample {
             time_s: 1e-3 * f64::from(k),
-            proximal: pressed(1e-2 * f64::from(k)),
-            distal: ContactSample { gap_m: 1e-3, ..ContactSample::default() },
-            limit: ContactSample { gap_m: 0.1, ..ContactSample::default() },
+            contacts: vec![
+                pressed(1e-2 * f64::from(k)),
+                ContactSample { gap_m: 1e-3, ..ContactSample::default() },
+                ContactSample { gap_m: 0.1, ..ContactSample::default() },
+            ],
             energy: Energy { kinetic_j: START.kinetic_j - lost_j, dissipated_j: lost_j, ..START },
-            ..Sample::default()
+            ..Sample::of_finger()
         }
     };
     (0..5).map(at).collect()
@@ -90,33 +91,34 @@ fn a_clean_run_breaks_nothing() {
 #[test]
 fn numbers_that_are_none() {
     for strange in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        breaks(Invariant::Finite, None, |sample| sample.qd22_rad_s = strange);
-        breaks(Invariant::Finite, None, |sample| sample.proximal.normal_n = strange);
-        breaks(Invariant::Finite, None, |sample| sample.proximal.point_m[1] = strange);
-        breaks(Invariant::Finite, None, |sample| sample.limit.normal_n = strange);
+        breaks(Invariant::Finite, None, |sample| sample.finger_mut().qd22_rad_s = strange);
+        breaks(Invariant::Finite, None, |sample| sample.contact_mut(Site::Proximal).normal_n = strange);
+        breaks(Invariant::Finite, None, |sample| sample.contact_mut(Site::Proximal).point_m[1] = strange);
+        breaks(Invariant::Finite, None, |sample| sample.contact_mut(Site::Limit).normal_n = strange);
         breaks(Invariant::Finite, None, |sample| sample.energy.spring_j = strange);
     }
     // A gap to nothing is infinite and breaks nothing, one that is no number does.
-    breaks(Invariant::Finite, None, |sample| sample.limit.gap_m = f64::NAN);
+    breaks(Invariant::Finite, None, |sample| sample.contact_mut(Site::Limit).gap_m = f64::NAN);
     let mut samples = clean();
-    samples.iter_mut().for_each(|sample| (sample.distal, sample.limit) = (ContactSample::NONE, ContactSample::NONE));
+    samples.iter_mut().for_each(|sample| sample.contacts[1..].fill(ContactSample::NONE));
     assert_eq!(broken(Model::Analytic, &scene(), &samples, 0.0), []);
 }
 
 #[test]
 fn contacts_that_pull_or_push_from_afar() {
     breaks(Invariant::NoAdhesion, Some("proximal"), |sample| {
-        (sample.proximal.normal_n, sample.proximal.tangential_n) = (-1e-3, 0.0);
+        let proximal = sample.contact_mut(Site::Proximal);
+        (proximal.normal_n, proximal.tangential_n) = (-1e-3, 0.0);
     });
-    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.limit.normal_n = -1e-6);
-    breaks(Invariant::NoAdhesion, Some("distal"), |sample| sample.distal.normal_n = 1.0);
-    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.limit.normal_n = 1e-3);
+    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.contact_mut(Site::Limit).normal_n = -1e-6);
+    breaks(Invariant::NoAdhesion, Some("distal"), |sample| sample.contact_mut(Site::Distal).normal_n = 1.0);
+    breaks(Invariant::NoAdhesion, Some("limit"), |sample| sample.contact_mut(Site::Limit).normal_n = 1e-3);
 }
 
 #[test]
 fn an_impulse_that_falls() {
     let mut samples = clean();
-    samples[3].proximal.impulse_n_s = 0.5 * samples[2].proximal.impulse_n_s;
+    samples[3].contact_mut(Site::Proximal).impulse_n_s = 0.5 * samples[2].contact(Site::Proximal).impulse_n_s;
     for model in [Model::Analytic, Model::Engine] {
         let found = broken(model, &scene(), &samples, 0.0);
         assert!(
@@ -140,12 +142,13 @@ fn losses_that_are_given_back() {
 
 #[test]
 fn friction_that_has_no_law() {
-    let friction = |tangential_n: f64| move |sample: &mut Sample| sample.proximal.tangential_n = tangential_n;
+    let friction =
+        |tangential_n: f64| move |sample: &mut Sample| sample.contact_mut(Site::Proximal).tangential_n = tangential_n;
     // With the slip, too large, too small, and without a normal force.
     for ratio in [FRICTION.mu_dynamic, -FRICTION.mu_dynamic - 0.1, 0.1 - FRICTION.mu_dynamic, -2.0] {
         breaks(Invariant::Friction, Some("proximal"), friction(10.0 * ratio));
     }
-    breaks(Invariant::Friction, Some("distal"), |sample| sample.distal.tangential_n = 1e-6);
+    breaks(Invariant::Friction, Some("distal"), |sample| sample.contact_mut(Site::Distal).tangential_n = 1e-6);
     // Where there is no friction there is no force.
     let smooth = crate::support::synthetic::scene();
     let found = broken(Model::Analytic, &smooth, &clean(), 0.0);
@@ -157,10 +160,10 @@ fn friction_that_has_no_law() {
 fn friction_of_the_engine_belongs_to_a_step() {
     let turning = |ratio: f64| {
         let mut samples = clean();
-        samples[3].proximal.slip_m_s = -SPEED_M_S;
-        samples[3].proximal.tangential_n = 10.0 * ratio;
-        samples[4].proximal.slip_m_s = -SPEED_M_S;
-        samples[4].proximal.tangential_n = 10.0 * FRICTION.mu_dynamic;
+        samples[3].contact_mut(Site::Proximal).slip_m_s = -SPEED_M_S;
+        samples[3].contact_mut(Site::Proximal).tangential_n = 10.0 * ratio;
+        samples[4].contact_mut(Site::Proximal).slip_m_s = -SPEED_M_S;
+        samples[4].contact_mut(Site::Proximal).tangential_n = 10.0 * FRICTION.mu_dynamic;
         samples
     };
     let judged = |model, ratio| broken(model, &scene(), &turning(ratio), 0.0).len();
@@ -173,9 +176,9 @@ fn friction_of_the_engine_belongs_to_a_step() {
 #[test]
 fn surfaces_deeper_in_than_their_energy_allows() {
     // 1 mJ is k δ^3.2 / 3.2: δ = 0.52 mm.
-    breaks(Invariant::Penetration, Some("proximal"), |sample| sample.proximal.gap_m = -0.6e-3);
+    breaks(Invariant::Penetration, Some("proximal"), |sample| sample.contact_mut(Site::Proximal).gap_m = -0.6e-3);
     let mut samples = clean();
-    samples[3].proximal.gap_m = -0.5e-3;
+    samples[3].contact_mut(Site::Proximal).gap_m = -0.5e-3;
     assert_eq!(broken(Model::Analytic, &scene(), &samples, 0.0), []);
 }
 
@@ -184,9 +187,9 @@ fn a_joint_past_its_limit() {
     let law = scene().limit.expect("a limit");
     let e = law.exponent;
     let deepest = ((e + 1.0) * START.kinetic_j / law.stiffness_n_per_m_e).powf((e + 1.0).recip());
-    breaks(Invariant::JointLimit, Some("limit"), |sample| sample.limit.gap_m = -1.1 * deepest);
+    breaks(Invariant::JointLimit, Some("limit"), |sample| sample.contact_mut(Site::Limit).gap_m = -1.1 * deepest);
     let mut samples = clean();
-    samples[3].limit.gap_m = -0.9 * deepest;
+    samples[3].contact_mut(Site::Limit).gap_m = -0.9 * deepest;
     assert_eq!(broken(Model::Analytic, &scene(), &samples, 0.0), []);
 }
 
@@ -205,20 +208,21 @@ fn joints_that_open() {
 #[test]
 fn settings_of_the_engine_say_what_is_allowed() {
     let mut parted = clean();
-    let ContactSample { gap_m, gap_rate_m_s, .. } = &mut parted[3].proximal;
+    let ContactSample { gap_m, gap_rate_m_s, .. } = parted[3].contact_mut(Site::Proximal);
     (*gap_m, *gap_rate_m_s) = (0.9e-4, 1.0);
     let mut scene = scene();
     assert_eq!(broken(Model::Engine, &scene, &parted, 0.0).len(), 1);
     scene.engine.stepping = Stepping::Fixed { step_s: 1e-4 };
     assert_eq!(broken(Model::Engine, &scene, &parted, 0.0), []);
-    parted[3].proximal.gap_m = 2e-4;
+    parted[3].contact_mut(Site::Proximal).gap_m = 2e-4;
     assert_eq!(broken(Model::Engine, &scene, &parted, 0.0).len(), 1);
 
     let mut rigid = clean();
-    (rigid[3].proximal.tangential_n, rigid[3].proximal.gap_m) = (8.0, -1e-3);
+    let proximal = rigid[3].contact_mut(Site::Proximal);
+    (proximal.tangential_n, proximal.gap_m) = (8.0, -1e-3);
     scene.engine.response = Response::Rapier { friction: 0.8, restitution: 0.0 };
     assert_eq!(broken(Model::Engine, &scene, &rigid, 0.0), []);
-    rigid[3].proximal.normal_n = -1.0;
+    rigid[3].contact_mut(Site::Proximal).normal_n = -1.0;
     assert_eq!(broken(Model::Engine, &scene, &rigid, 0.0).len(), 1);
 }
 
@@ -230,19 +234,20 @@ fn discs_are_held_to_them_too() {
         Some(FRICTION),
         5e-3,
     ));
-    let samples: Vec<BodiesSample> = clean()
+    let samples: Vec<Sample> = clean()
         .iter()
-        .map(|sample| BodiesSample {
+        .map(|sample| Sample {
             time_s: sample.time_s,
-            discs: vec![DiscState::default()],
-            contacts: vec![sample.proximal],
+            fingers: Vec::new(),
+            bodies: vec![BodyState::default()],
+            contacts: vec![*sample.contact(Site::Proximal)],
             energy: sample.energy,
         })
         .collect();
-    let broken = |doctor: fn(&mut BodiesSample)| {
+    let broken = |doctor: fn(&mut Sample)| {
         let mut samples = samples.clone();
         doctor(&mut samples[3]);
-        let mut invariants = Invariants::of_discs(Model::Analytic, &scene);
+        let mut invariants = Invariants::new(Model::Analytic, &scene);
         for sample in &samples {
             Sink::sample(&mut invariants, sample).expect("measuring writes nothing");
         }
@@ -251,7 +256,7 @@ fn discs_are_held_to_them_too() {
     };
     let pair = || Some("puck-plane".to_string());
     assert_eq!(broken(|_| ()), []);
-    assert_eq!(broken(|sample| sample.discs[0].spin_rad_s = f64::NAN), [(Invariant::Finite, None)]);
+    assert_eq!(broken(|sample| sample.bodies[0].spin_rad_s = f64::NAN), [(Invariant::Finite, None)]);
     assert_eq!(broken(|sample| sample.energy.balance_j = 1e-4), [(Invariant::Energy, None)]);
     assert_eq!(broken(|sample| sample.energy.dissipated_j = 1e-4), [(Invariant::Passivity, None)]);
     assert_eq!(broken(|sample| sample.contacts[0].gap_m = 1e-9), [(Invariant::NoAdhesion, pair())]);

@@ -27,16 +27,16 @@ impl Landings {
 
 impl Sink for Landings {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.last = *sample;
+        self.last.clone_from(sample);
         Ok(())
     }
 
     /// Comes after the sample of its instant.
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         assert_eq!(event.time_s, self.last.time_s, "an event without a sample");
-        match event.site {
-            Site::Proximal => self.take(event, &self.last.proximal.clone()),
-            Site::Distal => self.take(event, &self.last.distal.clone()),
+        match event.site() {
+            Site::Proximal => self.take(event, &self.last.contact(Site::Proximal).clone()),
+            Site::Distal => self.take(event, &self.last.contact(Site::Distal).clone()),
             Site::Limit => {}
         }
         Ok(())
@@ -81,7 +81,7 @@ struct Depths {
 
 impl Sink for Depths {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        for (site, contact) in [&sample.proximal, &sample.distal].into_iter().enumerate() {
+        for (site, contact) in [sample.contact(Site::Proximal), sample.contact(Site::Distal)].into_iter().enumerate() {
             let depth = -contact.gap_m / self.transitions_m[site];
             self.of_sites[site].push(if contact.normal_n > 0.0 { depth } else { f64::NAN });
         }

@@ -7,8 +7,7 @@ use crate::support::laws::{
 };
 use phalanx::law::NormalLaw;
 use phalanx::scene::{BodiesScene, DiscMotion, Integrator, Preset, Response};
-use phalanx::trace::Model;
-use phalanx::trace::bodies::{BodiesRunError, run_bodies};
+use phalanx::trace::{Model, RunError, run};
 
 /// Free, turning, of 1 kg, a homogeneous disc.
 fn free(radius: f64, velocity_m_s: [f64; 2], spin_rad_s: f64) -> DiscMotion {
@@ -36,10 +35,10 @@ fn three_radii() -> BodiesScene {
 fn forces_do_not_depend_on_the_radius() {
     for (model, bound) in [(Model::Analytic, 1e-9), (Model::Engine, 1e-9)] {
         let (outcome, log) = complete(model, &three_radii());
-        let hits = |pair: &usize| outcome.pairs[*pair].touchdowns > 0;
+        let hits = |pair: &usize| outcome.contacts[*pair].touchdowns > 0;
         let pairs: Vec<usize> = (0..6).filter(hits).collect();
         assert_eq!(pairs.len(), 3, "{}", model.name());
-        let peak = outcome.pairs[pairs[0]].peak_normal_n;
+        let peak = outcome.contacts[pairs[0]].peak_normal_n;
         let (mut worst, mut pressing): (f64, u32) = (0.0, 0);
         for sample in &log.samples {
             let force = |pair: usize| sample.contacts[pair].normal_n;
@@ -48,7 +47,7 @@ fn forces_do_not_depend_on_the_radius() {
                 worst = worst.max((force(*other) - force(pairs[0])).abs() / peak);
             }
         }
-        let summaries = pairs.iter().map(|pair| relative(outcome.pairs[*pair].peak_normal_n, peak));
+        let summaries = pairs.iter().map(|pair| relative(outcome.contacts[*pair].peak_normal_n, peak));
         let worst = summaries.fold(worst, f64::max);
         println!("{}: {worst:.1e}, {pressing} samples", model.name());
         assert!(pressing > 10);
@@ -66,18 +65,18 @@ fn momentum_is_kept_when_free_discs_collide() {
     let scene = scene(discs, REBOUND, Some(FRICTION), 40e-3);
     for (model, bound) in [(Model::Analytic, 1e-10), (Model::Engine, 2e-4)] {
         let (outcome, log) = complete(model, &scene);
-        assert_eq!(outcome.pairs[0].touchdowns, 1, "{}", model.name());
-        let momentum = |axis: usize, discs: &[phalanx::trace::bodies::DiscState]| {
+        assert_eq!(outcome.contacts[0].touchdowns, 1, "{}", model.name());
+        let momentum = |axis: usize, discs: &[phalanx::trace::BodyState]| {
             discs.iter().map(|disc| disc.velocity_m_s[axis]).sum::<f64>()
         };
         let mut worst: f64 = 0.0;
         for sample in &log.samples {
-            worst = worst.max((momentum(0, &sample.discs) - 0.5).abs()).max((momentum(1, &sample.discs) - 0.1).abs());
+            worst = worst.max((momentum(0, &sample.bodies) - 0.5).abs()).max((momentum(1, &sample.bodies) - 0.1).abs());
         }
         assert!(worst < 1e-12, "{}: momentum is off by {worst:e}", model.name());
         // Friction turns both discs against the slip of their surfaces: by its impulse times each one's radius.
-        let [a, b] = [&outcome.last.discs[0], &outcome.last.discs[1]];
-        let impulse = |disc: &phalanx::trace::bodies::DiscState, spin: f64, r: f64| 0.5 * r * (disc.spin_rad_s - spin);
+        let [a, b] = [&outcome.last.bodies[0], &outcome.last.bodies[1]];
+        let impulse = |disc: &phalanx::trace::BodyState, spin: f64, r: f64| 0.5 * r * (disc.spin_rad_s - spin);
         let both = [impulse(a, 8.0, 0.05), impulse(b, -3.0, 0.04)];
         assert!(both[0].abs() > 1e-2 && (both[0] - both[1]).abs() < 1e-9, "{}: {both:?}", model.name());
         let energy = &outcome.last.energy;
@@ -98,7 +97,7 @@ fn a_sliding_disc_ends_rolling() {
         scene.gravity_m_s2 = [0.0, -weight];
         for (model, bound) in [(Model::Analytic, 1e-9), (Model::Engine, 1e-6)] {
             let (outcome, _) = complete(model, &scene);
-            let wheel = &outcome.last.discs[0];
+            let wheel = &outcome.last.bodies[0];
             let rolling = wheel.velocity_m_s[0] + wheel.spin_rad_s * radius;
             println!("{}: slip {rolling:.1e}, speed off by {:.1e}", model.name(), wheel.velocity_m_s[0] - wanted);
             assert!(rolling.abs() < bound, "{}: slips at {rolling:e} m/s", model.name());
@@ -119,16 +118,16 @@ fn a_symmetric_collision_stays_symmetric() {
     let scene = scene(discs, REBOUND, Some(FRICTION), 20e-3);
     for model in BOTH {
         let (outcome, log) = complete(model, &scene);
-        assert_eq!(outcome.pairs[0].touchdowns, 1);
+        assert_eq!(outcome.contacts[0].touchdowns, 1);
         for sample in &log.samples {
-            let [left, right] = [&sample.discs[0], &sample.discs[1]];
+            let [left, right] = [&sample.bodies[0], &sample.bodies[1]];
             assert!((left.centre_m[0] + right.centre_m[0]).abs() < 1e-15, "{}: {sample:?}", model.name());
             assert!((left.velocity_m_s[0] + right.velocity_m_s[0]).abs() < 1e-13, "{}", model.name());
             for disc in [left, right] {
                 assert!(disc.centre_m[1].abs() < 1e-15 && disc.spin_rad_s.abs() < 1e-12, "{}", model.name());
             }
         }
-        assert!(outcome.last.discs[0].velocity_m_s[0] < -0.1);
+        assert!(outcome.last.bodies[0].velocity_m_s[0] < -0.1);
     }
 }
 
@@ -141,7 +140,7 @@ fn the_engine_is_of_second_order_in_free_motion() {
     let mut errors = Vec::new();
     for step in [2e-4, 1e-4, 5e-5] {
         let (outcome, _) = complete(Model::Engine, &stepped(&scene, step));
-        let ball = &outcome.last.discs[0];
+        let ball = &outcome.last.bodies[0];
         assert!((ball.centre_m[0] - 0.02).abs() < 1e-14);
         assert!((ball.centre_m[1] - (0.04 - 0.5 * 9.81 * 4e-4)).abs() < 1e-14, "{ball:?}");
         errors.push((ball.angle_rad - 2.0).abs());
@@ -151,7 +150,7 @@ fn the_engine_is_of_second_order_in_free_motion() {
         assert!((order - 2.0).abs() < 0.05, "{errors:?}");
     }
     let (outcome, _) = complete(Model::Analytic, &scene);
-    assert!((outcome.last.discs[0].angle_rad - 2.0).abs() < 1e-13);
+    assert!((outcome.last.bodies[0].angle_rad - 2.0).abs() < 1e-13);
 }
 
 /// Everyday settings follow the reference ones.
@@ -161,7 +160,7 @@ fn the_engineering_preset_follows_the_reference() {
     let everyday = BodiesScene { integrator: Integrator::preset(Preset::Engineering), ..reference.clone() };
     let (fine, _) = complete(Model::Analytic, &reference);
     let (coarse, _) = complete(Model::Analytic, &everyday);
-    for (a, b) in fine.last.discs.iter().zip(&coarse.last.discs) {
+    for (a, b) in fine.last.bodies.iter().zip(&coarse.last.bodies) {
         for axis in 0..2 {
             assert!((a.centre_m[axis] - b.centre_m[axis]).abs() < 1e-7, "{a:?} {b:?}");
         }
@@ -174,7 +173,7 @@ fn the_engineering_preset_follows_the_reference() {
 fn too_many_discs_are_refused_by_the_analytic_model_alone() {
     let discs = (0..4).map(|i| disc(&format!("d{i}"), 0.05, [0.2 * f64::from(i), 0.0], sliding([0.0; 2]))).collect();
     let scene = scene(discs, spring(1e8, 2.2), None, 1e-3);
-    let Err(BodiesRunError::Simulation { failure, .. }) = run_bodies(Model::Analytic, &scene, &mut ()) else {
+    let Err(RunError::Simulation { failure, .. }) = run(Model::Analytic, &scene, &mut ()) else {
         panic!("four moving discs are too many")
     };
     let message = failure.to_string();
@@ -193,7 +192,7 @@ fn a_drive_pays_for_what_it_pushes() {
     let mut final_speeds = Vec::new();
     for (model, bound) in [(Model::Analytic, 1e-10), (Model::Engine, 1e-4)] {
         let (outcome, _) = complete(model, &scene);
-        let [ball, bat] = [&outcome.last.discs[0], &outcome.last.discs[1]];
+        let [ball, bat] = [&outcome.last.bodies[0], &outcome.last.bodies[1]];
         // The bat does not feel it.
         assert!((bat.centre_m[0] - (-0.101 + 0.01 + 1e-3)).abs() < 1e-14, "{}: {bat:?}", model.name());
         assert!((bat.velocity_m_s[0] - 1.2).abs() < 1e-13 && bat.velocity_m_s[1] == 0.0, "{}: {bat:?}", model.name());
@@ -222,11 +221,11 @@ fn rapiers_own_contact_answers_for_discs() {
             disc("ball", 0.05, [0.05, 0.0], sliding([0.0; 2])),
         ];
         let (outcome, _) = complete(Model::Engine, &rapier(scene(discs, THESIS, None, 5e-3), 0.0, restitution));
-        let speeds = [0, 1].map(|disc: usize| outcome.last.discs[disc].velocity_m_s[0]);
+        let speeds = [0, 1].map(|disc: usize| outcome.last.bodies[disc].velocity_m_s[0]);
         assert!((speeds[0] + speeds[1] - 1.0).abs() < 1e-12, "{speeds:?}");
         assert!((speeds[1] - speeds[0] - restitution).abs() < 1e-3, "{restitution}: {speeds:?}");
-        assert!((outcome.pairs[0].impulse_n_s - speeds[1]).abs() < 1e-9);
-        assert_eq!(outcome.pairs[0].touchdowns, 1);
+        assert!((outcome.contacts[0].impulse_n_s - speeds[1]).abs() < 1e-9);
+        assert_eq!(outcome.contacts[0].touchdowns, 1);
         let lost = 0.25 * (1.0 - restitution * restitution);
         assert!((outcome.last.energy.dissipated_j - lost).abs() < 1e-3, "{:?}", outcome.last.energy);
     }
@@ -234,6 +233,6 @@ fn rapiers_own_contact_answers_for_discs() {
     let mut slide = on_plane(scene(vec![disc("puck", 0.05, [0.0, 0.05], sliding([1.0, 0.0]))], THESIS, None, 0.05));
     slide.gravity_m_s2 = [0.0, -9.81];
     let (outcome, _) = complete(Model::Engine, &rapier(slide, 0.5, 0.0));
-    let speed = outcome.last.discs[0].velocity_m_s[0];
+    let speed = outcome.last.bodies[0].velocity_m_s[0];
     assert!((speed - (1.0 - 0.5 * 9.81 * 0.05)).abs() < 1e-3, "{speed}");
 }

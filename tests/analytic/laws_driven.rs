@@ -44,7 +44,7 @@ fn a_spring_alone_is_k_delta_to_the_e() {
                 assert!((contact.normal[0] + 1.0).abs() < 1e-15 && contact.normal[1] == 0.0);
             }
             assert!((deepest - 0.02).abs() < 1e-12);
-            let summary = &outcome.pairs[0];
+            let summary = &outcome.contacts[0];
             assert!((summary.first_s.unwrap() - 5e-3).abs() < 1e-12, "{:?}", summary.first_s);
             assert!((summary.peak_normal_n / (k * 0.02f64.powf(e)) - 1.0).abs() < 1e-12);
             assert!((summary.max_penetration_m - 0.02).abs() < 1e-14);
@@ -87,7 +87,7 @@ fn a_damper_alone_is_c_of_delta_times_the_rate() {
                 );
             }
             assert!(within > 10, "{}: {within} samples within the transition", model.name());
-            assert!((outcome.pairs[0].peak_normal_n / 1e6 - 1.0).abs() < 1e-12);
+            assert!((outcome.contacts[0].peak_normal_n / 1e6 - 1.0).abs() < 1e-12);
         }
     }
 }
@@ -143,7 +143,7 @@ fn spin_slips_like_motion() {
         assert!((contact.slip_m_s + 0.15).abs() < 1e-14, "{}: {}", model.name(), contact.slip_m_s);
         // Friction drives the surface back against its slip: along +tangent, which is −x.
         assert!((contact.tangential_n / contact.normal_n - 0.68).abs() < 1e-12);
-        assert!((outcome.last.discs[0].angle_rad - 0.015).abs() < 1e-13);
+        assert!((outcome.last.bodies[0].angle_rad - 0.015).abs() < 1e-13);
         let work = contact.tangential_n * 0.15 * 10e-3;
         assert!((outcome.last.energy.motor_work_j / work - 1.0).abs() < 1e-6, "{}", model.name());
     }

@@ -19,12 +19,12 @@ struct Figures {
 
 fn figures(model: Model, scene: &BodiesScene, speed: f64) -> Figures {
     let (outcome, log) = complete(model, scene);
-    let summary = &outcome.pairs[0];
+    let summary = &outcome.contacts[0];
     assert_eq!(summary.touchdowns, 1, "{}", model.name());
     let touch = log.time(0, EventKind::TouchDown);
     assert!((touch - 1e-3).abs() < 1e-12, "{}: {touch:e}", model.name());
-    let back = outcome.last.discs[1].velocity_m_s;
-    assert_eq!((back[1], outcome.last.discs[1].spin_rad_s), (0.0, 0.0));
+    let back = outcome.last.bodies[1].velocity_m_s;
+    assert_eq!((back[1], outcome.last.bodies[1].spin_rad_s), (0.0, 0.0));
     Figures {
         contact_time_s: log.time(0, EventKind::LiftOff) - touch,
         restitution: -back[0] / speed,
@@ -229,10 +229,10 @@ fn the_engine_stops_in_a_damper() {
     let closed = |depth: f64| damped(&law, 1.0, depth).abs();
     for (scene, bound) in [(scene.clone(), 2e-3), (stepped(&scene, 1e-5), 2e-3), (stepped(&scene, 1e-7), 2e-3)] {
         let (outcome, _) = complete(Model::Engine, &scene);
-        let left = closed(outcome.pairs[0].max_penetration_m);
-        println!("{left:.1e} {:.1e}", relative(outcome.pairs[0].impulse_n_s, 1.0));
+        let left = closed(outcome.contacts[0].max_penetration_m);
+        println!("{left:.1e} {:.1e}", relative(outcome.contacts[0].impulse_n_s, 1.0));
         assert!(left < bound, "{left:e} of the speed is left at the depth it stops at");
-        assert!(relative(outcome.pairs[0].impulse_n_s, 1.0) < bound);
+        assert!(relative(outcome.contacts[0].impulse_n_s, 1.0) < bound);
         assert!(relative(outcome.last.energy.dissipated_j, 0.5) < bound, "{:?}", outcome.last.energy);
     }
 }

@@ -9,8 +9,7 @@ use mcap::{MessageStream, Summary};
 use phalanx::criteria::Rebounds;
 use phalanx::invariants::Finding;
 use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
-use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
-use phalanx::trace::{Model, Sink, SinkError};
+use phalanx::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
 use phalanx::validate::{Subject, reference, sampled};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
@@ -37,13 +36,13 @@ fn load(name: &str) -> BodiesScene {
 #[derive(Default)]
 struct Listener {
     rebounds: Rebounds,
-    first: Option<BodiesSample>,
+    first: Option<Sample>,
     /// Largest friction force, and the slip at it.
     friction: (f64, f64),
 }
 
-impl Sink<BodiesSample> for Listener {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+impl Sink for Listener {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.first.get_or_insert_with(|| sample.clone());
         for contact in &sample.contacts {
             // The engine's force is the mean of a step, in which slow slip may turn round.
@@ -56,12 +55,12 @@ impl Sink<BodiesSample> for Listener {
         self.rebounds.sample(sample)
     }
 
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.rebounds.event(event)
     }
 }
 
-fn run(model: Model, name: &str) -> (BodiesOutcome, Listener) {
+fn run(model: Model, name: &str) -> (Outcome, Listener) {
     let mut scene = load(name);
     scene.integrator = scene.integrator.with_preset(Preset::Reference);
     let pairs = scene.pairs().len();
@@ -110,7 +109,7 @@ fn the_engine_is_within_the_bounds_of_every_scene() {
         }
         let verdict = scene.judge(&scene.compare(&found, &expected));
         assert!(verdict.passed(), "{name}: {verdict:#?}");
-        for (found, expected) in found.outcome.pairs.iter().zip(&expected.outcome.pairs) {
+        for (found, expected) in found.outcome.contacts.iter().zip(&expected.outcome.contacts) {
             assert_eq!(found.touchdowns, expected.touchdowns, "{name}");
         }
     }
@@ -120,20 +119,20 @@ fn the_engine_is_within_the_bounds_of_every_scene() {
 fn driven_discs_meet_the_laws_of_their_comments() {
     for model in BOTH {
         let (spring, _) = run(model, "spring");
-        near(spring.pairs[0].peak_normal_n, 18292.2, 1e-5);
-        near(spring.pairs[0].impulse_n_s, 114.326, 1e-4);
+        near(spring.contacts[0].peak_normal_n, 18292.2, 1e-5);
+        near(spring.contacts[0].impulse_n_s, 114.326, 1e-4);
         near(spring.last.energy.motor_work_j, 114.326, 1e-4);
         near(spring.last.energy.elastic_j, 114.326, 1e-4);
 
         let (damper, _) = run(model, "damper");
-        near(damper.pairs[0].peak_normal_n, 1e4, 1e-9);
-        near(damper.pairs[0].impulse_n_s, 40.0, 1e-4);
+        near(damper.contacts[0].peak_normal_n, 1e4, 1e-9);
+        near(damper.contacts[0].impulse_n_s, 40.0, 1e-4);
         near(damper.last.energy.dissipated_j, 40.0, 1e-4);
         assert_eq!(damper.last.energy.elastic_j, 0.0);
 
         let (friction, heard) = run(model, "friction");
-        near(friction.pairs[0].peak_normal_n, 25.1189, 1e-5);
-        near(friction.pairs[0].impulse_n_s, 2.51189, 1e-5);
+        near(friction.contacts[0].peak_normal_n, 25.1189, 1e-5);
+        near(friction.contacts[0].impulse_n_s, 2.51189, 1e-5);
         near(heard.friction.0, 0.8 * 25.1189, 1e-4);
         near(heard.friction.1, 0.1, 0.02);
         near(friction.last.contacts[0].tangential_n.abs(), 0.56 * 25.1189, 1e-5);
@@ -145,26 +144,26 @@ fn driven_discs_meet_the_laws_of_their_comments() {
 fn impacts_are_those_of_their_comments() {
     for (model, relative) in [(Model::Analytic, 2e-5), (Model::Engine, 1e-3)] {
         let (impact, heard) = run(model, "impact");
-        near(impact.pairs[0].first_s.expect("a touch"), 5e-3, 1e-9);
-        near(impact.pairs[0].peak_normal_n, 62.105, relative);
-        near(impact.pairs[0].max_penetration_m, 1.4936e-3, relative + 3e-5);
+        near(impact.contacts[0].first_s.expect("a touch"), 5e-3, 1e-9);
+        near(impact.contacts[0].peak_normal_n, 62.105, relative);
+        near(impact.contacts[0].max_penetration_m, 1.4936e-3, relative + 3e-5);
         near(heard.rebounds.pairs()[0].restitution().expect("it parts"), 0.60104, relative);
-        near(impact.pairs[0].impulse_n_s, 0.16010, relative + 3e-5);
+        near(impact.contacts[0].impulse_n_s, 0.16010, relative + 3e-5);
         near(impact.last.energy.dissipated_j, 31.938e-3, relative);
 
         let (elastic, heard) = run(model, "impact-elastic");
         near(heard.rebounds.pairs()[0].restitution().expect("it parts"), 1.0, relative);
-        near(elastic.pairs[0].impulse_n_s, 0.2, relative);
-        near(elastic.pairs[0].max_penetration_m, 1.78356e-3, relative);
-        near(elastic.pairs[0].peak_normal_n, 89.7083, relative);
+        near(elastic.contacts[0].impulse_n_s, 0.2, relative);
+        near(elastic.contacts[0].max_penetration_m, 1.78356e-3, relative);
+        near(elastic.contacts[0].peak_normal_n, 89.7083, relative);
         assert!(elastic.last.energy.dissipated_j.abs() < relative * 50e-3);
 
         let (damped, heard) = run(model, "impact-damper");
         assert_eq!(heard.rebounds.pairs()[0].restitution(), None);
-        assert!(damped.last.discs[1].velocity_m_s[0].abs() < 1e-6);
-        near(damped.pairs[0].impulse_n_s, 0.1, relative);
-        near(damped.pairs[0].max_penetration_m, 1.05e-3, relative);
-        near(damped.pairs[0].peak_normal_n, 95.0885, relative);
+        assert!(damped.last.bodies[1].velocity_m_s[0].abs() < 1e-6);
+        near(damped.contacts[0].impulse_n_s, 0.1, relative);
+        near(damped.contacts[0].max_penetration_m, 1.05e-3, relative);
+        near(damped.contacts[0].peak_normal_n, 95.0885, relative);
         near(damped.last.energy.dissipated_j, 50e-3, relative);
     }
 }
@@ -174,18 +173,18 @@ fn three_radii_make_no_difference() {
     let scene = load("radii");
     for (model, relative) in [(Model::Analytic, 1e-4), (Model::Engine, 2e-3)] {
         let (outcome, heard) = run(model, "radii");
-        let met: Vec<usize> = (0..scene.pairs().len()).filter(|&k| outcome.pairs[k].first_s.is_some()).collect();
+        let met: Vec<usize> = (0..scene.pairs().len()).filter(|&k| outcome.contacts[k].first_s.is_some()).collect();
         let names: Vec<String> = met.iter().map(|&k| scene.pair_name(scene.pairs()[k])).collect();
         assert_eq!(names, ["large-target", "medium-target", "small-target"]);
         for &pair in &met {
-            let summary = &outcome.pairs[pair];
+            let summary = &outcome.contacts[pair];
             assert_eq!(summary.touchdowns, 1);
             near(summary.first_s.expect("a touch"), 5e-3, 1e-9);
             near(summary.peak_normal_n, 348.1, relative + 2e-4);
             near(summary.max_penetration_m, 0.4071e-3, relative + 1e-4);
             near(heard.rebounds.pairs()[pair].restitution().expect("it parts"), 0.8862, relative);
             // Equal to each other far better than right.
-            let other = &outcome.pairs[met[0]];
+            let other = &outcome.contacts[met[0]];
             near(summary.peak_normal_n, other.peak_normal_n, 1e-9);
             near(summary.impulse_n_s, other.impulse_n_s, 1e-9);
         }
@@ -196,7 +195,7 @@ fn three_radii_make_no_difference() {
 fn a_sliding_disc_comes_to_roll() {
     for model in BOTH {
         let (outcome, heard) = run(model, "rolling");
-        let wheel = &outcome.last.discs[0];
+        let wheel = &outcome.last.bodies[0];
         near(wheel.velocity_m_s[0], 2.0 / 3.0, 1e-6);
         near(wheel.spin_rad_s, -40.0 / 3.0, 1e-6);
         near(heard.friction.0, 0.3 * 0.981, 1e-5);
@@ -213,9 +212,9 @@ fn two_free_discs_keep_their_momenta() {
     let scene = load("two-free");
     let masses = [0.1, 0.3];
     let inertias = masses.map(|mass| 0.5 * mass * 0.05 * 0.05);
-    let momenta = |sample: &BodiesSample| {
+    let momenta = |sample: &Sample| {
         let mut sums = [0.0; 3];
-        for ((disc, mass), inertia) in sample.discs.iter().zip(masses).zip(inertias) {
+        for ((disc, mass), inertia) in sample.bodies.iter().zip(masses).zip(inertias) {
             let ([x, y], [vx, vy]) = (disc.centre_m, disc.velocity_m_s);
             sums[0] += mass * vx;
             sums[1] += mass * vy;
@@ -228,14 +227,14 @@ fn two_free_discs_keep_their_momenta() {
         let (outcome, heard) = run(model, "two-free");
         let [before, after] = [momenta(&heard.first.expect("a sample")), momenta(&outcome.last)];
         // Friction acts on each disc at its own surface, and these overlap: angular momentum is kept but for its moment.
-        let pair = &outcome.pairs[0];
+        let pair = &outcome.contacts[0];
         let moment = 0.5 * pair.impulse_n_s * pair.max_penetration_m;
         for (k, (expected, tolerance)) in [(0.1, 1e-9), (0.0, 1e-9), (3e-3, moment)].into_iter().enumerate() {
             let (before, after, model) = (before[k], after[k], model.name());
             assert!((before - expected).abs() < 1e-15);
             assert!((after - expected).abs() <= tolerance, "{model}, {k}: {after} instead of {expected}");
         }
-        assert!(outcome.last.discs[1].velocity_m_s[0] > 0.3 && outcome.last.energy.dissipated_j > 0.02);
+        assert!(outcome.last.bodies[1].velocity_m_s[0] > 0.3 && outcome.last.energy.dissipated_j > 0.02);
     }
 }
 

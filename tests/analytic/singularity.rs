@@ -4,7 +4,7 @@ use crate::support::runs::{Collect, anchor, engineering, reference, run};
 use phalanx::gripper::Assembly;
 use phalanx::integrator::{Failure, Reason};
 use phalanx::scene::{Actuation, Initial, Integrator, Method, Scene};
-use phalanx::trace::{RunError, Sample, run_analytic};
+use phalanx::trace::{RunError, Sample, Site, run_analytic};
 
 fn settings() -> [Integrator; 4] {
     [
@@ -18,19 +18,22 @@ fn settings() -> [Integrator; 4] {
 fn numbers(s: &Sample) -> [f64; 14] {
     [
         s.time_s,
-        s.q11_rad,
-        s.q21_rad,
-        s.q12_rad,
-        s.q22_rad,
-        s.q13_rad,
-        s.qd11_rad_s,
-        s.qd21_rad_s,
-        s.qd12_rad_s,
-        s.qd22_rad_s,
-        s.limit.normal_n,
+        s.finger().q11_rad,
+        s.finger().q21_rad,
+        s.finger().q12_rad,
+        s.finger().q22_rad,
+        s.finger().q13_rad,
+        s.finger().qd11_rad_s,
+        s.finger().qd21_rad_s,
+        s.finger().qd12_rad_s,
+        s.finger().qd22_rad_s,
+        s.contact(Site::Limit).normal_n,
         s.energy.kinetic_j,
         s.energy.balance_j,
-        s.proximal.normal_n + s.distal.normal_n + s.proximal.tangential_n + s.distal.tangential_n,
+        s.contact(Site::Proximal).normal_n
+            + s.contact(Site::Distal).normal_n
+            + s.contact(Site::Proximal).tangential_n
+            + s.contact(Site::Distal).tangential_n,
     ]
 }
 

@@ -22,7 +22,10 @@ fn jumps_cost_no_accuracy() {
     for profile in &profiles {
         let (everyday, _) = run(profile, engineering());
         let (exact, _) = run(profile, reference());
-        let off = [everyday.last.q11_rad - exact.last.q11_rad, everyday.last.q21_rad - exact.last.q21_rad];
+        let off = [
+            everyday.last.finger().q11_rad - exact.last.finger().q11_rad,
+            everyday.last.finger().q21_rad - exact.last.finger().q21_rad,
+        ];
         println!("{profile:?}: off by {off:?} rad, {} and {} steps", everyday.work.steps, exact.work.steps);
         assert!(off.iter().all(|o| o.abs() < 1e-9), "{profile:?}: {off:?}");
     }
@@ -37,7 +40,7 @@ fn work_of_a_stepped_torque_is_a_sum_of_products() {
         let (outcome, log) = run(&profile, settings);
         // Where the angle stood at every jump. The grid of samples hits each of them.
         let ends = points.iter().skip(1).map(|p| p.0).chain([4e-3]);
-        let angles: Vec<f64> = points.iter().map(|p| p.0).chain([4e-3]).map(|t| log.at(t).q11_rad).collect();
+        let angles: Vec<f64> = points.iter().map(|p| p.0).chain([4e-3]).map(|t| log.at(t).finger().q11_rad).collect();
         assert!(ends.into_iter().all(|t| (log.at(t).time_s - t).abs() < 1e-15));
         let work: f64 = points.iter().zip(angles.windows(2)).map(|(p, a)| p.1 * (a[1] - a[0])).sum();
         let got = outcome.last.energy.motor_work_j;

@@ -1,11 +1,10 @@
 //! Shapes and poses of a scene are those that the models have.
 
-use phalanx::drawing::{self, Part, Pose, Shape};
+use phalanx::drawing::{self, Drawing, Part, Pose, Shape};
 use phalanx::gripper::{Posture, joints};
 use phalanx::scene::{self, AnyScene, Scene};
-use phalanx::trace::bodies::run_bodies;
-use phalanx::trace::{Model, run};
-use phalanx::validate::{BodiesRecording, Recording};
+use phalanx::trace::{Model, Site, run};
+use phalanx::validate::Recording;
 
 fn load(name: &str) -> Scene {
     scene::load(format!("scenes/{name}.toml")).unwrap()
@@ -32,7 +31,7 @@ fn off_surface(shape: &Shape, pose: &Pose, point: [f64; 2]) -> f64 {
 #[test]
 fn joints_and_contact_points_lie_where_the_bodies_are_drawn() {
     let scene = load("experiment-95");
-    let drawing = drawing::finger(&scene);
+    let drawing = Drawing::of(&scene);
     assert_eq!(
         drawing.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>(),
         ["palm", "object", "l11", "l12", "l21", "l22"]
@@ -42,15 +41,15 @@ fn joints_and_contact_points_lie_where_the_bodies_are_drawn() {
     let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
     for sample in &kept.samples {
-        let poses = drawing::finger_poses(&scene, sample);
+        let poses = drawing::poses(&scene, sample);
         assert_eq!(poses.len(), drawing.bodies.len());
         let at = joints(
             &lengths,
             &Posture {
-                q11_rad: sample.q11_rad,
-                q21_rad: sample.q21_rad,
-                q12_rad: sample.q12_rad,
-                q22_rad: sample.q22_rad,
+                q11_rad: sample.finger().q11_rad,
+                q21_rad: sample.finger().q21_rad,
+                q12_rad: sample.finger().q12_rad,
+                q22_rad: sample.finger().q22_rad,
             },
         );
         let [coupler, distal] = [poses[3], poses[5]];
@@ -58,7 +57,7 @@ fn joints_and_contact_points_lie_where_the_bodies_are_drawn() {
         assert!(distance(distal.position_m, at.a22_m) < 1e-12);
         // The loop is closed: the ends of the coupler and of the arm are one point.
         assert!(distance(coupler.apply([lengths.l12_m, 0.0]), distal.apply([lengths.l22_m, 0.0])) < 1e-9);
-        for (body, contact) in [(4, &sample.proximal), (5, &sample.distal)] {
+        for (body, contact) in [(4, sample.contact(Site::Proximal)), (5, sample.contact(Site::Distal))] {
             let capsule = drawing.bodies[body].shapes.last().unwrap();
             let off = off_surface(capsule, &poses[body], contact.point_m);
             assert!(off < 1e-12, "{} at {} s: {off} m off", drawing.bodies[body].name, sample.time_s);
@@ -69,7 +68,7 @@ fn joints_and_contact_points_lie_where_the_bodies_are_drawn() {
 #[test]
 fn the_view_has_start_and_grasp_and_the_object() {
     let scene = load("experiment-95");
-    let drawing = drawing::finger(&scene);
+    let drawing = Drawing::of(&scene);
     let [low, high] = drawing.extent_m;
     let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
@@ -78,7 +77,7 @@ fn the_view_has_start_and_grasp_and_the_object() {
         assert!(low[k] < object.centre_m[k] - object.radius_m && object.centre_m[k] + object.radius_m < high[k]);
     }
     for sample in [kept.samples.first().unwrap(), kept.samples.last().unwrap()] {
-        for (body, pose) in drawing.bodies.iter().zip(drawing::finger_poses(&scene, sample)) {
+        for (body, pose) in drawing.bodies.iter().zip(drawing::poses(&scene, sample)) {
             for shape in &body.shapes {
                 if let Shape::Polygon { corners_m } = shape {
                     for corner in corners_m.iter().map(|corner| pose.apply(*corner)) {
@@ -96,7 +95,7 @@ fn the_view_has_start_and_grasp_and_the_object() {
 
 #[test]
 fn arrows_are_bounded_and_keep_their_sign() {
-    let drawing = drawing::finger(&load("experiment-95"));
+    let drawing = Drawing::of(&load("experiment-95"));
     let usual = 0.48 / 0.015;
     assert!((drawing.arrow_m(usual) - 0.5 * load("experiment-95").finger.lengths.l21_m).abs() < 1e-12);
     assert_eq!(drawing.arrow_m(1e6), drawing.longest_arrow_m);
@@ -106,7 +105,7 @@ fn arrows_are_bounded_and_keep_their_sign() {
 #[test]
 fn without_object_palm_or_closure_there_is_still_a_finger() {
     let scene = load("free-swing");
-    let drawing = drawing::finger(&scene);
+    let drawing = Drawing::of(&scene);
     assert!(drawing.contacts.is_empty());
     assert!(drawing.bodies.iter().all(|body| body.part != Part::Object));
     assert!(drawing.extent_m.iter().flatten().all(|at| at.is_finite()));
@@ -115,19 +114,19 @@ fn without_object_palm_or_closure_there_is_still_a_finger() {
 #[test]
 fn discs_are_drawn_where_they_are() {
     let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/two-free.toml").unwrap() else { panic!("not of discs") };
-    let drawing = drawing::discs(&scene);
-    let mut kept = BodiesRecording::default();
-    run_bodies(Model::Analytic, &scene, &mut kept).unwrap();
+    let drawing = Drawing::of(&scene);
+    let mut kept = Recording::default();
+    run(Model::Analytic, &scene, &mut kept).unwrap();
     let offset = usize::from(scene.half_plane.is_some());
     assert_eq!(drawing.bodies.len(), scene.discs.len() + offset);
     for sample in &kept.samples {
-        for (index, pose) in drawing::disc_poses(&scene, sample).iter().skip(offset).enumerate() {
-            assert_eq!(pose.position_m, sample.discs[index].centre_m);
-            assert_eq!(pose.angle_rad, sample.discs[index].angle_rad);
+        for (index, pose) in drawing::poses(&scene, sample).iter().skip(offset).enumerate() {
+            assert_eq!(pose.position_m, sample.bodies[index].centre_m);
+            assert_eq!(pose.angle_rad, sample.bodies[index].angle_rad);
         }
         let (pair, contact) = (scene.pairs()[0], &sample.contacts[0]);
         let at = offset + pair.disc;
-        let off = off_surface(&drawing.bodies[at].shapes[0], &drawing::disc_poses(&scene, sample)[at], contact.point_m);
+        let off = off_surface(&drawing.bodies[at].shapes[0], &drawing::poses(&scene, sample)[at], contact.point_m);
         assert!(off < 1e-12, "{off}");
     }
     assert!(drawing.arrow_m_per_n > 0.0 && drawing.arrow_m_per_n.is_finite());

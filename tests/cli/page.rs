@@ -1,12 +1,11 @@
 //! The page with the moving bodies: what is in the file, read back from its bytes alone.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use phalanx::drawing::{disc_poses, finger_poses};
-use phalanx::page::{Film, MOST_SAMPLES, Note, Page, Picture, Reel, discs_film, finger_film, page};
+use phalanx::drawing::poses;
+use phalanx::page::{Film, MOST_SAMPLES, Note, Page, Picture, Reel, film, page};
 use phalanx::scene::{self, AnyScene, BodiesScene, Scene};
-use phalanx::trace::bodies::run_bodies;
-use phalanx::trace::{Model, Sink, run};
-use phalanx::validate::{BodiesRecording, Recording, record};
+use phalanx::trace::{Model, Sink, Site, run};
+use phalanx::validate::{Recording, record};
 use serde_json::Value;
 
 fn load(name: &str) -> Scene {
@@ -24,9 +23,8 @@ fn films(scene: &Scene) -> (Vec<Recording>, Vec<Film>) {
     let recordings: Vec<Recording> =
         [Model::Analytic, Model::Engine].map(|model| record(model, scene).expect("a run")).into();
     let labels = ["analytic", "engine"];
-    let film = |(recording, label): (&Recording, &str)| {
-        finger_film(label, scene, &recording.samples, &recording.events, "a summary")
-    };
+    let film =
+        |(recording, label): (&Recording, &str)| film(label, scene, &recording.samples, &recording.events, "a summary");
     let films = recordings.iter().zip(labels).map(film).collect();
     (recordings, films)
 }
@@ -73,7 +71,7 @@ fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
         assert_eq!(run["samples"], samples.len());
         assert_eq!(run["recorded"], samples.len());
         assert_eq!(bits(column(run, &run["time_s"])), bits(samples.iter().map(|s| s.time_s)));
-        let poses: Vec<_> = samples.iter().map(|sample| finger_poses(&scene, sample)).collect();
+        let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
         for (index, body) in list(&run["bodies"]).iter().enumerate() {
             assert_eq!(bits(column(run, &body["x_m"])), bits(poses.iter().map(|all| all[index].position_m[0])));
             assert_eq!(bits(column(run, &body["y_m"])), bits(poses.iter().map(|all| all[index].position_m[1])));
@@ -87,8 +85,8 @@ fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
         assert_eq!(contacts.len(), 2);
         for contact in contacts {
             let of = |sample: &phalanx::trace::Sample| match contact["name"].as_str() {
-                Some("proximal") => sample.proximal,
-                _ => sample.distal,
+                Some("proximal") => *sample.contact(Site::Proximal),
+                _ => *sample.contact(Site::Distal),
             };
             let same = |key: &str, value: &dyn Fn(&phalanx::trace::Sample) -> f64| {
                 assert_eq!(bits(column(run, &contact[key])), bits(samples.iter().map(value)), "{key}");
@@ -107,10 +105,10 @@ fn every_sample_of_a_closing_is_in_the_page_to_the_bit() {
             let series = list(&panel["series"]).iter().find(|each| each["name"] == name).expect("a series");
             bits(column(run, &series["values"]))
         };
-        assert_eq!(series("Normal force", "distal"), bits(samples.iter().map(|s| s.distal.normal_n)));
-        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.qd22_rad_s)));
+        assert_eq!(series("Normal force", "distal"), bits(samples.iter().map(|s| s.contact(Site::Distal).normal_n)));
+        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger().qd22_rad_s)));
         assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy.balance_j)));
-        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.limit.normal_n)));
+        assert_eq!(series("Torque", "limit"), bits(samples.iter().map(|s| s.contact(Site::Limit).normal_n)));
         let times: Vec<f64> =
             list(&run["events"]).iter().map(|event| event["time_s"].as_f64().expect("a time")).collect();
         assert_eq!(times.len(), recording.events.len());
@@ -146,14 +144,14 @@ fn what_comes_from_a_scene_is_never_markup() {
     let mut scene = load_discs("laws/two-free");
     scene.name = hostile.to_string();
     scene.discs[0].name = hostile.to_string();
-    let mut recording = BodiesRecording::default();
-    run_bodies(Model::Analytic, &scene, &mut recording).expect("a run");
-    let film = discs_film(hostile, &scene, &recording.samples, &recording.events, hostile);
-    let plain = discs_film("label", &load_discs("laws/two-free"), &recording.samples, &recording.events, "text");
+    let mut recording = Recording::default();
+    run(Model::Analytic, &scene, &mut recording).expect("a run");
+    let named = film(hostile, &scene, &recording.samples, &recording.events, hostile);
+    let plain = film("label", &load_discs("laws/two-free"), &recording.samples, &recording.events, "text");
     let contents = Page {
         title: hostile.to_string(),
         description: hostile.to_string(),
-        runs: vec![film],
+        runs: vec![named],
         notes: vec![Note { title: hostile.to_string(), text: hostile.into() }],
         pictures: vec![Picture { title: hostile.to_string(), svg: "<svg></svg>".to_string() }],
     };
@@ -202,15 +200,15 @@ fn a_swing_without_an_object_has_no_contacts() {
 #[test]
 fn discs_are_in_the_page_to_the_bit() {
     let scene = load_discs("laws/rolling");
-    let mut recording = BodiesRecording::default();
-    run_bodies(Model::Analytic, &scene, &mut recording).expect("a run");
+    let mut recording = Recording::default();
+    run(Model::Analytic, &scene, &mut recording).expect("a run");
     let (count, step) = (recording.samples.len(), recording.samples.len().div_ceil(MOST_SAMPLES));
     let samples: Vec<_> = recording.samples.iter().step_by(step).cloned().collect();
     assert!(count > 100);
-    let film = discs_film("analytic", &scene, &samples, &recording.events, "");
-    let document = data(&page(&of("rolling", vec![film])));
+    let shown = film("analytic", &scene, &samples, &recording.events, "");
+    let document = data(&page(&of("rolling", vec![shown])));
     let run = &document["runs"][0];
-    let poses: Vec<_> = samples.iter().map(|sample| disc_poses(&scene, sample)).collect();
+    let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
     for (index, body) in list(&run["bodies"]).iter().enumerate() {
         assert_eq!(bits(column(run, &body["x_m"])), bits(poses.iter().map(|all| all[index].position_m[0])));
         assert_eq!(bits(column(run, &body["angle_rad"])), bits(poses.iter().map(|all| all[index].angle_rad)));
@@ -228,7 +226,10 @@ fn a_long_run_is_thinned_out_and_keeps_its_extremes() {
     let recording = record(Model::Analytic, &scene).expect("a run");
     for sample in &recording.samples {
         reel.sample(sample).expect("a reel takes everything");
-        largest = [largest[0].max(sample.proximal.normal_n), largest[1].max(sample.distal.normal_n)];
+        largest = [
+            largest[0].max(sample.contact(Site::Proximal).normal_n),
+            largest[1].max(sample.contact(Site::Distal).normal_n),
+        ];
     }
     assert!(recording.samples.len() > 70_000, "{}", recording.samples.len());
     let film = reel.film("analytic", &scene, "");

@@ -2,8 +2,9 @@
 
 use crate::support::synthetic::{posture, scene};
 use phalanx::criteria::{Class, Criteria};
-use phalanx::report::{Failure, RunReport, json, text};
-use phalanx::trace::{Outcome, Sample, SiteSummary, Work};
+use phalanx::report::{Came, Failure, RunReport, json, text};
+use phalanx::scene::Scene;
+use phalanx::trace::{ContactSummary, Model, Outcome, Sample, Site, Work};
 use serde_json::Value;
 
 fn last() -> Sample {
@@ -16,7 +17,7 @@ fn last() -> Sample {
 }
 
 fn outcome() -> Outcome {
-    let site = |first_s, touchdowns, peak_normal_n| SiteSummary {
+    let site = |first_s, touchdowns, peak_normal_n| ContactSummary {
         first_s,
         touchdowns,
         peak_normal_n,
@@ -25,7 +26,11 @@ fn outcome() -> Outcome {
     };
     Outcome {
         last: last(),
-        sites: [site(Some(4.501315e-3), 1, 98765.4), site(Some(6.883746e-3), 2, 51234.5), SiteSummary::default()],
+        contacts: vec![
+            site(Some(4.501315e-3), 1, 98765.4),
+            site(Some(6.883746e-3), 2, 51234.5),
+            ContactSummary::default(),
+        ],
         work: Work {
             steps: 231,
             rejected: 12,
@@ -49,8 +54,18 @@ fn criteria() -> Criteria {
     }
 }
 
+fn came(
+    scene: &Scene,
+    wall_s: f64,
+    outcome: Option<&Outcome>,
+    criteria: Option<Criteria>,
+    failure: Option<Failure>,
+) -> RunReport {
+    RunReport::new(scene, Model::Analytic, &Came { wall_s, outcome, criteria, rebounds: &[] }, failure)
+}
+
 fn report() -> RunReport {
-    RunReport::completed(&scene(), "analytic", 1.25e-3, &outcome(), Some(criteria()))
+    came(&scene(), 1.25e-3, Some(&outcome()), Some(criteria()), None)
 }
 
 fn parsed(report: &RunReport) -> Value {
@@ -113,8 +128,8 @@ fn floats_are_not_rounded() {
             })
             .collect()
     };
-    assert_eq!(numbers("q11_rad"), [last().q11_rad.to_bits()]);
-    let forces = [last().proximal.normal_n, last().distal.normal_n];
+    assert_eq!(numbers("q11_rad"), [last().finger().q11_rad.to_bits()]);
+    let forces = [last().contact(Site::Proximal).normal_n, last().contact(Site::Distal).normal_n];
     assert_eq!(numbers("final_normal_n"), forces.map(f64::to_bits));
     assert_eq!(numbers("balance_j"), [last().energy.balance_j.to_bits()]);
 }
@@ -122,10 +137,10 @@ fn floats_are_not_rounded() {
 #[test]
 fn what_is_not_known_is_null() {
     let mut outcome = outcome();
-    outcome.sites = Default::default();
+    outcome.contacts = vec![ContactSummary::default(); 3];
     let mut swing = scene();
     swing.object = None;
-    let document = parsed(&RunReport::completed(&swing, "analytic", 0.0, &outcome, None));
+    let document = parsed(&came(&swing, 0.0, Some(&outcome), None, None));
     assert_eq!(document["criteria"], Value::Null);
     for site in ["proximal", "distal"] {
         assert_eq!(document["contacts"][site]["first_s"], Value::Null);
@@ -136,7 +151,7 @@ fn what_is_not_known_is_null() {
 #[test]
 fn a_run_that_broke_off_reports_what_was_seen_of_it() {
     let failure = Failure { time_s: 4.6e-3, reason: "step budget of 10 used up".to_string() };
-    let report = RunReport::failed(&scene(), "analytic", 0.5, failure, Some(&outcome()));
+    let report = came(&scene(), 0.5, Some(&outcome()), None, Some(failure));
     let document = parsed(&report);
     assert_eq!(document["completed"], false);
     assert_eq!(document["error"]["time_s"], 4.6e-3);
@@ -151,7 +166,7 @@ fn a_run_that_broke_off_reports_what_was_seen_of_it() {
 #[test]
 fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
     let failure = Failure { time_s: 4.6e-3, reason: "cannot write the log run.mcap: no space left".to_string() };
-    let report = RunReport::failed(&scene(), "analytic", 0.5, failure, None);
+    let report = came(&scene(), 0.5, None, None, Some(failure));
     let document = parsed(&report);
     for key in ["steps", "final", "contacts", "criteria", "end_s", "energy", "work"] {
         assert_eq!(document[key], Value::Null, "{key}");

@@ -6,7 +6,7 @@ use phalanx::gripper::{FinalPosture, Posture, joints};
 use phalanx::scene::{self, Scene};
 use phalanx::statics::{Equilibrium, drive_loads, equilibrium, palm_force};
 use phalanx::study::grasp::{Grasp, Instead, grasp};
-use phalanx::trace::{self, Sample};
+use phalanx::trace::{self, Sample, Site};
 
 fn load(file: &str) -> Scene {
     scene::load(file).unwrap_or_else(|error| panic!("{error}"))
@@ -18,7 +18,7 @@ fn simulated(scene: &Scene) -> Sample {
 }
 
 fn forces(last: &Sample) -> [f64; 2] {
-    [last.proximal.normal_n, last.distal.normal_n]
+    [last.contact(Site::Proximal).normal_n, last.contact(Site::Distal).normal_n]
 }
 
 fn studied(scene: &Scene) -> Grasp {
@@ -28,8 +28,12 @@ fn studied(scene: &Scene) -> Grasp {
 /// Both phalanges a few micrometres deep in the object, as the simulation left them.
 fn yielded(scene: &Scene, last: &Sample) -> FinalPosture {
     let lengths = &scene.finger.lengths;
-    let posture =
-        Posture { q11_rad: last.q11_rad, q21_rad: last.q21_rad, q12_rad: last.q12_rad, q22_rad: last.q22_rad };
+    let posture = Posture {
+        q11_rad: last.finger().q11_rad,
+        q21_rad: last.finger().q21_rad,
+        q12_rad: last.finger().q12_rad,
+        q22_rad: last.finger().q22_rad,
+    };
     let at = joints(lengths, &posture);
     let centre = scene.object.unwrap().centre_m;
     let along = |from: [f64; 2], to: [f64; 2]| {
@@ -40,7 +44,7 @@ fn yielded(scene: &Scene, last: &Sample) -> FinalPosture {
         posture,
         l_c21_m: along([0.0; 2], at.a22_m),
         l_c22_m: along(at.a22_m, at.tip_m),
-        phi_c_rad: last.q21_rad + last.q22_rad + lengths.phi22_rad - 0.5 * std::f64::consts::PI,
+        phi_c_rad: last.finger().q21_rad + last.finger().q22_rad + lengths.phi22_rad - 0.5 * std::f64::consts::PI,
     }
 }
 

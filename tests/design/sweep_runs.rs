@@ -67,7 +67,7 @@ fn the_thesis_has_its_counts() {
     let scene = scene::parse(&study.scene_text(287), "95.toml").expect("a scene");
     assert_eq!(scene.integrator.preset, Preset::Engineering);
     let outcome = run_analytic(&scene, &mut ()).expect("completes");
-    assert_eq!(number("f21_n"), outcome.last.proximal.normal_n);
+    assert_eq!(number("f21_n"), outcome.last.contact(Site::Proximal).normal_n);
     assert_eq!(number("peak_f22_n"), outcome.site(Site::Distal).peak_normal_n);
     assert!((number("t22_m") - 12.857e-3).abs() < 5e-7);
     assert_eq!(row[table.column("class").expect("class")], Value::from("stable"));

@@ -30,8 +30,8 @@ fn defaults_follow_the_analytic_model_along_the_whole_closing() {
             assert_near(p, wanted, 5e-3 * wanted, "impulse of the impact");
         }
         for (found, wanted) in [
-            (outcome.last.proximal.normal_n, expected.last.proximal.normal_n),
-            (outcome.last.distal.normal_n, expected.last.distal.normal_n),
+            (outcome.last.contact(Site::Proximal).normal_n, expected.last.contact(Site::Proximal).normal_n),
+            (outcome.last.contact(Site::Distal).normal_n, expected.last.contact(Site::Distal).normal_n),
         ] {
             assert_near(found, wanted, 1e-4 * wanted, "final normal force");
         }
@@ -45,8 +45,8 @@ fn anchor_digits_come_out_of_the_engine_too() {
     let (outcome, _) = engine(&anchor());
     assert_near(outcome.site(Site::Proximal).first_s.unwrap(), 4.501315e-3, 2e-8, "first contact");
     assert_near(outcome.site(Site::Distal).first_s.unwrap(), 6.883746e-3, 2e-8, "second contact");
-    assert_near(outcome.last.q11_rad.to_degrees(), 2.088778, 2e-5, "q11");
-    assert_near(outcome.last.q21_rad.to_degrees(), 65.019991, 2e-5, "q21");
+    assert_near(outcome.last.finger().q11_rad.to_degrees(), 2.088778, 2e-5, "q11");
+    assert_near(outcome.last.finger().q21_rad.to_degrees(), 65.019991, 2e-5, "q21");
 }
 
 /// At 1e-4 s the engine is what tuned rigid-contact engines are: contact within one step, the final pose within 3e-4 rad.
@@ -61,8 +61,8 @@ fn a_step_of_a_tenth_of_a_millisecond_is_no_worse_than_rigid_contact() {
             let (found, wanted) = (outcome.site(site).first_s.unwrap(), expected.site(site).first_s.unwrap());
             assert_near(found, wanted, 1e-4, "first touch");
         }
-        assert_near(outcome.last.q11_rad, expected.last.q11_rad, 3e-4, "q11");
-        assert_near(outcome.last.q21_rad, expected.last.q21_rad, 3e-4, "q21");
+        assert_near(outcome.last.finger().q11_rad, expected.last.finger().q11_rad, 3e-4, "q11");
+        assert_near(outcome.last.finger().q21_rad, expected.last.finger().q21_rad, 3e-4, "q21");
     }
 }
 
@@ -75,14 +75,14 @@ fn rapiers_own_contact_ends_near_the_same_pose() {
     scene.engine.stepping = Stepping::Fixed { step_s: 1e-5 };
     let (expected, _) = dense_reference(&scene);
     let (outcome, _) = engine(&scene);
-    assert_near(outcome.last.q11_rad, expected.last.q11_rad, 5e-4, "q11");
-    assert_near(outcome.last.q21_rad, expected.last.q21_rad, 5e-4, "q21");
+    assert_near(outcome.last.finger().q11_rad, expected.last.finger().q11_rad, 5e-4, "q11");
+    assert_near(outcome.last.finger().q21_rad, expected.last.finger().q21_rad, 5e-4, "q21");
     for site in [Site::Proximal, Site::Distal] {
         let (found, wanted) = (outcome.site(site).first_s.unwrap(), expected.site(site).first_s.unwrap());
         assert_near(found, wanted, 2e-5, "first touch");
         assert!(outcome.site(site).impulse_n_s > 0.0);
     }
-    assert!(outcome.last.proximal.normal_n > 1.0 && outcome.last.distal.normal_n > 1.0);
+    assert!(outcome.last.contact(Site::Proximal).normal_n > 1.0 && outcome.last.contact(Site::Distal).normal_n > 1.0);
 }
 
 /// Held for five times as long, the contacts creep as the reference says: nothing drifts off at any step size.
@@ -94,9 +94,10 @@ fn a_hold_creeps_as_the_reference_does() {
         let (expected, reference) = dense_reference(&scene);
         let (outcome, run) = engine(&scene);
         assert!(worst_angle(&run, &reference) < 1e-5);
-        for (found, wanted) in
-            [(outcome.last.proximal, expected.last.proximal), (outcome.last.distal, expected.last.distal)]
-        {
+        for (found, wanted) in [
+            (outcome.last.contact(Site::Proximal), expected.last.contact(Site::Proximal)),
+            (outcome.last.contact(Site::Distal), expected.last.contact(Site::Distal)),
+        ] {
             assert_near(found.normal_n, wanted.normal_n, 2e-6 * wanted.normal_n, "normal force");
             assert_near(found.gap_m, wanted.gap_m, 1e-3 * wanted.gap_m.abs(), "penetration");
         }

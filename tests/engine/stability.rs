@@ -25,19 +25,25 @@ fn created(run: &Collect) -> f64 {
 fn rebound(run: &Collect, site: Site) -> f64 {
     let touch = run.first_touch(site).expect("a touch-down");
     let gap = |sample: &Sample| match site {
-        Site::Proximal => sample.proximal.gap_m,
-        _ => sample.distal.gap_m,
+        Site::Proximal => sample.contact(Site::Proximal).gap_m,
+        _ => sample.contact(Site::Distal).gap_m,
     };
     run.samples.iter().filter(|sample| sample.time_s > touch).map(gap).fold(0.0, f64::max)
 }
 
 fn finite(sample: &Sample) -> bool {
-    let contacts = [&sample.proximal, &sample.distal];
+    let contacts = [sample.contact(Site::Proximal), sample.contact(Site::Distal)];
     mechanical(sample).is_finite()
-        && [sample.q11_rad, sample.q21_rad, sample.q22_rad, sample.qd11_rad_s, sample.limit.normal_n]
-            .iter()
-            .chain(contacts.iter().flat_map(|c| [&c.normal_n, &c.tangential_n, &c.gap_m, &c.slip_m_s]))
-            .all(|x| x.is_finite())
+        && [
+            sample.finger().q11_rad,
+            sample.finger().q21_rad,
+            sample.finger().q22_rad,
+            sample.finger().qd11_rad_s,
+            sample.contact(Site::Limit).normal_n,
+        ]
+        .iter()
+        .chain(contacts.iter().flat_map(|c| [&c.normal_n, &c.tangential_n, &c.gap_m, &c.slip_m_s]))
+        .all(|x| x.is_finite())
 }
 
 /// Checks one run, whose geometry is frozen over each step: what it may gain or open is of second order in the step.
@@ -50,14 +56,17 @@ fn check(scene: &Scene, step_s: f64, created_j: f64, rebound_m: f64) {
         let opened = rebound(&run, site);
         assert!(opened <= rebound_m, "{site:?} opens by {opened:e} m again at {step_s:e} s");
         let friction = |s: &Sample| match site {
-            Site::Proximal => (s.proximal.normal_n, s.proximal.tangential_n),
-            _ => (s.distal.normal_n, s.distal.tangential_n),
+            Site::Proximal => (s.contact(Site::Proximal).normal_n, s.contact(Site::Proximal).tangential_n),
+            _ => (s.contact(Site::Distal).normal_n, s.contact(Site::Distal).tangential_n),
         };
         for (normal, tangential) in run.samples.iter().map(friction) {
             assert!(normal >= 0.0 && tangential.abs() <= 0.8 * normal * (1.0 + 1e-12));
         }
     }
-    assert!(outcome.last.qd11_rad_s.abs() < 1e-2 && outcome.last.qd21_rad_s.abs() < 1e-2, "still moving at the end");
+    assert!(
+        outcome.last.finger().qd11_rad_s.abs() < 1e-2 && outcome.last.finger().qd21_rad_s.abs() < 1e-2,
+        "still moving at the end"
+    );
 }
 
 fn at(step_s: f64, construction: Construction) -> Scene {

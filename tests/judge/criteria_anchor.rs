@@ -19,7 +19,7 @@ fn design_95_is_stable_when_its_tip_has_landed_whatever_the_log_rate() {
         // 1-model §1.8: the tip lands at 6.883746 ms, and nothing rebounds.
         let tts = criteria.tts_s.expect("stable");
         assert!((tts - 6.883746e-3).abs() < 1e-7, "{tts}");
-        assert_eq!(criteria.tts_s, outcome.sites[1].first_s);
+        assert_eq!(criteria.tts_s, outcome.contacts[1].first_s);
         // q11 comes in with some 260 rad/s, so the last 0.2° take 13.5 µs.
         let approach = tts - criteria.t_geo_s.expect("in position");
         assert!((approach - 13.5e-6).abs() < 0.1e-6, "{approach}");

@@ -150,7 +150,7 @@ fn chaotic_rebounds_have_the_same_statistics() {
     }
     // The runs are chaotic indeed: the everyday preset, 1e-9 rad off in a closing, is not in the end.
     let everyday = recorded(Model::Analytic, &scene).outcome.last;
-    assert!((everyday.q11_rad - expected.outcome.last.q11_rad).abs() > 1e-5);
+    assert!((everyday.finger().q11_rad - expected.outcome.last.finger().q11_rad).abs() > 1e-5);
     let many = statistics(&scene, &|| true).expect("runs");
     assert!(many.runs >= 16, "{} runs", many.runs);
     assert!(many.worst() < MOST_ERRORS, "{many:?}");
@@ -160,7 +160,10 @@ fn chaotic_rebounds_have_the_same_statistics() {
 fn without_friction_nothing_acts_along_the_surface() {
     let (_, expected, found) = agree("friction-none");
     for sample in expected.samples.iter().chain(&found.samples) {
-        assert_eq!((sample.proximal.tangential_n, sample.distal.tangential_n), (0.0, 0.0));
+        assert_eq!(
+            (sample.contact(Site::Proximal).tangential_n, sample.contact(Site::Distal).tangential_n),
+            (0.0, 0.0)
+        );
     }
 }
 
@@ -168,7 +171,11 @@ fn without_friction_nothing_acts_along_the_surface() {
 fn an_object_out_of_reach_is_never_touched() {
     let (_, expected, found) = agree("misses");
     for run in [expected, found] {
-        assert!(run.samples.iter().all(|sample| sample.proximal.gap_m > 0.0 && sample.distal.gap_m > 0.0));
+        assert!(
+            run.samples
+                .iter()
+                .all(|sample| sample.contact(Site::Proximal).gap_m > 0.0 && sample.contact(Site::Distal).gap_m > 0.0)
+        );
         assert_eq!(run.outcome.site(Site::Proximal).touchdowns + run.outcome.site(Site::Distal).touchdowns, 0);
     }
 }
@@ -187,7 +194,7 @@ fn a_start_on_the_object_is_a_touch_at_time_zero() {
 fn friction_ends_in_the_right_well() {
     let (_, expected, found) = agree("friction-well");
     for run in [expected, found] {
-        assert!((run.outcome.last.q21_rad - 0.98887).abs() < 1e-4, "{}", run.outcome.last.q21_rad);
+        assert!((run.outcome.last.finger().q21_rad - 0.98887).abs() < 1e-4, "{}", run.outcome.last.finger().q21_rad);
     }
 }
 
@@ -217,8 +224,9 @@ fn forces_that_return_within_a_step_are_felt() {
 fn the_tip_slides_out_and_back() {
     let (_, expected, found) = agree("slip-reversal");
     for run in [expected, found] {
-        let held = run.samples.iter().filter(|sample| sample.time_s > 9e-3 && sample.distal.normal_n > 0.0);
-        let slips: Vec<f64> = held.map(|sample| sample.distal.slip_m_s).collect();
+        let held =
+            run.samples.iter().filter(|sample| sample.time_s > 9e-3 && sample.contact(Site::Distal).normal_n > 0.0);
+        let slips: Vec<f64> = held.map(|sample| sample.contact(Site::Distal).slip_m_s).collect();
         let (forth, back) = (slips.iter().copied().fold(0.0, f64::max), slips.iter().copied().fold(0.0, f64::min));
         assert!(forth > 1.2 && back < -1.2, "{forth} {back}");
     }
@@ -243,7 +251,10 @@ fn a_fold_ends_the_analytic_model_only() {
 fn an_opening_grasp_lets_go_for_good() {
     let (_, expected, found) = agree("torque-reversal");
     for run in [expected, found] {
-        assert_eq!((run.outcome.last.proximal.normal_n, run.outcome.last.distal.normal_n), (0.0, 0.0));
-        assert!(run.outcome.last.proximal.gap_m > 1e-3 && run.outcome.last.energy.kinetic_j > 1.0);
+        assert_eq!(
+            (run.outcome.last.contact(Site::Proximal).normal_n, run.outcome.last.contact(Site::Distal).normal_n),
+            (0.0, 0.0)
+        );
+        assert!(run.outcome.last.contact(Site::Proximal).gap_m > 1e-3 && run.outcome.last.energy.kinetic_j > 1.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::support::synthetic::{lift_off, sample, touch_down};
 use phalanx::scene::Bounds;
-use phalanx::trace::{ContactSample, Outcome, Sample, Sink, Site, SiteSummary};
+use phalanx::trace::{ContactSample, ContactSummary, FingerState, Outcome, Sample, Sink, Site};
 use phalanx::validate::{Differences, IMPACT_S, Recording, compare, verdicts};
 
 const END_S: f64 = 10e-3;
@@ -28,21 +28,25 @@ fn run(shift_rad: f64, touch_s: f64, impulse_n_s: f64, force_n: f64, steps: u32)
             impulse_n_s: impulse_n_s + force_n * (time_s - touch_s),
             ..ContactSample::default()
         });
-        last = Sample {
+        last = sample(time_s);
+        last.fingers[0] = FingerState {
             q11_rad: (1e3 * time_s).sin() + if time_s >= 5e-3 { shift_rad } else { 0.0 },
             qd11_rad_s: 1e3 * (1e3 * time_s).cos(),
             q21_rad: 1.0,
             q22_rad: -2.0,
             qd21_rad_s: 0.0,
             qd22_rad_s: 0.0,
-            proximal: pressed.unwrap_or_default(),
-            distal: ContactSample::NONE,
-            ..sample(time_s)
+            ..last.fingers[0]
         };
+        (last.contacts[0], last.contacts[1]) = (pressed.unwrap_or_default(), ContactSample::NONE);
         run.sample(&last).expect("kept");
     }
-    let site = SiteSummary { first_s: Some(touch_s), touchdowns: 1, ..SiteSummary::default() };
-    run.outcome = Outcome { last, sites: [site, SiteSummary::default(), SiteSummary::default()], ..Outcome::default() };
+    let site = ContactSummary { first_s: Some(touch_s), touchdowns: 1, ..ContactSummary::default() };
+    run.outcome = Outcome {
+        last,
+        contacts: vec![site, ContactSummary::default(), ContactSummary::default()],
+        ..Outcome::default()
+    };
     run
 }
 
@@ -90,7 +94,7 @@ fn a_shift_is_measured_where_it_is() {
 #[test]
 fn a_whole_turn_is_no_difference() {
     let mut turned = usual(1000);
-    turned.samples.iter_mut().for_each(|sample| sample.q22_rad += std::f64::consts::TAU);
+    turned.samples.iter_mut().for_each(|sample| sample.finger_mut().q22_rad += std::f64::consts::TAU);
     assert!(compare(&turned, &usual(1000), &Bounds::over(END_S)).angle_rad() < 1e-15);
 }
 
@@ -119,7 +123,7 @@ fn a_step_longer_than_the_impact_is_not_charged_for_it() {
 #[test]
 fn a_touch_that_one_lacks_is_infinitely_far_off() {
     let mut never = usual(1000);
-    never.outcome.sites[0] = SiteSummary::default();
+    never.outcome.contacts[0] = ContactSummary::default();
     never.impacts = Default::default();
     let found = compare(&never, &usual(1000), &Bounds::over(END_S));
     assert_eq!(found.contact_time_s[0], Some(f64::INFINITY));
@@ -133,8 +137,8 @@ fn a_touch_that_one_lacks_is_infinitely_far_off() {
 #[test]
 fn figures_that_are_no_numbers_break_their_bound() {
     let mut broken = usual(1000);
-    broken.samples[500].q21_rad = f64::NAN;
-    broken.outcome.last.proximal.normal_n = f64::NAN;
+    broken.samples[500].finger_mut().q21_rad = f64::NAN;
+    broken.outcome.last.contact_mut(Site::Proximal).normal_n = f64::NAN;
     let found = compare(&broken, &usual(1000), &Bounds::over(END_S));
     assert_eq!((found.angle_rad(), found.final_force[0]), (f64::INFINITY, Some(f64::INFINITY)));
     assert!(!verdicts(&found, &Bounds::over(END_S)).passed());
@@ -153,10 +157,10 @@ fn small_rebounds_are_not_judged() {
         run.event(&touch_down(later, Site::Proximal, 1e-3)).expect("kept");
         let at = |time_s: f64, impulse_n_s: f64| Sample {
             time_s,
-            proximal: ContactSample { impulse_n_s, ..ContactSample::default() },
+            contacts: vec![ContactSample { impulse_n_s, ..ContactSample::default() }],
             ..Sample::default()
         };
-        let before = run.outcome.last.proximal.impulse_n_s;
+        let before = run.outcome.last.contact(Site::Proximal).impulse_n_s;
         run.impacts.sample(&at(later + 1e-6, before + rebound)).expect("kept");
         run.impacts.sample(&at(later + 1e-4, before + rebound)).expect("kept");
     }

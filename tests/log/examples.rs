@@ -24,7 +24,7 @@ use crate::support::cli::{directory, phalanx, stderr};
 fn a_closing_touches_with_both_phalanges() {
     let outcome = closing::closing().expect("a run");
     assert!((outcome.site(Site::Proximal).first_s.expect("a touch") - 4.501e-3).abs() < 1e-6);
-    assert!((outcome.last.distal.normal_n - 8.26).abs() < 0.01);
+    assert!((outcome.last.contact(Site::Distal).normal_n - 8.26).abs() < 0.01);
 }
 
 #[test]

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, SceneUpdate};
 use mcap::MessageStream;
-use phalanx::drawing::{self, Shape};
+use phalanx::drawing::{self, Drawing, Shape};
 use phalanx::log::{RunInfo, Writer};
 use phalanx::scene::{self, AnyScene, Scene};
-use phalanx::trace::bodies::run_bodies;
-use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Thinned, run};
+use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Site, Thinned, run};
 
 /// A message: topic, log time, payload.
 type Raw = (String, u64, Vec<u8>);
@@ -22,7 +21,7 @@ struct Both<W: Sink> {
 
 impl<W: Sink> Sink for Both<W> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(*sample);
+        self.samples.push(sample.clone());
         self.writer.sample(sample)
     }
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
@@ -35,7 +34,7 @@ fn load(name: &str) -> Scene {
 }
 
 fn logged(scene: &Scene, model: Model) -> (Vec<Raw>, Vec<Sample>) {
-    let info = RunInfo { scene, scene_file: "scene.toml", model: model.name() };
+    let info = RunInfo { scene: scene.into(), scene_file: "scene.toml", model: model.name() };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
     let mut sink = Thinned::new(scene.log.numeric_hz, Both { writer, samples: Vec::new() });
     run(model, scene, &mut sink).expect("a run");
@@ -72,14 +71,14 @@ fn angle(rotation: Option<foxglove::messages::Quaternion>) -> f64 {
 #[test]
 fn every_frame_is_where_its_body_is() {
     let scene = load("experiment-95");
-    let bodies = drawing::finger(&scene).bodies;
+    let bodies = Drawing::of(&scene).bodies;
     for model in [Model::Analytic, Model::Engine] {
         let (messages, samples) = logged(&scene, model);
         let frames: Vec<FrameTransforms> = of(&messages, "/tf").map(transforms).collect();
         assert!(frames.len() > 30, "{} pictures", frames.len());
         for (message, frames) in of(&messages, "/tf").zip(&frames) {
             let sample = samples.iter().find(|sample| (sample.time_s * 1e9).round() as u64 == message.1);
-            let poses = drawing::finger_poses(&scene, sample.expect("a picture is one of a sample"));
+            let poses = drawing::poses(&scene, sample.expect("a picture is one of a sample"));
             let moving: Vec<_> = bodies.iter().zip(&poses).filter(|(body, _)| !body.fixed).collect();
             assert_eq!(moving.len(), frames.transforms.len());
             for ((body, pose), frame) in moving.into_iter().zip(&frames.transforms) {
@@ -104,7 +103,7 @@ fn shapes_come_once_and_are_those_of_the_scene() {
     let (messages, _) = logged(&scene, Model::Analytic);
     let scenes: Vec<SceneUpdate> = of(&messages, "/scene").map(update).collect();
     assert_eq!(scenes.len(), 1);
-    let bodies = drawing::finger(&scene).bodies;
+    let bodies = Drawing::of(&scene).bodies;
     assert_eq!(scenes[0].entities.len(), bodies.len());
     for (entity, body) in scenes[0].entities.iter().zip(&bodies) {
         assert_eq!((&entity.id, &entity.frame_id, entity.frame_locked), (&body.name, &body.name, true));
@@ -136,7 +135,7 @@ fn shapes_come_once_and_are_those_of_the_scene() {
 #[test]
 fn arrows_show_the_forces_and_go_when_they_end() {
     let scene = load("experiment-95");
-    let drawing = drawing::finger(&scene);
+    let drawing = Drawing::of(&scene);
     let (messages, samples) = logged(&scene, Model::Analytic);
     let mut longest: f64 = 0.0;
     for message in of(&messages, "/forces") {
@@ -144,7 +143,9 @@ fn arrows_show_the_forces_and_go_when_they_end() {
             samples.iter().rfind(|sample| (sample.time_s * 1e9).round() as u64 == message.1).expect("a sample");
         let update = update(message);
         assert_eq!(update.entities.iter().map(|entity| entity.id.as_str()).collect::<Vec<_>>(), ["proximal", "distal"]);
-        for (entity, contact) in update.entities.iter().zip([&sample.proximal, &sample.distal]) {
+        for (entity, contact) in
+            update.entities.iter().zip([sample.contact(Site::Proximal), sample.contact(Site::Distal)])
+        {
             assert_eq!(entity.frame_id, "world");
             let Some(normal) = entity.arrows.first() else {
                 assert!(contact.normal_n <= 0.0 && entity.spheres.is_empty());
@@ -208,10 +209,10 @@ fn discs_are_drawn_too() {
     let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/two-free.toml").expect("a scene") else {
         panic!("not of discs")
     };
-    let info = RunInfo { scene: scene.as_ref(), scene_file: "two-free.toml", model: "analytic" };
+    let info = RunInfo { scene: scene.as_ref().into(), scene_file: "two-free.toml", model: "analytic" };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
     let mut sink = Thinned::new(scene.log.numeric_hz, writer);
-    run_bodies(Model::Analytic, &scene, &mut sink).expect("a run");
+    run(Model::Analytic, &scene, &mut sink).expect("a run");
     sink.end().expect("written");
     let messages = messages(&sink.sink.finish().expect("finished"));
     let last = of(&messages, "/tf").last().expect("pictures");

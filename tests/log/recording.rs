@@ -4,8 +4,7 @@ use std::fs;
 
 use phalanx::log::{read_any_file, read_file, run_to};
 use phalanx::scene::{AnyScene, load, load_any};
-use phalanx::trace::bodies::BodiesEvent;
-use phalanx::trace::{Model, Recording, Site, record, record_bodies, run};
+use phalanx::trace::{Layout, Model, Recording, Site, record, run};
 
 use crate::support::cli::{directory, phalanx, stderr};
 use crate::support::replay::{DISCS, FINGER};
@@ -27,8 +26,8 @@ fn table(log: &std::path::Path) -> (Vec<String>, Vec<Vec<f64>>) {
     (names, columns)
 }
 
-fn same<E>(recording: &Recording<E>, (names, columns): &(Vec<String>, Vec<Vec<f64>>)) {
-    assert_eq!(recording.columns(), names);
+fn same(recording: &Recording, (names, columns): &(Vec<String>, Vec<Vec<f64>>)) {
+    assert!(recording.columns().iter().map(|column| &column.name).eq(names));
     assert_eq!(recording.time(), columns[0]);
     for (name, column) in names.iter().zip(columns) {
         let kept = recording.column(name).expect("a column");
@@ -50,7 +49,7 @@ fn the_columns_of_a_finger_are_those_of_the_table() {
         assert_eq!(logged.outcome, outcome);
         same(&recording, &table(&path));
         // A log is read into the same arrays.
-        let mut read = Recording::finger();
+        let mut read = Recording::new(&Layout::finger());
         read_file(&path, &mut read).expect("a log");
         same(&read, &table(&path));
         assert_eq!(read.events(), recording.events());
@@ -62,11 +61,11 @@ fn the_columns_of_discs_are_those_of_the_table() {
     let directory = directory("recording_discs");
     let path = directory.join("run.mcap");
     let Ok(AnyScene::Bodies(scene)) = load_any(DISCS) else { panic!("a scene of discs") };
-    let (_, recording) = record_bodies(Model::Engine, &scene).expect("a run");
+    let (_, recording) = record(Model::Engine, &scene).expect("a run");
     run_to(scene.as_ref(), Model::Engine, &path).expect("a run");
     same(&recording, &table(&path));
     assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
-    let mut read: Recording<BodiesEvent> = Recording::named(&[], &[]);
+    let mut read = Recording::new(&Layout::default());
     read_any_file(&path, &mut read).expect("a log");
     assert_eq!(read, recording);
     assert!(recording.events().len() >= 2);
@@ -77,7 +76,7 @@ fn the_largest_of_a_column_is_the_largest_of_the_run() {
     let scene = load(FINGER).expect("a scene");
     let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
     // Without thinning, too.
-    let mut every = Recording::finger();
+    let mut every = Recording::new(&Layout::finger());
     run(Model::Analytic, &scene, &mut every).expect("a run");
     assert!(every.time().len() >= recording.time().len());
     assert!(every.time().is_sorted() && recording.time().is_sorted());

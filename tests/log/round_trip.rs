@@ -35,7 +35,7 @@ fn run() -> Vec<Record> {
 }
 
 fn write(scene: &Scene, records: &[Record]) -> Vec<u8> {
-    let run = RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" };
+    let run = RunInfo { scene: scene.into(), scene_file: "synthetic.toml", model: "analytic" };
     let mut writer = Writer::new(Vec::new(), "the log", &run).expect("a vector takes any log");
     for record in records {
         match record {
@@ -118,28 +118,28 @@ fn expected(sample: &Sample) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
             "/state",
             vec![
                 ("timestamp", sample.time_s),
-                ("q11_rad", sample.q11_rad),
-                ("q21_rad", sample.q21_rad),
-                ("q12_rad", sample.q12_rad),
-                ("q22_rad", sample.q22_rad),
-                ("q13_rad", sample.q13_rad),
-                ("qd11_rad_s", sample.qd11_rad_s),
-                ("qd21_rad_s", sample.qd21_rad_s),
-                ("qd12_rad_s", sample.qd12_rad_s),
-                ("qd22_rad_s", sample.qd22_rad_s),
-                ("motor_torque_n_m", sample.motor_torque_n_m),
+                ("q11_rad", sample.finger().q11_rad),
+                ("q21_rad", sample.finger().q21_rad),
+                ("q12_rad", sample.finger().q12_rad),
+                ("q22_rad", sample.finger().q22_rad),
+                ("q13_rad", sample.finger().q13_rad),
+                ("qd11_rad_s", sample.finger().qd11_rad_s),
+                ("qd21_rad_s", sample.finger().qd21_rad_s),
+                ("qd12_rad_s", sample.finger().qd12_rad_s),
+                ("qd22_rad_s", sample.finger().qd22_rad_s),
+                ("motor_torque_n_m", sample.finger().motor_torque_n_m),
             ],
         ),
-        ("/contact/proximal", contact(&sample.proximal)),
-        ("/contact/distal", contact(&sample.distal)),
+        ("/contact/proximal", contact(sample.contact(Site::Proximal))),
+        ("/contact/distal", contact(sample.contact(Site::Distal))),
         (
             "/limit",
             vec![
                 ("timestamp", sample.time_s),
-                ("gap_rad", sample.limit.gap_m),
-                ("gap_rate_rad_s", sample.limit.gap_rate_m_s),
-                ("torque_n_m", sample.limit.normal_n),
-                ("impulse_n_m_s", sample.limit.impulse_n_s),
+                ("gap_rad", sample.contact(Site::Limit).gap_m),
+                ("gap_rate_rad_s", sample.contact(Site::Limit).gap_rate_m_s),
+                ("torque_n_m", sample.contact(Site::Limit).normal_n),
+                ("impulse_n_m_s", sample.contact(Site::Limit).impulse_n_s),
             ],
         ),
         (
@@ -264,7 +264,7 @@ fn the_scene_and_the_settings_are_in_the_file() {
     assert_eq!(summary.metadata_indexes.len(), 1);
     let record = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable");
     assert_eq!(record.name, "phalanx");
-    let info = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
+    let info = RunInfo { scene: (&scene).into(), scene_file: "synthetic.toml", model: "analytic" };
     assert_eq!(record.metadata, metadata(&info));
     assert_eq!(record.metadata["model"], "analytic");
     assert_eq!(record.metadata["integrator_rtol"], "0.0001");

@@ -74,7 +74,7 @@ fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
         for model in [Model::Analytic, Model::Engine] {
             let run = run_to(&scene, model, &path).expect("a run");
             is_complete(&path);
-            assert_eq!(run.found.is_some(), scene.object.is_some());
+            assert_eq!(run.criteria.is_some(), scene.object.is_some());
             assert_eq!(run.outcome.site(Site::Distal).first_s.is_some(), scene.object.is_some());
             assert!(run.check.is_some(), "a short run is checked");
         }
@@ -84,7 +84,7 @@ fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
     scene.discs[1].name = "thrown".to_string();
     scene.duration_s = 13.3e-3;
     let run = run_to(&scene, Model::Analytic, &path).expect("a run");
-    assert!(run.found[0].restitution().is_some_and(|kept| kept < 1.0), "{:?}", run.found);
+    assert!(run.rebounds[0].restitution().is_some_and(|kept| kept < 1.0), "{:?}", run.rebounds);
     is_complete(&path);
 }
 

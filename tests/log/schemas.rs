@@ -9,8 +9,7 @@ use foxglove::Encode;
 use phalanx::log::{
     Contact, Disc, Energy, Impact, Limit, LimitImpact, LogSink, Record, State, read_any, read_any_file, read_file,
 };
-use phalanx::trace::bodies::BodiesEvent;
-use phalanx::trace::{Model, Recording, SinkError};
+use phalanx::trace::{Layout, Model, Recording, SinkError};
 
 use crate::support::cli::{directory, json, phalanx, stderr};
 use crate::support::replay::{Changes, DISCS, FINGER, changed, log};
@@ -93,7 +92,7 @@ fn our_messages_have_our_name() {
 fn a_log_of_old_is_read() {
     let path = "tests/log/names-of-old.mcap";
     assert_eq!(schemas(&fs::read(path).expect("the log"))["/state"], "state.State");
-    let mut recording = Recording::finger();
+    let mut recording = Recording::new(&Layout::finger());
     let reading = read_file(path.as_ref(), &mut recording).expect("a log");
     assert!(reading.is_whole(), "{:?}", reading.losses);
     assert_eq!(reading.ended.expect("an end").stopped, None);
@@ -114,14 +113,14 @@ fn a_log_of_old_says_the_same_and_is_no_other_run() {
         assert!(schemas(&fs::read(&old).expect("a log")).values().any(|name| name == "energy.Energy"));
         match scene {
             FINGER => {
-                let [mut a, mut b] = [Recording::finger(), Recording::finger()];
+                let [mut a, mut b] = [Recording::new(&Layout::finger()), Recording::new(&Layout::finger())];
                 read_any_file(&now, &mut a).expect("a log");
                 read_any_file(&old, &mut b).expect("a log");
                 assert!(a.time().len() > 20 && a.column("q21_rad") == b.column("q21_rad"));
                 assert_eq!(a.events(), b.events());
             }
             _ => {
-                let [mut a, mut b] = [(); 2].map(|()| Recording::<BodiesEvent>::named(&[], &[]));
+                let [mut a, mut b] = [(); 2].map(|()| Recording::new(&Layout::default()));
                 read_any_file(&now, &mut a).expect("a log");
                 read_any_file(&old, &mut b).expect("a log");
                 assert!(a.time().len() > 15);

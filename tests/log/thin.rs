@@ -1,9 +1,8 @@
 //! What is kept of a run: the grid, impacts step by step, and the extremes.
 
 use phalanx::scene::{self, AnyScene};
-use phalanx::trace::bodies::run_bodies;
-use phalanx::trace::{ContactSample, EventKind, Instant, Model, Sample, SinkError, Site, Thin, Thinned, run};
-use phalanx::validate::{BodiesRecording, Recording};
+use phalanx::trace::{ContactSample, EventKind, Model, Sample, SinkError, Site, Thin, Thinned, run};
+use phalanx::validate::Recording;
 
 fn thinned(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
     let mut sink = Thinned::new(scene.log.numeric_hz, Recording::default());
@@ -15,7 +14,7 @@ fn thinned(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Reco
 /// A sample with a force on the proximal phalanx.
 fn pressed(time_s: f64, normal_n: f64) -> Sample {
     let proximal = ContactSample { gap_m: -1e-9 * normal_n, normal_n, ..ContactSample::default() };
-    Sample { time_s, proximal, ..Sample::default() }
+    Sample { time_s, contacts: vec![proximal], ..Sample::default() }
 }
 
 fn keep(kept: &mut Vec<f64>, sample: &Sample) -> Result<(), SinkError> {
@@ -83,7 +82,7 @@ fn the_largest_values_of_the_samples_are_those_of_the_run() {
             for site in Site::ALL {
                 let (mut force, mut depth) = (0.0f64, 0.0f64);
                 for sample in &kept.samples {
-                    let (f, d) = sample.pressed(site as usize);
+                    let (f, d) = sample.contact(site).pressed();
                     (force, depth) = (force.max(f), depth.max(d));
                 }
                 let found = outcome.site(site);
@@ -102,10 +101,10 @@ fn discs_too() {
             panic!("not of discs")
         };
         for model in [Model::Analytic, Model::Engine] {
-            let mut sink = Thinned::new(scene.log.numeric_hz, BodiesRecording::default());
-            let outcome = run_bodies(model, &scene, &mut sink).expect("a run");
+            let mut sink = Thinned::new(scene.log.numeric_hz, Recording::default());
+            let outcome = run(model, &scene, &mut sink).expect("a run");
             sink.end().expect("kept");
-            for (pair, found) in outcome.pairs.iter().enumerate() {
+            for (pair, found) in outcome.contacts.iter().enumerate() {
                 let largest = |of: fn(&ContactSample) -> f64| {
                     sink.sink.samples.iter().map(|sample| of(&sample.contacts[pair])).fold(0.0, f64::max)
                 };

@@ -20,7 +20,10 @@ fn grasps_touch_and_hold_as_promised() {
         ("soft-start", [6.84, 9.25], [20.5, 9.1]),
     ] {
         let outcome = run(name);
-        let contacts = [(Site::Proximal, outcome.last.proximal), (Site::Distal, outcome.last.distal)];
+        let contacts = [
+            (Site::Proximal, outcome.last.contact(Site::Proximal)),
+            (Site::Distal, outcome.last.contact(Site::Distal)),
+        ];
         for (i, (site, last)) in contacts.into_iter().enumerate() {
             let summary = outcome.site(site);
             let first = summary.first_s.unwrap_or(f64::NAN) * 1e3;
@@ -36,9 +39,9 @@ fn free_fingers_touch_nothing_and_turn_as_far_as_promised() {
     for (name, q21_deg) in [("free-swing", 119.0), ("other-assembly", 102.0)] {
         let outcome = run(name);
         assert!(
-            (outcome.last.q21_rad.to_degrees() - q21_deg).abs() < 0.6,
+            (outcome.last.finger().q21_rad.to_degrees() - q21_deg).abs() < 0.6,
             "{name}: {}",
-            outcome.last.q21_rad.to_degrees()
+            outcome.last.finger().q21_rad.to_degrees()
         );
         for site in [Site::Proximal, Site::Distal] {
             assert_eq!(outcome.site(site).first_s, None, "{name} {site:?}");

@@ -19,7 +19,7 @@ pub struct Items(pub Vec<Item>);
 
 impl Sink for Items {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.push(Item::Sample(Box::new(*sample)));
+        self.0.push(Item::Sample(Box::new(sample.clone())));
         Ok(())
     }
 

@@ -3,7 +3,6 @@
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant, Invariants, Tolerances};
 use phalanx::scene::{BodiesScene, Engine, Scene, Stepping};
-use phalanx::trace::bodies::{self, BodiesEvent, BodiesOutcome, BodiesRunError, BodiesSample};
 use phalanx::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
 use phalanx::validate::steps_only;
 
@@ -32,21 +31,6 @@ impl<S: Sink> Sink for Held<'_, S> {
     }
 }
 
-impl<S: Sink<BodiesSample>> Sink<BodiesSample> for Held<'_, S> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        Sink::sample(&mut self.invariants, sample)?;
-        self.sink.sample(sample)
-    }
-
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        self.sink.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        self.sink.proceed()
-    }
-}
-
 /// Runs a scene to its end or its failure, and says which invariants it broke on the way.
 pub fn judged(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let (result, found) = watched(model, scene, sink);
@@ -60,8 +44,8 @@ pub fn judged(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outc
 pub fn judged_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut impl Sink<BodiesSample>,
-) -> (Result<BodiesOutcome, BodiesRunError>, Vec<Finding>) {
+    sink: &mut impl Sink,
+) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let (result, found) = watched_bodies(model, scene, sink);
     match between_steps(model, &found) {
         true => (result, watched_bodies(model, &steps_only(scene), &mut ()).1),
@@ -79,11 +63,7 @@ pub fn run(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome,
 
 /// The same for discs.
 #[track_caller]
-pub fn run_bodies(
-    model: Model,
-    scene: &BodiesScene,
-    sink: &mut impl Sink<BodiesSample>,
-) -> Result<BodiesOutcome, BodiesRunError> {
+pub fn run_bodies(model: Model, scene: &BodiesScene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
     let (result, found) = judged_bodies(model, scene, sink);
     assert!(found.is_empty(), "{}, {} model: {}", scene.name, model.name(), lines(&found));
     result
@@ -129,10 +109,10 @@ fn is_energy(finding: &Finding) -> bool {
 fn watched_bodies(
     model: Model,
     scene: &BodiesScene,
-    sink: &mut impl Sink<BodiesSample>,
-) -> (Result<BodiesOutcome, BodiesRunError>, Vec<Finding>) {
-    let mut held = Held { invariants: Invariants::of_discs(model, scene), sink };
-    let result = bodies::run_bodies(model, scene, &mut held);
+    sink: &mut impl Sink,
+) -> (Result<Outcome, RunError>, Vec<Finding>) {
+    let mut held = Held { invariants: Invariants::new(model, scene), sink };
+    let result = trace::run(model, scene, &mut held);
     (result, broken(held.invariants.findings(0.0)))
 }
 

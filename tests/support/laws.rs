@@ -6,8 +6,7 @@ use phalanx::scene::{
     BodiesBounds, BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset,
     Response, Stepping,
 };
-use phalanx::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
-use phalanx::trace::{EventKind, Model, Sink, SinkError};
+use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
 
 pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
 
@@ -89,17 +88,17 @@ pub fn stepped(scene: &BodiesScene, step_s: f64) -> BodiesScene {
 /// Keeps a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Collect {
-    pub samples: Vec<BodiesSample>,
-    pub events: Vec<BodiesEvent>,
+    pub samples: Vec<Sample>,
+    pub events: Vec<Event>,
 }
 
-impl Sink<BodiesSample> for Collect {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+impl Sink for Collect {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.samples.push(sample.clone());
         Ok(())
     }
 
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.events.push(*event);
         Ok(())
     }
@@ -109,14 +108,14 @@ impl Collect {
     /// Time of the first event of a kind at a pair.
     #[track_caller]
     pub fn time(&self, pair: usize, kind: EventKind) -> f64 {
-        let found = self.events.iter().find(|event| event.pair == pair && event.kind == kind);
+        let found = self.events.iter().find(|event| event.contact == pair && event.kind == kind);
         found.unwrap_or_else(|| panic!("no {kind:?} at pair {pair}")).time_s
     }
 }
 
 /// Runs a scene that must get to its end.
 #[track_caller]
-pub fn complete(model: Model, scene: &BodiesScene) -> (BodiesOutcome, Collect) {
+pub fn complete(model: Model, scene: &BodiesScene) -> (Outcome, Collect) {
     let mut log = Collect::default();
     let outcome = held::run_bodies(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();

@@ -8,9 +8,8 @@ use std::process::Command;
 
 use mcap::records::MessageHeader;
 use phalanx::log::{LogSink, MessageRecord, Record, RunInfo, Severity, Writer, read_any};
-use phalanx::scene::{AnyScene, load_any};
-use phalanx::trace::bodies::{BodiesEvent, BodiesSample, run_bodies};
-use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Thinned, run};
+use phalanx::scene::load_any;
+use phalanx::trace::{Event, Model, Sample, Simulated, Sink, SinkError, Thinned, run};
 
 pub const FINGER: &str = "scenes/experiment-95.toml";
 pub const DISCS: &str = "scenes/laws/impact.toml";
@@ -49,44 +48,19 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
             self.left > 0
         }
     }
-    impl<W: Sink<BodiesSample>> Sink<BodiesSample> for Until<W> {
-        fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-            (self.left, self.last_s) = (self.left.saturating_sub(1), sample.time_s);
-            self.writer.sample(sample)
-        }
-        fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-            self.writer.event(event)
-        }
-        fn proceed(&self) -> bool {
-            self.left > 0
-        }
-    }
     let file = scene.rsplit('/').next().expect("a name");
     let reason = "stopped: interrupted by SIGINT (Ctrl-C)";
-    match load_any(scene).expect("a scene") {
-        AnyScene::Finger(scene) => {
-            let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
-            let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-            let until = Until { writer, left: samples, last_s: 0.0 };
-            let mut thinned = Thinned::new(scene.log.numeric_hz, until);
-            assert!(run(model, &scene, &mut thinned).expect_err("stopped").is_stop());
-            thinned.end().expect("written");
-            let mut sink = thinned.sink;
-            sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
-            sink.writer.finish().expect("finished")
-        }
-        AnyScene::Bodies(scene) => {
-            let info = RunInfo { scene: scene.as_ref(), scene_file: file, model: model.name() };
-            let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
-            let until = Until { writer, left: samples, last_s: 0.0 };
-            let mut thinned = Thinned::new(scene.log.numeric_hz, until);
-            assert!(run_bodies(model, &scene, &mut thinned).expect_err("stopped").is_stop());
-            thinned.end().expect("written");
-            let mut sink = thinned.sink;
-            sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
-            sink.writer.finish().expect("finished")
-        }
-    }
+    let scene = load_any(scene).expect("a scene");
+    let scene = Simulated::from(&scene);
+    let info = RunInfo { scene, scene_file: file, model: model.name() };
+    let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
+    let until = Until { writer, left: samples, last_s: 0.0 };
+    let mut thinned = Thinned::new(scene.log().numeric_hz, until);
+    assert!(run(model, scene, &mut thinned).expect_err("stopped").is_stop());
+    thinned.end().expect("written");
+    let mut sink = thinned.sink;
+    sink.writer.note(sink.last_s, Severity::Error, "run", reason).expect("written");
+    sink.writer.finish().expect("finished")
 }
 
 /// What to do with a message.

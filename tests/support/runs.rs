@@ -29,7 +29,7 @@ pub struct Collect {
 
 impl Sink for Collect {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(*sample);
+        self.samples.push(sample.clone());
         Ok(())
     }
 
@@ -48,7 +48,7 @@ impl Collect {
 
     /// Time of the first touch-down at a site.
     pub fn first_touch(&self, site: Site) -> Option<f64> {
-        self.events.iter().find(|e| e.site == site && e.kind == EventKind::TouchDown).map(|e| e.time_s)
+        self.events.iter().find(|e| e.site() == site && e.kind == EventKind::TouchDown).map(|e| e.time_s)
     }
 }
 
@@ -90,7 +90,11 @@ pub fn worst_angle(run: &Collect, reference: &Collect) -> f64 {
         let after = reference.samples.partition_point(|s| s.time_s < sample.time_s);
         let after = after.clamp(1, reference.samples.len() - 1);
         let wanted = between(&reference.samples[after - 1], &reference.samples[after], sample.time_s);
-        let found = [sample.q11_rad - wanted.q11_rad, sample.q21_rad - wanted.q21_rad, sample.q22_rad - wanted.q22_rad];
+        let found = [
+            sample.finger().q11_rad - wanted.finger().q11_rad,
+            sample.finger().q21_rad - wanted.finger().q21_rad,
+            sample.finger().q22_rad - wanted.finger().q22_rad,
+        ];
         worst = found.iter().fold(worst, |most, d| most.max(d.abs()));
     }
     worst
@@ -103,9 +107,9 @@ pub fn impact_impulse(run: &Collect, site: Site, window_s: f64) -> f64 {
         let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
         let sample = between(&run.samples[after - 1], &run.samples[after], t);
         match site {
-            Site::Proximal => sample.proximal.impulse_n_s,
-            Site::Distal => sample.distal.impulse_n_s,
-            Site::Limit => sample.limit.impulse_n_s,
+            Site::Proximal => sample.contact(Site::Proximal).impulse_n_s,
+            Site::Distal => sample.contact(Site::Distal).impulse_n_s,
+            Site::Limit => sample.contact(Site::Limit).impulse_n_s,
         }
     };
     at(touch + window_s) - at(touch)

@@ -6,7 +6,7 @@ use phalanx::scene::{
     Actuation, Bounds, Contacts, Disc, Engine, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring,
     SpringKind, show,
 };
-use phalanx::trace::{ContactSample, Energy, Event, EventKind, Sample, Site};
+use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
 
 /// A scene whose text says what it is.
 pub fn scene() -> Scene {
@@ -78,25 +78,30 @@ pub fn sample(time_s: f64) -> Sample {
     };
     Sample {
         time_s,
-        q11_rad: f(0),
-        q21_rad: f(1),
-        q12_rad: f(2),
-        q22_rad: f(3),
-        q13_rad: f(4),
-        qd11_rad_s: f(5),
-        qd21_rad_s: f(6),
-        qd12_rad_s: f(7),
-        qd22_rad_s: f(8),
-        motor_torque_n_m: 0.48,
-        proximal: contact(10),
-        distal: contact(20),
-        limit: ContactSample {
-            gap_m: f(30),
-            gap_rate_m_s: f(31),
-            normal_n: f(32),
-            impulse_n_s: f(33),
-            ..ContactSample::default()
-        },
+        fingers: vec![FingerState {
+            q11_rad: f(0),
+            q21_rad: f(1),
+            q12_rad: f(2),
+            q22_rad: f(3),
+            q13_rad: f(4),
+            qd11_rad_s: f(5),
+            qd21_rad_s: f(6),
+            qd12_rad_s: f(7),
+            qd22_rad_s: f(8),
+            motor_torque_n_m: 0.48,
+        }],
+        bodies: Vec::new(),
+        contacts: vec![
+            contact(10),
+            contact(20),
+            ContactSample {
+                gap_m: f(30),
+                gap_rate_m_s: f(31),
+                normal_n: f(32),
+                impulse_n_s: f(33),
+                ..ContactSample::default()
+            },
+        ],
         energy: Energy {
             kinetic_j: f(40),
             gravity_j: f(41),
@@ -126,25 +131,20 @@ pub fn posture(
         point_m: [0.0; 2],
         normal: [1.0, 0.0],
     };
-    Sample {
-        q11_rad,
-        q21_rad,
-        qd11_rad_s,
-        qd21_rad_s,
-        proximal: contact(forces_n[0]),
-        distal: contact(forces_n[1]),
-        ..sample(time_s)
-    }
+    let mut sample = sample(time_s);
+    sample.fingers[0] = FingerState { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s, ..sample.fingers[0] };
+    (sample.contacts[0], sample.contacts[1]) = (contact(forces_n[0]), contact(forces_n[1]));
+    sample
 }
 
 pub fn touch_down(time_s: f64, site: Site, approach_speed: f64) -> Event {
-    Event { time_s, site, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
+    Event { time_s, contact: site as usize, kind: EventKind::TouchDown, approach_speed, impulse: 0.0 }
 }
 
 pub fn lift_off(time_s: f64, site: Site, impulse: f64) -> Event {
-    Event { time_s, site, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
+    Event { time_s, contact: site as usize, kind: EventKind::LiftOff, approach_speed: 0.0, impulse }
 }
 
 pub fn reload(time_s: f64, site: Site) -> Event {
-    Event { time_s, site, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
+    Event { time_s, contact: site as usize, kind: EventKind::Reload, approach_speed: 0.0, impulse: 0.0 }
 }

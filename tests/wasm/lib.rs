@@ -5,7 +5,7 @@ use phalanx_core::trace::{Model, run};
 
 fn q11_rad(model: Model) -> f64 {
     let scene = scene::parse(include_str!("../../scenes/experiment-95.toml"), "experiment-95.toml").expect("a scene");
-    run(model, &scene, &mut ()).expect("the run ends").last.q11_rad
+    run(model, &scene, &mut ()).expect("the run ends").last.finger().q11_rad
 }
 
 #[unsafe(no_mangle)]

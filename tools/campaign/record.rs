@@ -3,9 +3,8 @@
 use std::time::{Duration, Instant};
 
 use phalanx::check::{pushed, pushed_bodies};
-use phalanx::scene::{AnyScene, BodiesScene, Integrator, Method, Preset, Scene, Stepping};
-use phalanx::trace::bodies::{BodiesEvent, BodiesRunError, BodiesSample, run_bodies};
-use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
+use phalanx::scene::{AnyScene, Integrator, Method, Preset, Stepping};
+use phalanx::trace::{Event, Model, Numerics, RunError, Sample, Sink, SinkError, run};
 use phalanx::validate::turned;
 
 /// Points at which runs are compared.
@@ -71,30 +70,18 @@ impl Keep {
 impl Sink for Keep {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
         // Readings of passive angles jump by a turn.
-        let before = self.path.last().map_or(s.q22_rad, |before| before[2]);
-        self.take(s.time_s, || vec![s.q11_rad, s.q21_rad, before + turned(s.q22_rad - before)]);
+        let before = self.path.last().and_then(|before| before.get(2)).copied();
+        let angles = s.fingers.iter().flat_map(|finger| {
+            let before = before.unwrap_or(finger.q22_rad);
+            [finger.q11_rad, finger.q21_rad, before + turned(finger.q22_rad - before)]
+        });
+        let centres = s.bodies.iter().flat_map(|disc| disc.centre_m);
+        self.take(s.time_s, || angles.chain(centres).collect());
         Ok(())
     }
 
     fn event(&mut self, e: &Event) -> Result<(), SinkError> {
-        self.story.push(format!("{:.9} s {:?} {:?}", e.time_s, e.site, e.kind));
-        Ok(())
-    }
-
-    fn proceed(&self) -> bool {
-        Instant::now() < self.deadline
-    }
-}
-
-impl Sink<BodiesSample> for Keep {
-    fn sample(&mut self, s: &BodiesSample) -> Result<(), SinkError> {
-        let values = || s.discs.iter().flat_map(|disc| disc.centre_m).collect();
-        self.take(s.time_s, values);
-        Ok(())
-    }
-
-    fn event(&mut self, e: &BodiesEvent) -> Result<(), SinkError> {
-        self.story.push(format!("{:.9} s pair {} {:?}", e.time_s, e.pair, e.kind));
+        self.story.push(format!("{:.9} s contact {} {:?}", e.time_s, e.contact, e.kind));
         Ok(())
     }
 
@@ -106,10 +93,11 @@ impl Sink<BodiesSample> for Keep {
 /// Runs a scene in one setting; `push`: relative change of what drives it.
 pub fn record(scene: &AnyScene, setting: Setting, push: f64) -> Run {
     let start = Instant::now();
-    let mut run = match scene {
-        AnyScene::Finger(scene) => finger(scene, setting, push),
-        AnyScene::Bodies(scene) => discs(scene, setting, push),
+    let mut scene = match scene {
+        AnyScene::Finger(scene) => AnyScene::Finger(Box::new(pushed(scene, push))),
+        AnyScene::Bodies(scene) => AnyScene::Bodies(Box::new(pushed_bodies(scene, push))),
     };
+    let mut run = run_in(&mut scene, setting);
     run.wall = start.elapsed();
     run
 }
@@ -147,41 +135,17 @@ fn stepping(setting: Setting, own: Stepping) -> Stepping {
     }
 }
 
-fn finger(scene: &Scene, setting: Setting, push: f64) -> Run {
-    let mut scene = pushed(scene, push);
-    scene.integrator = integrator(setting);
-    scene.engine.stepping = stepping(setting, scene.engine.stepping);
-    scene.log.numeric_hz = POINTS / scene.duration_s;
-    let mut keep = Keep::new(scene.duration_s);
-    let result = run(model(setting), &scene, &mut keep);
+fn run_in(scene: &mut AnyScene, setting: Setting) -> Run {
+    let numerics = Numerics::from(&mut *scene);
+    *numerics.integrator = integrator(setting);
+    numerics.engine.stepping = stepping(setting, numerics.engine.stepping);
+    numerics.log.numeric_hz = POINTS / *numerics.duration_s;
+    let mut keep = Keep::new(*numerics.duration_s);
+    let result = run(model(setting), &*scene, &mut keep);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),
         Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason.to_string())),
         Err(RunError::Sink(error)) => panic!("{error}"),
-    };
-    Run {
-        end_s: outcome.last.time_s,
-        failure,
-        steps: outcome.work.steps,
-        events: outcome.work.events,
-        times: keep.times,
-        path: keep.path,
-        story: keep.story,
-        ..Run::default()
-    }
-}
-
-fn discs(scene: &BodiesScene, setting: Setting, push: f64) -> Run {
-    let mut scene = pushed_bodies(scene, push);
-    scene.integrator = integrator(setting);
-    scene.engine.stepping = stepping(setting, scene.engine.stepping);
-    scene.log.numeric_hz = POINTS / scene.duration_s;
-    let mut keep = Keep::new(scene.duration_s);
-    let result = run_bodies(model(setting), &scene, &mut keep);
-    let (outcome, failure) = match result {
-        Ok(outcome) => (outcome, None),
-        Err(BodiesRunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason.to_string())),
-        Err(BodiesRunError::Sink(error)) => panic!("{error}"),
     };
     Run {
         end_s: outcome.last.time_s,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Instant;
 
-use phalanx::check::{check, check_bodies};
+use phalanx::check::check;
 use phalanx::scene::AnyScene;
 use phalanx::trace::Model;
 
@@ -89,11 +89,7 @@ fn at_fold(run: &Run) -> bool {
 fn ask(scene: &AnyScene, model: Model) -> &'static str {
     let deadline = Instant::now() + PATIENCE;
     let go_on = || Instant::now() < deadline;
-    let check = match scene {
-        AnyScene::Finger(scene) => check(model, scene, &go_on),
-        AnyScene::Bodies(scene) => check_bodies(model, scene, &go_on),
-    };
-    check.verdict.name()
+    check(model, scene, &go_on).verdict.name()
 }
 
 /// Runs a scene in all settings.

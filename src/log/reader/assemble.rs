@@ -6,10 +6,9 @@ use foxglove::messages::Log;
 use super::Ended;
 use super::bytes::Malformed;
 use super::channels::{Carries, Channels};
-use super::record::{ChannelRecord, MessageRecord, Names, SchemaRecord};
+use super::record::{ChannelRecord, MessageRecord, SchemaRecord};
 use super::wire::numbers;
-use crate::trace::bodies::{BodiesEvent, BodiesSample, DiscState};
-use crate::trace::{self, ContactSample, Event, EventKind, Sample, Site};
+use crate::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample};
 
 const BACK: Malformed = Malformed("the time of a sample is not a number, or goes back");
 
@@ -20,35 +19,52 @@ pub enum Found {
     Nothing,
     /// A message of a channel that phalanx does not know.
     Unknown,
-    Sample(Box<Sample>),
+    /// A sample is whole: [`Assembler::sample`].
+    Sample,
     Event(Event),
-    Discs(BodiesSample),
-    DiscsEvent(BodiesEvent),
     Ended(Ended),
 }
 
 /// What messages have said so far.
 pub struct Assembler {
     channels: Channels,
-    /// A sample of which the last message (its energies) has not come yet.
-    pending: Option<Box<Sample>>,
-    discs: Parts,
+    /// The sample as it comes together, and what of it has come since the last one was whole.
+    sample: Sample,
+    there: Parts,
     latest_s: f64,
 }
 
-/// A sample of discs as it comes together.
+/// Fingers, bodies and contacts that have come.
 #[derive(Default)]
 struct Parts {
-    sample: BodiesSample,
-    /// Which discs, and behind them which pairs, have come; and how many of them.
-    there: Vec<bool>,
+    fingers: Vec<bool>,
+    bodies: Vec<bool>,
+    contacts: Vec<bool>,
+    /// How many.
     count: usize,
+}
+
+impl Parts {
+    fn forget(&mut self) {
+        let Parts { fingers, bodies, contacts, count } = self;
+        [fingers, bodies, contacts].into_iter().for_each(|parts| parts.fill(false));
+        *count = 0;
+    }
+
+    /// Beside a finger there can be nothing to touch, and its message comes first; of bodies everything has to come.
+    fn are_whole(&self) -> bool {
+        match self.fingers.is_empty() {
+            false => self.fingers.iter().all(|there| *there),
+            true => self.count > 0 && self.count == self.bodies.len() + self.contacts.len(),
+        }
+    }
 }
 
 impl Assembler {
     /// Of a log of discs, or of a finger.
     pub fn new(discs: bool) -> Self {
-        Assembler { channels: Channels::new(discs), pending: None, discs: Parts::default(), latest_s: 0.0 }
+        let (sample, there) = (Sample::default(), Parts::default());
+        Assembler { channels: Channels::new(discs), sample, there, latest_s: 0.0 }
     }
 
     pub fn schema(&mut self, schema: &SchemaRecord<'_>) {
@@ -60,16 +76,19 @@ impl Assembler {
         self.channels.channel(channel)
     }
 
-    /// The discs and pairs of the samples.
-    pub fn names(&self) -> &Names {
-        self.channels.names()
+    /// What the samples consist of; it stays the same from here on.
+    pub fn layout(&mut self) -> &Layout {
+        self.channels.close()
+    }
+
+    /// The sample that was made whole last, until the next message.
+    pub fn sample(&self) -> &Sample {
+        &self.sample
     }
 
     /// Forgets samples of which not all has come.
     pub fn forget_parts(&mut self) {
-        self.pending = None;
-        self.discs.there.fill(false);
-        self.discs.count = 0;
+        self.there.forget();
     }
 
     /// Takes a message.
@@ -79,46 +98,43 @@ impl Assembler {
             return Ok(Found::Unknown);
         };
         match carries {
-            Carries::State => self.pending = Some(Box::new(self.begin(data)?)),
-            Carries::Contact(site) => {
-                let contact = contact(data)?;
-                if let Some(sample) = &mut self.pending {
-                    *(if site == Site::Proximal { &mut sample.proximal } else { &mut sample.distal }) = contact;
-                }
+            Carries::Finger(index) => {
+                let (time_s, finger) = finger(data)?;
+                self.begin(time_s)?;
+                // It comes first: what came before it belongs to no sample.
+                self.there.forget();
+                self.sample.contacts.fill(ContactSample::NONE);
+                self.sample.fingers[index] = finger;
+                self.there.fingers[index] = true;
             }
-            Carries::Limit => {
-                let [_, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = numbers(data)?;
-                if let Some(sample) = &mut self.pending {
-                    sample.limit =
-                        ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() };
-                }
+            Carries::Body(index) => {
+                let (time_s, body) = body(data)?;
+                self.begin(time_s)?;
+                self.sample.bodies[index] = body;
+                self.there.count += usize::from(!std::mem::replace(&mut self.there.bodies[index], true));
+            }
+            Carries::Contact(index) => {
+                let [time_s] = numbers(data)?;
+                self.put_contact(index, time_s, contact(data)?)?;
+            }
+            Carries::Stop(index) => {
+                let [time_s, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = numbers(data)?;
+                let stop = ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() };
+                self.put_contact(index, time_s, stop)?;
             }
             Carries::Energy => {
                 let energy = energy(data)?;
-                // Energies come last: the sample is whole.
-                if let Some(mut sample) = self.pending.take() {
-                    sample.energy = energy;
-                    self.latest_s = sample.time_s;
-                    return Ok(Found::Sample(sample));
+                // Energies come last: the sample is whole if all else has come.
+                if self.there.are_whole() {
+                    self.there.forget();
+                    self.sample.energy = energy;
+                    self.latest_s = self.sample.time_s;
+                    return Ok(Found::Sample);
                 }
-                return self.finish_discs(energy);
             }
-            Carries::Impact(site) => return event(site, data).map(Found::Event),
-            Carries::Disc(index) => {
-                let [time_s, x, y, angle_rad, vx, vy, spin_rad_s] = numbers(data)?;
-                let state = DiscState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s };
-                self.put_part(index, time_s, |sample| sample.discs[index] = state)?;
-            }
-            Carries::PairContact(index) => {
-                let [time_s] = numbers(data)?;
-                let contact = contact(data)?;
-                let place = self.channels.names().discs.len() + index;
-                self.put_part(place, time_s, |sample| sample.contacts[index] = contact)?;
-            }
-            Carries::PairImpact(pair) => {
-                self.channels.close();
-                let (time_s, kind, [approach_m_s, impulse_n_s]) = change(data)?;
-                return Ok(Found::DiscsEvent(BodiesEvent { time_s, pair, kind, approach_m_s, impulse_n_s }));
+            Carries::Impact(contact) => {
+                let (time_s, kind, [approach_speed, impulse]) = change(data)?;
+                return Ok(Found::Event(Event { time_s, contact, kind, approach_speed, impulse }));
             }
             Carries::Lines => {
                 let line = Log::decode(data).map_err(|_| Malformed("a line of the log is not protobuf"))?;
@@ -131,76 +147,74 @@ impl Assembler {
         Ok(Found::Nothing)
     }
 
-    /// Takes one of the messages of a sample of discs.
-    fn put_part(&mut self, place: usize, time_s: f64, put: impl FnOnce(&mut BodiesSample)) -> Result<(), Malformed> {
+    /// A part of a sample of this time has come: makes room for all of it.
+    fn begin(&mut self, time_s: f64) -> Result<(), Malformed> {
         if !time_s.is_finite() || time_s < self.latest_s {
             return Err(BACK);
         }
-        let names = self.channels.close();
-        let parts = &mut self.discs;
-        let (discs, pairs) = (names.discs.len(), names.pairs.len());
-        if parts.there.len() != discs + pairs {
-            parts.there = vec![false; discs + pairs];
-            parts.sample.discs = vec![DiscState::default(); discs];
-            parts.sample.contacts = vec![ContactSample::NONE; pairs];
+        let Layout { fingers, bodies, contacts } = self.channels.close();
+        let (sample, there) = (&mut self.sample, &mut self.there);
+        if (sample.fingers.len(), sample.bodies.len(), sample.contacts.len())
+            != (fingers.len(), bodies.len(), contacts.len())
+        {
+            sample.fingers = vec![FingerState::default(); fingers.len()];
+            sample.bodies = vec![BodyState::default(); bodies.len()];
+            sample.contacts = vec![ContactSample::NONE; contacts.len()];
+            there.fingers = vec![false; fingers.len()];
+            there.bodies = vec![false; bodies.len()];
+            there.contacts = vec![false; contacts.len()];
         }
-        parts.sample.time_s = time_s;
-        put(&mut parts.sample);
-        if !std::mem::replace(&mut parts.there[place], true) {
-            parts.count += 1;
-        }
+        sample.time_s = time_s;
         Ok(())
     }
 
-    /// The sample, if every disc and every pair has come since the last one.
-    fn finish_discs(&mut self, energy: trace::Energy) -> Result<Found, Malformed> {
-        let parts = &mut self.discs;
-        // Nothing is copied for less than a whole sample: the work stays in proportion to what was read.
-        if parts.count == 0 || parts.count < parts.there.len() {
-            return Ok(Found::Nothing);
+    fn put_contact(&mut self, index: usize, time_s: f64, contact: ContactSample) -> Result<(), Malformed> {
+        if self.channels.begin_with_fingers() {
+            // Of a sample of which the finger is lost.
+            if self.there.fingers.is_empty() || !self.there.are_whole() {
+                return Ok(());
+            }
+        } else {
+            self.begin(time_s)?;
         }
-        parts.there.fill(false);
-        parts.count = 0;
-        parts.sample.energy = energy;
-        self.latest_s = parts.sample.time_s;
-        Ok(Found::Discs(parts.sample.clone()))
+        self.sample.contacts[index] = contact;
+        self.there.count += usize::from(!std::mem::replace(&mut self.there.contacts[index], true));
+        Ok(())
     }
+}
 
-    fn begin(&self, data: &[u8]) -> Result<Sample, Malformed> {
-        let [
-            time_s,
-            q11_rad,
-            q21_rad,
-            q12_rad,
-            q22_rad,
-            q13_rad,
-            qd11_rad_s,
-            qd21_rad_s,
-            qd12_rad_s,
-            qd22_rad_s,
-            motor_torque_n_m,
-        ] = numbers(data)?;
-        if !time_s.is_finite() || time_s < self.latest_s {
-            return Err(BACK);
-        }
-        Ok(Sample {
-            time_s,
-            q11_rad,
-            q21_rad,
-            q12_rad,
-            q22_rad,
-            q13_rad,
-            qd11_rad_s,
-            qd21_rad_s,
-            qd12_rad_s,
-            qd22_rad_s,
-            motor_torque_n_m,
-            proximal: ContactSample::NONE,
-            distal: ContactSample::NONE,
-            limit: ContactSample::NONE,
-            energy: trace::Energy::default(),
-        })
-    }
+fn finger(data: &[u8]) -> Result<(f64, FingerState), Malformed> {
+    let [
+        time_s,
+        q11_rad,
+        q21_rad,
+        q12_rad,
+        q22_rad,
+        q13_rad,
+        qd11_rad_s,
+        qd21_rad_s,
+        qd12_rad_s,
+        qd22_rad_s,
+        motor_torque_n_m,
+    ] = numbers(data)?;
+    let finger = FingerState {
+        q11_rad,
+        q21_rad,
+        q12_rad,
+        q22_rad,
+        q13_rad,
+        qd11_rad_s,
+        qd21_rad_s,
+        qd12_rad_s,
+        qd22_rad_s,
+        motor_torque_n_m,
+    };
+    Ok((time_s, finger))
+}
+
+fn body(data: &[u8]) -> Result<(f64, BodyState), Malformed> {
+    let [time_s, x, y, angle_rad, vx, vy, spin_rad_s] = numbers(data)?;
+    Ok((time_s, BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }))
 }
 
 fn contact(data: &[u8]) -> Result<ContactSample, Malformed> {
@@ -221,11 +235,6 @@ fn contact(data: &[u8]) -> Result<ContactSample, Malformed> {
 fn energy(data: &[u8]) -> Result<trace::Energy, Malformed> {
     let [_, kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = numbers(data)?;
     Ok(trace::Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j })
-}
-
-fn event(site: Site, data: &[u8]) -> Result<Event, Malformed> {
-    let (time_s, kind, [approach_speed, impulse]) = change(data)?;
-    Ok(Event { time_s, site, kind, approach_speed, impulse })
 }
 
 /// A change of contact: its time, its kind, approach speed and impulse.

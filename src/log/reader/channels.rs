@@ -5,22 +5,21 @@ use std::collections::HashMap;
 use foxglove::Encode;
 use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 
-use super::record::{ChannelRecord, Names, SchemaRecord};
+use super::record::{ChannelRecord, SchemaRecord};
 use crate::log::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
 use crate::log::schema::current_name;
-use crate::trace::Site;
+use crate::trace::{Layout, Place, Site};
 
-/// What a channel carries. Indices are those of [`Names`].
+/// What a channel carries. Indices are those of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carries {
-    State,
-    Contact(Site),
-    Limit,
+    Finger(usize),
+    Body(usize),
+    Contact(usize),
+    /// A contact whose gap is an angle.
+    Stop(usize),
+    Impact(usize),
     Energy,
-    Impact(Site),
-    Disc(usize),
-    PairContact(usize),
-    PairImpact(usize),
     Lines,
     /// What is drawn: it follows from the rest.
     Picture,
@@ -47,7 +46,7 @@ pub struct Channels {
     known: Vec<(String, Schema)>,
     schemas: HashMap<u16, Schema>,
     carried: HashMap<u16, Option<Carries>>,
-    names: Names,
+    layout: Layout,
     /// Samples have begun: what comes later is no part of them.
     closed: bool,
 }
@@ -74,7 +73,7 @@ impl Channels {
                 .collect(),
             schemas: HashMap::new(),
             carried: HashMap::new(),
-            names: Names::default(),
+            layout: if discs { Layout::default() } else { Layout::finger() },
             closed: false,
         }
     }
@@ -102,54 +101,57 @@ impl Channels {
         self.carried.get(&channel).copied().flatten()
     }
 
-    /// The discs and pairs, which stay the same from here on.
-    pub fn close(&mut self) -> &Names {
-        self.closed = true;
-        &self.names
+    /// Whether the messages of a sample begin with those of its fingers.
+    pub fn begin_with_fingers(&self) -> bool {
+        !self.discs
     }
 
-    pub fn names(&self) -> &Names {
-        &self.names
+    /// What samples consist of, which stays the same from here on.
+    pub fn close(&mut self) -> &Layout {
+        self.closed = true;
+        &self.layout
     }
 
     fn of_discs(&mut self, schema: Schema, topic: &str) -> Option<Carries> {
-        let place = |names: &mut Vec<String>, name: &str, closed: bool| {
-            let found = names.iter().position(|known| known == name);
-            found.or_else(|| {
-                (!closed).then(|| {
-                    names.push(name.to_string());
-                    names.len() - 1
-                })
-            })
+        let Layout { bodies, contacts, .. } = &mut self.layout;
+        let closed = self.closed;
+        let mut pair = |topic: &str, prefix: &str| {
+            let name = topic.strip_prefix(prefix).filter(|name| is_pair(name))?;
+            let place = || Place { name: name.to_string(), angular: false };
+            index(contacts, |known| known.name == name, place, closed)
         };
-        let (names, closed) = (&mut self.names, self.closed);
         match schema {
             Schema::Disc => {
                 let name = topic.strip_prefix("/disc/").filter(|name| is_name(name))?;
-                place(&mut names.discs, name, closed).map(Carries::Disc)
+                index(bodies, |known| known == name, || name.to_string(), closed).map(Carries::Body)
             }
-            Schema::Contact => {
-                let name = topic.strip_prefix("/contact/").filter(|name| is_pair(name))?;
-                place(&mut names.pairs, name, closed).map(Carries::PairContact)
-            }
-            Schema::Impact => {
-                let name = topic.strip_prefix("/impact/").filter(|name| is_pair(name))?;
-                place(&mut names.pairs, name, closed).map(Carries::PairImpact)
-            }
+            Schema::Contact => pair(topic, "/contact/").map(Carries::Contact),
+            Schema::Impact => pair(topic, "/impact/").map(Carries::Impact),
             _ => of_both(schema, topic),
         }
     }
 }
 
+/// The place of one among those that are known; one that is new goes behind them, unless they are closed.
+fn index<T>(all: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl Fn() -> T, closed: bool) -> Option<usize> {
+    let found = all.iter().position(is_it);
+    found.or_else(|| {
+        (!closed).then(|| {
+            all.push(new());
+            all.len() - 1
+        })
+    })
+}
+
 fn of_finger(schema: Schema, topic: &str) -> Option<Carries> {
     match (schema, topic) {
-        (Schema::State, "/state") => Some(Carries::State),
-        (Schema::Contact, "/contact/proximal") => Some(Carries::Contact(Site::Proximal)),
-        (Schema::Contact, "/contact/distal") => Some(Carries::Contact(Site::Distal)),
-        (Schema::Limit, "/limit") => Some(Carries::Limit),
-        (Schema::Impact, "/impact/proximal") => Some(Carries::Impact(Site::Proximal)),
-        (Schema::Impact, "/impact/distal") => Some(Carries::Impact(Site::Distal)),
-        (Schema::LimitImpact, "/impact/limit") => Some(Carries::Impact(Site::Limit)),
+        (Schema::State, "/state") => Some(Carries::Finger(0)),
+        (Schema::Contact, "/contact/proximal") => Some(Carries::Contact(Site::Proximal as usize)),
+        (Schema::Contact, "/contact/distal") => Some(Carries::Contact(Site::Distal as usize)),
+        (Schema::Limit, "/limit") => Some(Carries::Stop(Site::Limit as usize)),
+        (Schema::Impact, "/impact/proximal") => Some(Carries::Impact(Site::Proximal as usize)),
+        (Schema::Impact, "/impact/distal") => Some(Carries::Impact(Site::Distal as usize)),
+        (Schema::LimitImpact, "/impact/limit") => Some(Carries::Impact(Site::Limit as usize)),
         _ => of_both(schema, topic),
     }
 }

@@ -43,7 +43,7 @@ pub(super) use self::bytes::{channel, message, metadata, schema};
 use self::reading::is_of_discs;
 pub use self::reading::{Ended, Loss, ReadError, Reading};
 use self::record::Fingers;
-pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Names, Record, SchemaRecord};
+pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Record, SchemaRecord};
 use super::file::partial_name;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
 use super::recovered::RECOVERED_NAME;
@@ -98,7 +98,7 @@ pub fn read_head(path: &Path) -> Result<Reading, ReadError> {
 
 /// Reads the log of a finger into a sink, see [`read_file`].
 pub fn read(source: impl Read + Seek, sink: &mut impl Sink) -> Result<Reading, ReadError> {
-    read_any(source, &mut Fingers(sink))
+    read_any(source, &mut Fingers { sink, are_there: true })
 }
 
 /// Reads a log of any kind into a sink, see [`read_file`].
@@ -186,7 +186,7 @@ struct Reader<'a, S> {
     room: Vec<u8>,
     /// The metadata record has been seen.
     identified: bool,
-    /// The sink knows the names of discs and pairs.
+    /// The sink knows what samples consist of.
     named: bool,
     /// Stop before the first chunk.
     head_only: bool,
@@ -368,40 +368,26 @@ impl<S: LogSink> Reader<'_, S> {
     }
 
     fn found(&mut self, found: Found) -> Result<(), SinkError> {
-        if matches!(found, Found::Discs(_) | Found::DiscsEvent(_)) && !self.named {
+        if matches!(found, Found::Sample | Found::Event(_)) && !self.named {
             self.named = true;
-            self.sink.names(self.assembler.names())?;
+            self.sink.layout(self.assembler.layout())?;
         }
-        let sample_s = match found {
-            Found::Nothing => return Ok(()),
-            Found::Unknown => {
-                self.reading.unknown_messages += 1;
-                return Ok(());
-            }
-            Found::Ended(ended) => {
-                self.reading.ended = Some(ended);
-                return Ok(());
-            }
+        match found {
+            Found::Nothing => {}
+            Found::Unknown => self.reading.unknown_messages += 1,
+            Found::Ended(ended) => self.reading.ended = Some(ended),
             Found::Event(event) => {
                 self.reading.events += 1;
-                return self.sink.event(&event);
+                self.sink.event(&event)?;
             }
-            Found::DiscsEvent(event) => {
-                self.reading.events += 1;
-                return self.sink.discs_event(&event);
+            Found::Sample => {
+                let sample = self.assembler.sample();
+                self.sink.sample(sample)?;
+                self.reading.samples += 1;
+                self.reading.first_s.get_or_insert(sample.time_s);
+                self.reading.last_s = Some(sample.time_s);
             }
-            Found::Sample(sample) => {
-                self.sink.sample(&sample)?;
-                sample.time_s
-            }
-            Found::Discs(sample) => {
-                self.sink.discs(&sample)?;
-                sample.time_s
-            }
-        };
-        self.reading.samples += 1;
-        self.reading.first_s.get_or_insert(sample_s);
-        self.reading.last_s = Some(sample_s);
+        }
         Ok(())
     }
 }

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
-use crate::trace::{Event, Recording, Sample, Sink, SinkError};
+use crate::trace::{Event, Layout, Recording, Sample, Sink, SinkError};
 
 /// One record of a log. The bytes are those of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,36 +49,19 @@ pub struct MessageRecord<'a> {
     pub data: &'a [u8],
 }
 
-/// The discs and pairs of a log, in the order of its samples.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Names {
-    pub discs: Vec<String>,
-    pub pairs: Vec<String>,
-}
-
 /// Takes what a log says, of whichever kind of scene it is, in the order of the log.
 pub trait LogSink {
-    /// A sample of a finger.
+    /// What the samples consist of: once, before the first sample or event.
+    fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
+        Ok(())
+    }
+
     fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
 
-    /// An event of a finger.
+    /// An event; its contact is one of the layout.
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    /// What the discs and pairs are called: once, before the first sample or event of discs.
-    fn names(&mut self, _: &Names) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn discs(&mut self, _: &BodiesSample) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    /// An event of discs; its pair is one of [`Names::pairs`].
-    fn discs_event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
         Ok(())
     }
 
@@ -97,42 +79,39 @@ pub trait LogSink {
 
 impl LogSink for () {}
 
-/// Keeps what a log of a finger says; one of discs leaves it as it is.
+/// Keeps what a log says, in the place of what was there.
 impl LogSink for Recording {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        Sink::sample(self, sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        Sink::<Sample>::event(self, event)
-    }
-}
-
-/// Keeps what a log of discs says, under the names that the log has for them.
-impl LogSink for Recording<BodiesEvent> {
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        *self = Recording::named(&names.discs, &names.pairs);
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        *self = Recording::new(layout);
         Ok(())
     }
 
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         Sink::sample(self, sample)
     }
 
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        Sink::<BodiesSample>::event(self, event)
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        Sink::event(self, event)
     }
 }
 
-/// A sink of samples of fingers only.
-pub(super) struct Fingers<'a, S>(pub &'a mut S);
+/// A sink of samples that have a finger; nothing else is passed on.
+pub(super) struct Fingers<'a, S> {
+    pub sink: &'a mut S,
+    pub are_there: bool,
+}
 
 impl<S: Sink> LogSink for Fingers<'_, S> {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.are_there = !layout.fingers.is_empty();
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.sample(sample)
+        if self.are_there { self.sink.sample(sample) } else { Ok(()) }
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.0.event(event)
+        if self.are_there { self.sink.event(event) } else { Ok(()) }
     }
 }

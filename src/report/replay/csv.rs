@@ -3,26 +3,13 @@
 use std::io::{self, Write};
 
 use super::super::csv::line;
-use crate::log::Names;
-use crate::trace::bodies::BodiesSample;
-use crate::trace::{Sample, columns};
+use crate::trace::Sample;
+use crate::trace::columns::{self, Column};
 
-/// What the columns are.
-#[derive(Clone, Copy, Debug)]
-pub enum CsvHead<'a> {
-    Finger,
-    Discs(&'a Names),
-}
-
-impl CsvHead<'_> {
-    /// Writes the names of the columns.
-    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let columns = match self {
-            CsvHead::Finger => columns::of_finger(),
-            CsvHead::Discs(names) => columns::of_discs(&names.discs, &names.pairs),
-        };
-        writeln!(out, "{}", columns.join(","))
-    }
+/// Writes the names of the columns.
+pub fn csv_head(out: &mut dyn Write, columns: &[Column]) -> io::Result<()> {
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    writeln!(out, "{}", names.join(","))
 }
 
 /// Whether a line names the columns of a table of samples.
@@ -30,12 +17,7 @@ pub fn is_samples(head: &str) -> bool {
     columns::are_of_samples(&head.split(',').collect::<Vec<_>>())
 }
 
-/// Writes a sample of a finger. Without an object or a joint limit the cells of theirs are empty.
-pub fn csv_finger(out: &mut dyn Write, sample: &Sample) -> io::Result<()> {
-    line(out, columns::finger_values(sample))
-}
-
-/// Writes a sample of discs.
-pub fn csv_discs(out: &mut dyn Write, sample: &BodiesSample) -> io::Result<()> {
-    line(out, columns::discs_values(sample))
+/// Writes a sample. Where there is nothing to touch the cells of a contact are empty.
+pub fn csv_sample(out: &mut dyn Write, columns: &[Column], sample: &Sample) -> io::Result<()> {
+    line(out, columns.iter().map(|column| column.value(sample)))
 }

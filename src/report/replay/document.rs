@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::super::bodies::{DiscReport, PairReport, contacts_of, discs_of};
-use super::super::document::{Contacts, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed};
-use super::summary::{DiscsSummary, Summary};
+use super::super::contacts::Contacts;
+use super::super::discs::{DiscReport, discs};
+use super::super::document::{Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed};
+use super::summary::Summary;
 use super::verify::VerificationReport;
 use crate::criteria::Criteria;
 use crate::log::{Loss, Reading, Solver, settings};
@@ -60,20 +61,12 @@ pub struct ReplayReport {
     /// Discs by their names, of a log of discs.
     pub discs: Option<BTreeMap<String, DiscReport>>,
     /// Peaks are those of the samples, among which the run's own are.
-    pub contacts: Option<Touches>,
+    pub contacts: Option<Contacts>,
     /// Null without an object or a scene, or if the log does not reach the end of a completed run.
     pub criteria: Option<Dynamics>,
     pub energy: Option<Energies>,
     /// Whether simulating again gives the same; null unless that was asked for.
     pub verification: Option<VerificationReport>,
-}
-
-/// Contacts of a finger, or of discs by the names of their pairs: the keys of the run's own report.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Touches {
-    Finger(Contacts),
-    Discs(BTreeMap<String, PairReport>),
 }
 
 /// Something that is lost.
@@ -96,25 +89,22 @@ impl From<&Loss> for Lost {
 }
 
 impl ReplayReport {
-    /// What was read of a finger, in sum. `criteria` are those of the whole run.
-    pub fn new(log: String, reading: &Reading, summary: &Summary, criteria: Option<Criteria>) -> Self {
-        let outcome = summary.outcome();
+    /// What was read, in sum. `criteria` are those of the whole run of a finger; how discs are moved is in the `scene` alone.
+    pub fn new(
+        log: String,
+        reading: &Reading,
+        summary: &Summary,
+        criteria: Option<Criteria>,
+        scene: Option<&BodiesScene>,
+    ) -> Self {
+        let (layout, outcome) = (&summary.layout, summary.outcome());
+        let finger = outcome.and_then(|outcome| outcome.last.fingers.first());
+        let bodies = outcome.filter(|_| layout.fingers.is_empty());
         ReplayReport {
-            last: outcome.map(|outcome| Final::from(&outcome.last)),
-            contacts: outcome.map(|outcome| Touches::Finger(Contacts::from(outcome))),
+            last: finger.map(Final::from),
+            discs: bodies.map(|outcome| discs(&layout.bodies, scene, &outcome.last.bodies)),
+            contacts: outcome.map(|outcome| Contacts::new(layout, outcome, summary.rebounds())),
             criteria: criteria.map(Dynamics::from),
-            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
-            ..ReplayReport::of_log(log, reading)
-        }
-    }
-
-    /// What was read of discs, in sum. How they are moved is in the scene alone.
-    pub fn of_discs(log: String, reading: &Reading, summary: &DiscsSummary, scene: Option<&BodiesScene>) -> Self {
-        let outcome = summary.outcome();
-        ReplayReport {
-            discs: outcome.map(|outcome| discs_of(&summary.names.discs, scene, &outcome.last.discs)),
-            contacts: outcome
-                .map(|outcome| Touches::Discs(contacts_of(&summary.names.pairs, outcome, summary.rebounds()))),
             energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
             ..ReplayReport::of_log(log, reading)
         }

@@ -9,10 +9,10 @@ mod text;
 mod verify;
 
 pub use against::{AgainstReport, ApartReport, FigureReport, WordReport, against_json, against_text, side_by_side};
-pub use csv::{CsvHead, csv_discs, csv_finger, is_samples};
-pub use document::{Lost, ReplayReport, Touches};
+pub use csv::{csv_head, csv_sample, is_samples};
+pub use document::{Lost, ReplayReport};
 pub use recover::{GapReport, RecoveryReport, recovery_json, recovery_text};
-pub use summary::{DiscsSummary, Summary};
+pub use summary::Summary;
 pub use text::replay_text;
 pub use verify::{DifferenceReport, EntryReport, FieldReport, VerificationReport};
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::bodies::text as bodies;
-use super::super::text::{contacts, dynamics, energies, engine, final_state, integrator};
-use super::document::{ReplayReport, Touches};
+use super::super::tables::{contacts, discs, dynamics, energies, final_state};
+use super::super::text::{engine, integrator};
+use super::document::ReplayReport;
 use super::verify::verification_text;
 use crate::wording::duration;
 use crate::wording::sheet::Sheet;
@@ -17,18 +17,10 @@ pub fn replay_text(report: &ReplayReport) -> Sheet {
         sections.push(final_state(last, end_s));
     }
     if let (Some(all), Some(end_s)) = (&report.discs, report.end_s) {
-        sections.push(bodies::discs(all, end_s));
+        sections.push(discs(all, end_s));
     }
-    match &report.contacts {
-        Some(Touches::Finger(all)) => sections.push(contacts(all)),
-        Some(Touches::Discs(all)) if !all.is_empty() => sections.push(bodies::contacts(all)),
-        _ => {}
-    }
-    match (&report.energy, &report.discs) {
-        (Some(energy), None) => sections.push(energies(energy)),
-        (Some(energy), Some(_)) => sections.push(bodies::energies(energy)),
-        (None, _) => {}
-    }
+    sections.extend(report.contacts.as_ref().and_then(contacts));
+    sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.discs.is_none())));
     if let Some(criteria) = &report.criteria {
         sections.push(dynamics(criteria));
     }

@@ -31,8 +31,8 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
             line("distal contact, ms", &|of| of.outcome.site(Site::Distal).first_s.map(|s| s * 1e3), 5),
             line("time to stability, ms", &|of| of.criteria.tts_s.map(|s| s * 1e3), 5),
             line("rebound, %", &|of| of.criteria.rebound_percent, 4),
-            line("F21 at the end, N", &|of| Some(of.outcome.last.proximal.normal_n), 4),
-            line("F22 at the end, N", &|of| Some(of.outcome.last.distal.normal_n), 4),
+            line("F21 at the end, N", &|of| Some(of.outcome.last.contact(Site::Proximal).normal_n), 4),
+            line("F22 at the end, N", &|of| Some(of.outcome.last.contact(Site::Distal).normal_n), 4),
             line("PFP, N", &|of| Some(of.pfp_n), 4),
         ],
     );

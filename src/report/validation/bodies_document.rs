@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::super::bodies::{DiscReport, PairReport, contacts, discs};
+use super::super::contacts::{PairReport, pairs};
+use super::super::discs::{DiscReport, discs};
 use super::super::document::Energies;
 use super::document::{CheckReport, SettingReport};
 use super::invariants::FindingReport;
 use crate::invariants::Finding;
 use crate::scene::BodiesScene;
-use crate::validate::{BodiesDifferences, BodiesRecording, MEMBERS, Row, TORQUE_STEP, Tried, Validation, name};
+use crate::trace::Simulated;
+use crate::validate::{BodiesDifferences, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -127,19 +129,20 @@ impl BodiesValidationReport {
 fn model(
     scene: &BodiesScene,
     row: Option<&Row<BodiesDifferences>>,
-    run: &BodiesRecording,
+    run: &Recording,
     invariants: &[Finding],
 ) -> BodiesModelReport {
     let cost = row.and_then(|row| match row.tried {
         Tried::Done { cost, .. } => Some(cost),
         _ => None,
     });
+    let layout = Simulated::from(scene).layout();
     BodiesModelReport {
         setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
         steps: cost.map(|cost| cost.steps),
         wall_s: cost.map(|cost| cost.wall_s),
-        discs: discs(scene, &run.outcome),
-        contacts: contacts(scene, &run.outcome, &[]),
+        discs: discs(&layout.bodies, Some(scene), &run.outcome.last.bodies),
+        contacts: pairs(&layout, &run.outcome, &[]),
         energy: Energies::from(&run.outcome.last.energy),
         invariants: invariants.iter().map(FindingReport::from).collect(),
     }

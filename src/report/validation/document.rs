@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::super::document::{Contacts, Energies, Final};
+use super::super::contacts::FingerContacts;
+use super::super::document::{Energies, Final};
 use super::invariants::FindingReport;
 use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
@@ -71,7 +72,7 @@ pub struct ModelReport {
     pub wall_s: Option<f64>,
     #[serde(rename = "final")]
     pub last: Final,
-    pub contacts: Contacts,
+    pub contacts: FingerContacts,
     pub energy: Energies,
     pub loop_gap_m: f64,
     /// How near this run came to breaking each invariant.
@@ -221,8 +222,8 @@ impl ModelReport {
             setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
             steps: cost.map(|cost| cost.steps),
             wall_s: cost.map(|cost| cost.wall_s),
-            last: Final::from(&outcome.last),
-            contacts: Contacts::from(outcome),
+            last: Final::from(outcome.last.finger()),
+            contacts: FingerContacts::from(outcome),
             energy: Energies::from(&outcome.last.energy),
             loop_gap_m: outcome.loop_gap_m,
             invariants: invariants.iter().map(FindingReport::from).collect(),
@@ -234,7 +235,7 @@ impl ModelReport {
 fn impacts(analytic: &Recording, engine: &Recording) -> Vec<ImpactReport> {
     let mut rows = Vec::new();
     for site in [Site::Proximal, Site::Distal] {
-        let (mut ours, mut theirs) = (analytic.impacts.of(site), engine.impacts.of(site));
+        let (mut ours, mut theirs) = (analytic.impacts.of(site as usize), engine.impacts.of(site as usize));
         loop {
             let pair = (ours.next(), theirs.next());
             if let (None, None) = pair {

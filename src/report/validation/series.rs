@@ -4,28 +4,27 @@ use std::io::{self, Write};
 
 use super::super::csv::cell;
 use crate::scene::BodiesScene;
-use crate::trace::Sample;
-use crate::trace::bodies::BodiesSample;
-use crate::validate::{BodiesRecording, Recording, turned};
+use crate::trace::{Sample, Site};
+use crate::validate::{Recording, turned};
 
 type Column = (&'static str, fn(&Sample) -> f64);
 
 /// The quantities, in SI: each is a column with `_analytic` behind its name and one with `_engine`. Angles are
 /// from −π to π.
 pub const COLUMNS: [Column; 15] = [
-    ("q11_rad", |s| turned(s.q11_rad)),
-    ("q21_rad", |s| turned(s.q21_rad)),
-    ("q22_rad", |s| turned(s.q22_rad)),
-    ("qd11_rad_s", |s| s.qd11_rad_s),
-    ("qd21_rad_s", |s| s.qd21_rad_s),
-    ("qd22_rad_s", |s| s.qd22_rad_s),
-    ("proximal_gap_m", |s| s.proximal.gap_m),
-    ("distal_gap_m", |s| s.distal.gap_m),
-    ("proximal_normal_n", |s| s.proximal.normal_n),
-    ("distal_normal_n", |s| s.distal.normal_n),
-    ("proximal_tangential_n", |s| s.proximal.tangential_n),
-    ("distal_tangential_n", |s| s.distal.tangential_n),
-    ("limit_torque_n_m", |s| s.limit.normal_n),
+    ("q11_rad", |s| turned(s.finger().q11_rad)),
+    ("q21_rad", |s| turned(s.finger().q21_rad)),
+    ("q22_rad", |s| turned(s.finger().q22_rad)),
+    ("qd11_rad_s", |s| s.finger().qd11_rad_s),
+    ("qd21_rad_s", |s| s.finger().qd21_rad_s),
+    ("qd22_rad_s", |s| s.finger().qd22_rad_s),
+    ("proximal_gap_m", |s| s.contact(Site::Proximal).gap_m),
+    ("distal_gap_m", |s| s.contact(Site::Distal).gap_m),
+    ("proximal_normal_n", |s| s.contact(Site::Proximal).normal_n),
+    ("distal_normal_n", |s| s.contact(Site::Distal).normal_n),
+    ("proximal_tangential_n", |s| s.contact(Site::Proximal).tangential_n),
+    ("distal_tangential_n", |s| s.contact(Site::Distal).tangential_n),
+    ("limit_torque_n_m", |s| s.contact(Site::Limit).normal_n),
     ("kinetic_j", |s| s.energy.kinetic_j),
     ("balance_j", |s| s.energy.balance_j),
 ];
@@ -41,11 +40,7 @@ pub fn series(out: &mut impl Write, analytic: &Recording, engine: &Recording, nu
 }
 
 /// The same of a scene of discs: places and rates of every disc, gap and forces of every pair, energies.
-pub fn bodies_series(
-    out: &mut impl Write,
-    scene: &BodiesScene,
-    [analytic, engine]: [&BodiesRecording; 2],
-) -> io::Result<()> {
+pub fn bodies_series(out: &mut impl Write, scene: &BodiesScene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let mut names = Vec::new();
     for disc in &scene.discs {
         let quantities = ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
@@ -56,9 +51,9 @@ pub fn bodies_series(
         names.extend(["gap_m", "slip_m_s", "normal_n", "tangential_n"].map(|quantity| format!("{name}_{quantity}")));
     }
     names.extend(["kinetic_j", "dissipated_j", "balance_j"].map(String::from));
-    let values = |sample: &BodiesSample| {
+    let values = |sample: &Sample| {
         let mut values = Vec::with_capacity(names.len());
-        for disc in &sample.discs {
+        for disc in &sample.bodies {
             values.extend(disc.centre_m);
             values.push(disc.angle_rad);
             values.extend(disc.velocity_m_s);

@@ -5,7 +5,7 @@ use crate::criteria::{Criteria, Tracker, at_rest};
 use crate::gripper::total_mass;
 use crate::scene;
 use crate::statics::palm_force;
-use crate::trace::{self, Event, Outcome, Sample, Sink, SinkError};
+use crate::trace::{self, Event, FingerState, Outcome, Sample, Sink, SinkError, Site};
 
 const AS_PRINTED: &str = include_str!("../../../scenes/experiment-95.toml");
 const CAD: &str = include_str!("../../../scenes/experiment-95-cad.toml");
@@ -48,7 +48,7 @@ fn closing(name: &'static str, text: &str, file: &str) -> Result<Closing, Reprod
     let rest = at_rest(&scene, object).map_err(|reason| error(&reason))?;
     let mut kept = Kept { tracker: Tracker::new(rest.angles()), points: Vec::new() };
     let outcome = trace::run_analytic(&scene, &mut kept).map_err(|reason| error(&reason))?;
-    let forces = [outcome.last.proximal.normal_n, outcome.last.distal.normal_n];
+    let forces = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];
     Ok(Closing {
         name,
         mass_kg: total_mass(&scene.finger.bodies),
@@ -67,8 +67,8 @@ struct Kept {
 
 impl Sink for Kept {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let Sample { time_s, q11_rad, q21_rad, q22_rad, .. } = *sample;
-        self.points.push(ClosingPoint { time_s, q11_rad, q21_rad, q22_rad });
+        let FingerState { q11_rad, q21_rad, q22_rad, .. } = *sample.finger();
+        self.points.push(ClosingPoint { time_s: sample.time_s, q11_rad, q21_rad, q22_rad });
         self.tracker.sample(sample)
     }
 

@@ -7,6 +7,7 @@ use crate::criteria::Class;
 use crate::gripper::total_mass;
 use crate::study::select::Candidate;
 use crate::study::volume::{Intersection, intersections, percent, shares};
+use crate::trace::Site;
 
 /// Number of the chosen design.
 pub const CHOSEN: i64 = 95;
@@ -64,8 +65,8 @@ pub fn measured(found: &Reproduction) -> BTreeMap<String, f64> {
     let (chosen, cad) = (&found.chosen, &found.cad);
     set("design_95.pfp_n", chosen.pfp_n);
     set("design_95.tts_s", chosen.criteria.tts_s.unwrap_or(f64::NAN));
-    set("design_95.f21_n", chosen.outcome.last.proximal.normal_n);
-    set("design_95.f22_n", chosen.outcome.last.distal.normal_n);
+    set("design_95.f21_n", chosen.outcome.last.contact(Site::Proximal).normal_n);
+    set("design_95.f22_n", chosen.outcome.last.contact(Site::Distal).normal_n);
     set("cad.mass_kg", cad.mass_kg);
     set("cad.saved_percent", 100.0 * (1.0 - cad.mass_kg / chosen.mass_kg));
     set("cad.tts_s", cad.criteria.tts_s.unwrap_or(f64::NAN));

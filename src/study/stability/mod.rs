@@ -154,7 +154,7 @@ fn expected(scene: &Scene, (stiffness, damping): (f64, f64), task: &Task) -> Opt
     match recording {
         Ok(recording) => {
             found.steps = recording.outcome.work.steps;
-            found.touchdowns = [0, 1].map(|site| recording.outcome.sites[site].touchdowns);
+            found.touchdowns = [0, 1].map(|site| recording.outcome.contacts[site].touchdowns);
             let mut invariants = Invariants::new(Model::Analytic, &tight);
             for sample in &recording.samples {
                 invariants.sample(sample).expect("measuring writes nothing");

@@ -106,7 +106,7 @@ fn closing(cells: &mut Cells, tracker: &Tracker, grasp: &AtRest, outcome: &Outco
     cells.set("tts_s", criteria.tts_s);
     cells.set("rebound_percent", criteria.rebound_percent);
     cells.set("class", criteria.class.name());
-    let forces_n = [outcome.last.proximal.normal_n, outcome.last.distal.normal_n];
+    let forces_n = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];
     cells.set("f21_n", forces_n[0]);
     cells.set("f22_n", forces_n[1]);
     cells.set("pfp_n", palm_force_each(&grasp.end, forces_n, grasp.mu_static));

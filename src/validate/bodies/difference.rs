@@ -1,10 +1,9 @@
 //! Everything in which a run of discs differs from its reference.
 
+use super::super::Recording;
 use super::super::Track;
 use super::super::difference::{distance, larger};
-use super::BodiesRecording;
-use crate::trace::bodies::{BodiesEvent, BodiesOutcome, BodiesSample};
-use crate::trace::{Sink, SinkError};
+use crate::trace::{ContactSummary, Event, Outcome, Sample, Sink, SinkError};
 
 /// Pairs with less than this part of the largest figure of all are too small to compare in it.
 const SIGNIFICANT: f64 = 0.01;
@@ -80,7 +79,7 @@ fn worst(figures: &[Option<f64>]) -> Option<f64> {
 
 /// A sink that compares a run with its reference as it goes by.
 pub struct BodiesComparison<'a> {
-    reference: &'a BodiesRecording,
+    reference: &'a Recording,
     cursor: usize,
     places: Vec<Track>,
     excess_j: f64,
@@ -88,20 +87,20 @@ pub struct BodiesComparison<'a> {
 }
 
 impl<'a> BodiesComparison<'a> {
-    pub fn new(reference: &'a BodiesRecording) -> Self {
-        let discs = reference.outcome.last.discs.len();
+    pub fn new(reference: &'a Recording) -> Self {
+        let discs = reference.outcome.last.bodies.len();
         Self { reference, cursor: 0, places: vec![Track::default(); discs], excess_j: 0.0, energy_j: 0.0 }
     }
 
     /// The differences, once the run is over.
-    pub fn finish(self, outcome: &BodiesOutcome) -> BodiesDifferences {
+    pub fn finish(self, outcome: &Outcome) -> BodiesDifferences {
         let reference = &self.reference.outcome;
-        let pairs = || outcome.pairs.iter().zip(&reference.pairs);
-        let relative = |figure: fn(&crate::trace::SiteSummary) -> f64| {
-            let largest = reference.pairs.iter().map(figure).fold(0.0, f64::max);
+        let pairs = || outcome.contacts.iter().zip(&reference.contacts);
+        let relative = |figure: fn(&ContactSummary) -> f64| {
+            let largest = reference.contacts.iter().map(figure).fold(0.0, f64::max);
             pairs().map(|(found, expected)| relative(figure(found), figure(expected), largest)).collect()
         };
-        let turned = outcome.last.discs.iter().zip(&reference.last.discs);
+        let turned = outcome.last.bodies.iter().zip(&reference.last.bodies);
         BodiesDifferences {
             position_max_m: self.places.iter().map(|track| track.max).collect(),
             position_max_at_s: self.places.iter().map(|track| track.max_at_s).collect(),
@@ -117,26 +116,26 @@ impl<'a> BodiesComparison<'a> {
     }
 }
 
-impl Sink<BodiesSample> for BodiesComparison<'_> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+impl Sink for BodiesComparison<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let energy = &sample.energy;
         self.excess_j = self.excess_j.max(energy.balance_j);
         self.energy_j = self.energy_j.max(energy.kinetic_j + energy.elastic_j).max(energy.motor_work_j.abs());
         let Some(expected) = self.reference.at(sample.time_s, &mut self.cursor) else { return Ok(()) };
-        for ((track, found), expected) in self.places.iter_mut().zip(&sample.discs).zip(&expected.discs) {
+        for ((track, found), expected) in self.places.iter_mut().zip(&sample.bodies).zip(&expected.bodies) {
             let [x, y] = [0, 1].map(|k| found.centre_m[k] - expected.centre_m[k]);
             track.push(sample.time_s, x.hypot(y));
         }
         Ok(())
     }
 
-    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
         Ok(())
     }
 }
 
 /// Compares a run that was kept with its reference.
-pub fn compare(run: &BodiesRecording, reference: &BodiesRecording) -> BodiesDifferences {
+pub fn compare(run: &Recording, reference: &Recording) -> BodiesDifferences {
     let mut comparison = BodiesComparison::new(reference);
     for sample in &run.samples {
         comparison.sample(sample).expect("comparing writes nothing");
@@ -167,22 +166,22 @@ fn relative(found: f64, expected: f64, largest: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::SiteSummary;
-    use crate::trace::bodies::DiscState;
+    use crate::trace::BodyState;
+    use ContactSummary;
 
-    fn recording(shift_m: f64, pairs: [SiteSummary; 3]) -> BodiesRecording {
-        let sample = |time_s: f64| BodiesSample {
+    fn recording(shift_m: f64, pairs: [ContactSummary; 3]) -> Recording {
+        let sample = |time_s: f64| Sample {
             time_s,
-            discs: vec![DiscState { centre_m: [shift_m * time_s, 0.0], ..DiscState::default() }],
-            ..BodiesSample::default()
+            bodies: vec![BodyState { centre_m: [shift_m * time_s, 0.0], ..BodyState::default() }],
+            ..Sample::default()
         };
         let samples = vec![sample(0.0), sample(1.0)];
-        let outcome = BodiesOutcome { last: sample(1.0), pairs: pairs.to_vec(), ..BodiesOutcome::default() };
-        BodiesRecording { samples, outcome, ..BodiesRecording::default() }
+        let outcome = Outcome { last: sample(1.0), contacts: pairs.to_vec(), ..Outcome::default() };
+        Recording { samples, outcome, ..Recording::default() }
     }
 
-    fn pair(first_s: Option<f64>, impulse_n_s: f64) -> SiteSummary {
-        SiteSummary { first_s, impulse_n_s, peak_normal_n: 10.0 * impulse_n_s, ..SiteSummary::default() }
+    fn pair(first_s: Option<f64>, impulse_n_s: f64) -> ContactSummary {
+        ContactSummary { first_s, impulse_n_s, peak_normal_n: 10.0 * impulse_n_s, ..ContactSummary::default() }
     }
 
     #[test]

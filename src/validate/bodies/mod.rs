@@ -3,8 +3,6 @@
 //! The time after `until` is not run at all, so every figure of a run, its peaks and impulses too, is of what is compared.
 
 mod difference;
-mod recording;
 mod subject;
 
 pub use difference::{BodiesComparison, BodiesDifferences};
-pub use recording::BodiesRecording;

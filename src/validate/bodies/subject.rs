@@ -1,19 +1,19 @@
 //! What a validation needs of a scene of discs.
 
+use super::super::Recording;
 use super::super::{Check, GoOn, Subject, TORQUE_STEP, Verdict, While, reference};
 use super::difference::compare;
-use super::{BodiesComparison, BodiesDifferences, BodiesRecording};
+use super::{BodiesComparison, BodiesDifferences};
 use crate::check;
 use crate::invariants::{Finding, Invariants};
 use crate::scene::{BodiesBounds, BodiesScene, DiscMotion, Engine, Integrator, LogRates};
-use crate::trace::bodies::{BodiesRunError, run_bodies};
-use crate::trace::{Model, Sink};
+use crate::trace::{Model, RunError, Sink, run};
 
 impl Subject for BodiesScene {
     type Bounds = BodiesBounds;
-    type Recording = BodiesRecording;
+    type Recording = Recording;
     type Differences = BodiesDifferences;
-    type Error = BodiesRunError;
+    type Error = RunError;
 
     const JOINTED: bool = false;
 
@@ -76,44 +76,39 @@ impl Subject for BodiesScene {
         (!self.pairs().is_empty()).then_some(friction)
     }
 
-    fn steps(&self, model: Model, go_on: GoOn) -> Result<u64, BodiesRunError> {
-        Ok(run_bodies(model, self, &mut While { sink: &mut (), go_on })?.work.steps)
+    fn steps(&self, model: Model, go_on: GoOn) -> Result<u64, RunError> {
+        Ok(run(model, self, &mut While { sink: &mut (), go_on })?.work.steps)
     }
 
-    fn record(&self, model: Model, go_on: GoOn) -> Result<BodiesRecording, BodiesRunError> {
-        let mut recording = BodiesRecording::default();
-        recording.outcome = run_bodies(model, self, &mut While { sink: &mut recording, go_on })?;
+    fn record(&self, model: Model, go_on: GoOn) -> Result<Recording, RunError> {
+        let mut recording = Recording::default();
+        recording.outcome = run(model, self, &mut While { sink: &mut recording, go_on })?;
         Ok(recording)
     }
 
-    fn recorded_steps(recording: &BodiesRecording) -> u64 {
+    fn recorded_steps(recording: &Recording) -> u64 {
         recording.outcome.work.steps
     }
 
-    fn differences(
-        &self,
-        model: Model,
-        reference: &BodiesRecording,
-        go_on: GoOn,
-    ) -> Result<BodiesDifferences, BodiesRunError> {
+    fn differences(&self, model: Model, reference: &Recording, go_on: GoOn) -> Result<BodiesDifferences, RunError> {
         let mut comparison = BodiesComparison::new(reference);
-        let outcome = run_bodies(model, self, &mut While { sink: &mut comparison, go_on })?;
+        let outcome = run(model, self, &mut While { sink: &mut comparison, go_on })?;
         Ok(comparison.finish(&outcome))
     }
 
-    fn is_stop(error: &BodiesRunError) -> bool {
+    fn is_stop(error: &RunError) -> bool {
         error.is_stop()
     }
 
     fn check_reference(&self, go_on: GoOn) -> check::Check {
-        check::check_bodies(Model::Analytic, &reference(self), go_on)
+        check::check(Model::Analytic, &reference(self), go_on)
     }
 
     fn path_bound(&self) -> f64 {
         self.bounds.position_m
     }
 
-    fn compare(&self, run: &BodiesRecording, reference: &BodiesRecording) -> BodiesDifferences {
+    fn compare(&self, run: &Recording, reference: &Recording) -> BodiesDifferences {
         compare(run, reference)
     }
 
@@ -134,8 +129,8 @@ impl Subject for BodiesScene {
         }
     }
 
-    fn invariants(&self, model: Model, run: &BodiesRecording) -> Vec<Finding> {
-        let mut invariants = Invariants::of_discs(model, self);
+    fn invariants(&self, model: Model, run: &Recording) -> Vec<Finding> {
+        let mut invariants = Invariants::new(model, self);
         for sample in &run.samples {
             invariants.sample(sample).expect("measuring writes nothing");
         }

@@ -3,10 +3,9 @@
 use std::io::Cursor;
 
 use phalanx::criteria::{FinalAngles, Tracker};
-use phalanx::log::{self, Expected, Lockstep, LogSink, Names};
-use phalanx::report::DiscsSummary;
-use phalanx::trace::bodies::{BodiesEvent, BodiesSample};
-use phalanx::trace::{Event, Sample, Sink, SinkError};
+use phalanx::log::{self, Expected, Lockstep, LogSink};
+use phalanx::report::Summary;
+use phalanx::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// The consumers that `phalanx replay` has, and a check of what they are given.
 struct Listener {
@@ -51,37 +50,39 @@ pub fn log(bytes: &[u8]) {
     recovered(bytes);
 }
 
-/// What takes logs of discs.
+/// What takes logs of either kind.
 #[derive(Default)]
-struct Discs {
-    names: Names,
-    summary: DiscsSummary,
+struct Any {
+    layout: Layout,
+    summary: Summary,
     latest_s: f64,
 }
 
-impl LogSink for Discs {
-    fn names(&mut self, names: &Names) -> Result<(), SinkError> {
-        self.names = names.clone();
-        self.summary = DiscsSummary::new(names.clone());
+impl LogSink for Any {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.layout = layout.clone();
+        self.summary = Summary::new(layout.clone());
         Ok(())
     }
 
-    fn discs(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         assert!(sample.time_s >= self.latest_s);
         self.latest_s = sample.time_s;
-        assert_eq!((sample.discs.len(), sample.contacts.len()), (self.names.discs.len(), self.names.pairs.len()));
+        let Layout { fingers, bodies, contacts } = &self.layout;
+        assert_eq!((sample.bodies.len(), sample.contacts.len()), (bodies.len(), contacts.len()));
+        assert_eq!(sample.fingers.len(), fingers.len());
         self.summary.sample(sample)
     }
 
-    fn discs_event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        assert!(event.pair < self.names.pairs.len());
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        assert!(event.contact < self.layout.contacts.len());
         self.summary.event(event)
     }
 }
 
 fn any(bytes: &[u8]) {
-    let _ = log::read_any(Cursor::new(bytes), &mut Discs::default());
-    let _ = log::read_pieces(Cursor::new(bytes), &mut Discs::default());
+    let _ = log::read_any(Cursor::new(bytes), &mut Any::default());
+    let _ = log::read_pieces(Cursor::new(bytes), &mut Any::default());
 }
 
 /// What is recovered is whole, nothing of it is lost when it is recovered once more, and it is the beginning of what it was
@@ -92,7 +93,7 @@ fn recovered(bytes: &[u8]) {
         log::recover(&mut Cursor::new(bytes), "fuzz.mcap", &mut out, "the log", &|_| Ok(())).map(|found| (out, found))
     };
     let Ok((out, found)) = recover(bytes) else { return };
-    let reading = log::read_any(Cursor::new(&out), &mut Discs::default()).expect("a log");
+    let reading = log::read_any(Cursor::new(&out), &mut Any::default()).expect("a log");
     assert!(reading.is_whole(), "{:?}", reading.losses);
     assert_eq!(reading.messages, found.messages);
     let (_, again) = recover(&out).expect("a log");

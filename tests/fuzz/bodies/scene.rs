@@ -1,7 +1,6 @@
 //! Any bytes as a scene file: refused with a message, or a scene that shows itself as it is and runs in bounded time.
 
 use phalanx::scene::{AnyScene, BodiesScene, Engine, Integrator, LogRates, Scene, parse_any, show_any};
-use phalanx::trace::bodies::run_bodies;
 use phalanx::trace::{Model, run};
 
 /// Steps that a run may take here.
@@ -56,7 +55,7 @@ fn discs(scene: BodiesScene) {
         ..scene
     };
     for model in [Model::Analytic, Model::Engine] {
-        if let Err(error) = run_bodies(model, &short, &mut ()) {
+        if let Err(error) = run(model, &short, &mut ()) {
             assert!(!error.to_string().is_empty());
         }
     }

@@ -7,10 +7,9 @@ use std::time::{Duration, Instant};
 
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant};
-use phalanx::log::{self, Channels, Logged, Reading, RunInfo, Severity, Writer};
+use phalanx::log::{self, Reading, RunInfo, Severity, Writer};
 use phalanx::scene::{AnyScene, BodiesScene, Scene, parse_any};
-use phalanx::trace::bodies::{BodiesRunError, BodiesSample, DiscState};
-use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError};
+use phalanx::trace::{BodyState, Event, Model, RunError, Sample, Simulated, Sink, SinkError};
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
 
 use crate::support::held;
@@ -143,8 +142,8 @@ fn kind(message: &str) -> String {
     kind.trim_end().to_string()
 }
 
-fn writer<S: Logged>(model: Model, scene: &S) -> Writer<Vec<u8>, S::Channels> {
-    let info = RunInfo { scene, scene_file: "random.toml", model: model.name() };
+fn writer<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Writer<Vec<u8>> {
+    let info = RunInfo { scene: scene.into(), scene_file: "random.toml", model: model.name() };
     Writer::new(Vec::new(), "the log", &info).expect("a log in memory")
 }
 
@@ -165,7 +164,7 @@ fn finger(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Fai
     let reading = log::read(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
     whole(&reading, failure.as_ref())?;
     // A run that never started has neither a state nor a sample.
-    if last.0 != Some(outcome.last) && reading.samples > 0 {
+    if last.0.as_ref() != Some(&outcome.last) && reading.samples > 0 {
         return Err(format!("the log ends with {:?}, the run with {:?}", last.0, outcome.last));
     }
     if failure.is_none() && outcome.last.time_s != scene.duration_s {
@@ -179,8 +178,8 @@ fn discs(model: Model, scene: &BodiesScene, counts: &mut Counts) -> Result<Optio
     let (result, found) = held::judged_bodies(model, scene, &mut writer);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),
-        Err(BodiesRunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
-        Err(BodiesRunError::Sink(error)) => return Err(error.to_string()),
+        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
+        Err(RunError::Sink(error)) => return Err(error.to_string()),
     };
     let found = serious(found, ceiling(model), counts);
     if !found.is_empty() {
@@ -201,7 +200,7 @@ fn after(failure: Option<&Failure>) -> String {
 }
 
 /// Ends a log as the command line does.
-fn finish<C: Channels>(mut writer: Writer<Vec<u8>, C>, time_s: f64, failure: Option<&Failure>) -> Vec<u8> {
+fn finish(mut writer: Writer<Vec<u8>>, time_s: f64, failure: Option<&Failure>) -> Vec<u8> {
     let line = failure.map_or("completed".to_string(), |failure| format!("stopped: {failure}"));
     writer.note(time_s, Severity::Info, "run", &line).expect("written");
     writer.finish().expect("finished")
@@ -223,7 +222,7 @@ struct Last(Option<Sample>);
 
 impl Sink for Last {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0 = Some(*sample);
+        self.0 = Some(sample.clone());
         Ok(())
     }
 
@@ -233,7 +232,7 @@ impl Sink for Last {
 }
 
 /// The last message of every disc is its last state.
-fn last_states(bytes: &[u8], scene: &BodiesScene, last: &BodiesSample) -> Result<(), String> {
+fn last_states(bytes: &[u8], scene: &BodiesScene, last: &Sample) -> Result<(), String> {
     let mut latest = BTreeMap::new();
     for message in mcap::MessageStream::new(bytes).map_err(|error| error.to_string())? {
         let message = message.map_err(|error| error.to_string())?;
@@ -241,13 +240,13 @@ fn last_states(bytes: &[u8], scene: &BodiesScene, last: &BodiesSample) -> Result
             latest.insert(message.channel.topic.clone(), message);
         }
     }
-    for (disc, state) in scene.discs.iter().zip(&last.discs) {
+    for (disc, state) in scene.discs.iter().zip(&last.bodies) {
         let message = latest.get(&format!("/disc/{}", disc.name)).ok_or("a disc without a message")?;
         let schema = message.channel.schema.as_ref().ok_or("a channel without a schema")?;
         let pool = DescriptorPool::decode(&schema.data[..]).map_err(|error| error.to_string())?;
         let descriptor = pool.get_message_by_name(&schema.name).ok_or("a schema without its message")?;
         let found = DynamicMessage::decode(descriptor, &message.data[..]).map_err(|error| error.to_string())?;
-        let DiscState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *state;
+        let BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s } = *state;
         for (field, wanted) in [
             ("timestamp", last.time_s),
             ("x_m", x),

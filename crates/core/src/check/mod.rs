@@ -15,12 +15,12 @@ mod path;
 mod runs;
 
 use path::Path;
-use runs::{Subject, Way};
+use runs::{Way, is_comparable, run, words};
 pub use runs::{pushed, pushed_bodies};
 
 use crate::integrator::Reason;
-use crate::scene::{BodiesScene, Scene, Stepping};
-use crate::trace::Model;
+use crate::scene::Stepping;
+use crate::trace::{Model, Simulated};
 
 /// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
 pub const PUSH: f64 = 1e-7;
@@ -90,37 +90,29 @@ pub struct Check {
     pub reason: Option<String>,
 }
 
-/// Checks a run of a finger by one of the models, as the scene says, while `go_on` says so.
-pub fn check(model: Model, scene: &Scene, go_on: &dyn Fn() -> bool) -> Check {
-    judge(model, scene, go_on)
-}
-
-/// Checks a run of discs.
-pub fn check_bodies(model: Model, scene: &BodiesScene, go_on: &dyn Fn() -> bool) -> Check {
-    judge(model, scene, go_on)
-}
-
-fn judge<S: Subject>(model: Model, scene: &S, go_on: &dyn Fn() -> bool) -> Check {
+/// Checks a run by one of the models, as the scene says, while `go_on` says so.
+pub fn check<'a>(model: Model, scene: impl Into<Simulated<'a>>, go_on: &dyn Fn() -> bool) -> Check {
+    let scene = scene.into();
     let way = Way { finer: false, push: 0.0, budget: u64::MAX, go_on };
-    let run = scene.run(model, &way);
-    let budget = Way { budget: STEPS_PER_STEP * run.steps + BESIDE, ..way };
+    let own = run(scene, model, &way);
+    let budget = Way { budget: STEPS_PER_STEP * own.steps + BESIDE, ..way };
     let finer = Way { finer: true, ..budget };
-    let analytic = (model == Model::Analytic || scene.is_comparable()).then(|| scene.run(Model::Analytic, &finer));
+    let analytic = (model == Model::Analytic || is_comparable(scene)).then(|| run(scene, Model::Analytic, &finer));
     // The analytic model speaks for the engine as far as it gets; beyond, the engine itself does.
     let as_far =
-        if model == Model::Engine { analytic.as_ref().map_or(0.0, |path| path::difference(&run, path)) } else { 0.0 };
-    let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none() || run.failure.is_some();
+        if model == Model::Engine { analytic.as_ref().map_or(0.0, |path| path::difference(&own, path)) } else { 0.0 };
+    let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none() || own.failure.is_some();
     let (second, judge) = match analytic.filter(speaks) {
         Some(analytic) => (analytic, Model::Analytic),
-        None => (scene.run(Model::Engine, &finer), Model::Engine),
+        None => (run(scene, Model::Engine, &finer), Model::Engine),
     };
-    let pushed = scene.run(judge, &Way { push: PUSH, ..finer });
+    let pushed = run(scene, judge, &Way { push: PUSH, ..finer });
     let bar = if model == Model::Engine { ENGINE_BAR } else { BAR };
-    let mut errors = path::errors(&run, &second);
+    let mut errors = path::errors(&own, &second);
     errors.path = errors.path.max(as_far);
     let sensitivity = path::difference(&second, &pushed);
-    let (verdict, reason) = verdict(&run, &second, &pushed, errors.path, sensitivity, bar);
-    Check { verdict, errors, sensitivity, bar, against: scene.words(judge), reason }
+    let (verdict, reason) = verdict(&own, &second, &pushed, errors.path, sensitivity, bar);
+    Check { verdict, errors, sensitivity, bar, against: words(scene, judge), reason }
 }
 
 fn verdict(

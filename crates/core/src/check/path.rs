@@ -3,7 +3,6 @@
 use super::Errors;
 use crate::integrator::Reason;
 use crate::numeric::plane::near_turn;
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Points of the grid: errors come and go within a hundredth of a run.
@@ -44,41 +43,22 @@ impl<'a> Keep<'a> {
     }
 }
 
-/// The coordinates of a finger that are compared, in the turns in which they follow on those before: readings of passive angles
-/// jump by one.
-pub fn angles(sample: &Sample, before: Option<&Vec<f64>>) -> Vec<f64> {
-    let angles = [sample.q11_rad, sample.q21_rad, sample.q22_rad];
+/// The coordinates that are compared: angles of fingers in the turns in which they follow on those before, for readings of
+/// passive angles jump by one, and centres of bodies.
+pub fn coordinates(sample: &Sample, before: Option<&Vec<f64>>) -> Vec<f64> {
+    let angles = sample.fingers.iter().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
     let follow = |(index, angle)| before.map_or(angle, |before| near_turn(angle, before[index]));
-    angles.into_iter().enumerate().map(follow).collect()
-}
-
-/// Those of discs.
-pub fn centres(sample: &BodiesSample) -> Vec<f64> {
-    sample.discs.iter().flat_map(|disc| disc.centre_m).collect()
+    let centres = sample.bodies.iter().flat_map(|body| body.centre_m);
+    angles.enumerate().map(follow).chain(centres).collect()
 }
 
 impl Sink for Keep<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(sample.time_s, |before| angles(sample, before));
+        self.take(sample.time_s, |before| coordinates(sample, before));
         Ok(())
     }
 
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-
-    fn proceed(&self) -> bool {
-        (self.go_on)()
-    }
-}
-
-impl Sink<BodiesSample> for Keep<'_> {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
-        self.take(sample.time_s, |_| centres(sample));
-        Ok(())
-    }
-
-    fn event(&mut self, _: &BodiesEvent) -> Result<(), SinkError> {
         Ok(())
     }
 

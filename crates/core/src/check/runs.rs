@@ -1,11 +1,10 @@
 //! The runs that a check compares.
 
 use super::finer_stepping;
-use super::path::{Keep, POINTS, Path, angles, centres};
+use super::path::{Keep, POINTS, Path, coordinates};
 use crate::analytic::discs::moving_discs;
-use crate::scene::{BodiesScene, DiscMotion, Engine, Integrator, Method, Response, Scene, Words, scaled};
-use crate::trace::bodies::{BodiesOutcome, BodiesRunError, run_bodies};
-use crate::trace::{self, Model, Outcome, RunError};
+use crate::scene::{AnyScene, BodiesScene, DiscMotion, Engine, Integrator, Method, Scene, Words, scaled};
+use crate::trace::{self, Model, Numerics, Outcome, RunError, Simulated};
 
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
 const FINER: f64 = 1e-2;
@@ -42,17 +41,6 @@ pub fn pushed_bodies(scene: &BodiesScene, by: f64) -> BodiesScene {
     scene
 }
 
-/// A scene that can be checked.
-pub trait Subject {
-    fn run(&self, model: Model, way: &Way<'_>) -> Path;
-
-    /// Whether both models answer contact by the same laws, and the analytic one takes the scene.
-    fn is_comparable(&self) -> bool;
-
-    /// What a run is held to, in words.
-    fn words(&self, judge: Model) -> String;
-}
-
 /// The other family of methods at a finer tolerance.
 fn other(own: &Integrator) -> Integrator {
     let method = match own.method {
@@ -77,77 +65,58 @@ fn engine(own: &Engine, way: &Way<'_>) -> Engine {
     used
 }
 
-fn words(integrator_used: &Integrator, judge: Model) -> String {
+/// What a run is held to, in words.
+pub fn words(scene: Simulated<'_>, judge: Model) -> String {
     match judge {
         Model::Analytic => {
-            let used = other(integrator_used);
+            let used = other(scene.integrator());
             format!("the analytic model, {} (rtol {:.0e})", used.method.word(), used.rtol)
         }
         Model::Engine => "the engine with finer steps".to_string(),
     }
 }
 
-impl Subject for Scene {
-    fn run(&self, model: Model, way: &Way<'_>) -> Path {
-        let mut scene = pushed(self, way.push);
-        scene.integrator = integrator(&self.integrator, way);
-        scene.engine = engine(&self.engine, way);
-        scene.log.numeric_hz = POINTS / scene.duration_s;
-        let mut keep = Keep::new(scene.duration_s, way.go_on);
-        let (outcome, failure) = match trace::run(model, &scene, &mut keep) {
-            Ok(outcome) => (outcome, None),
-            Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
-            // It takes whatever comes.
-            Err(RunError::Sink(_)) => (Outcome::default(), None),
-        };
-        Path {
-            last: angles(&outcome.last, keep.points.last()),
-            points: keep.points,
-            first_s: outcome.sites.iter().take(2).map(|site| site.first_s).collect(),
-            normal_n: vec![outcome.last.proximal.normal_n, outcome.last.distal.normal_n],
-            end_s: outcome.last.time_s,
-            failure,
-            steps: outcome.work.steps,
-        }
-    }
-
-    fn is_comparable(&self) -> bool {
-        self.engine.response == Response::Laws
-    }
-
-    fn words(&self, judge: Model) -> String {
-        words(&self.integrator, judge)
-    }
+/// Whether both models answer contact by the same laws, and the analytic one takes the scene.
+pub fn is_comparable(scene: Simulated<'_>) -> bool {
+    let taken = match scene {
+        Simulated::Finger(_) => true,
+        Simulated::Discs(scene) => moving_discs(scene).is_ok(),
+    };
+    scene.uses_laws() && taken
 }
 
-impl Subject for BodiesScene {
-    fn run(&self, model: Model, way: &Way<'_>) -> Path {
-        let mut scene = pushed_bodies(self, way.push);
-        scene.integrator = integrator(&self.integrator, way);
-        scene.engine = engine(&self.engine, way);
-        scene.log.numeric_hz = POINTS / scene.duration_s;
-        let mut keep = Keep::new(scene.duration_s, way.go_on);
-        let (outcome, failure) = match run_bodies(model, &scene, &mut keep) {
-            Ok(outcome) => (outcome, None),
-            Err(BodiesRunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
-            Err(BodiesRunError::Sink(_)) => (BodiesOutcome::default(), None),
-        };
-        Path {
-            points: keep.points,
-            last: centres(&outcome.last),
-            first_s: outcome.pairs.iter().map(|pair| pair.first_s).collect(),
-            normal_n: outcome.last.contacts.iter().map(|contact| contact.normal_n).collect(),
-            end_s: outcome.last.time_s,
-            failure,
-            steps: outcome.work.steps,
-        }
-    }
+/// The scene as it is run for a check.
+fn changed(scene: Simulated<'_>, way: &Way<'_>) -> AnyScene {
+    let mut changed = match scene {
+        Simulated::Finger(scene) => AnyScene::Finger(Box::new(pushed(scene, way.push))),
+        Simulated::Discs(scene) => AnyScene::Bodies(Box::new(pushed_bodies(scene, way.push))),
+    };
+    let numerics = Numerics::from(&mut changed);
+    *numerics.integrator = integrator(scene.integrator(), way);
+    *numerics.engine = engine(scene.engine(), way);
+    numerics.log.numeric_hz = POINTS / scene.duration_s();
+    changed
+}
 
-    fn is_comparable(&self) -> bool {
-        self.engine.response == Response::Laws && moving_discs(self).is_ok()
-    }
-
-    fn words(&self, judge: Model) -> String {
-        words(&self.integrator, judge)
+/// Runs the scene, and keeps its path.
+pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
+    let surfaces: Vec<usize> = scene.layout().surfaces().collect();
+    let mut keep = Keep::new(scene.duration_s(), way.go_on);
+    let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut keep) {
+        Ok(outcome) => (outcome, None),
+        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
+        // It takes whatever comes.
+        Err(RunError::Sink(_)) => (Outcome::default(), None),
+    };
+    let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
+    let forces = surfaces.iter().filter_map(|index| outcome.last.contacts.get(*index));
+    Path {
+        last: coordinates(&outcome.last, keep.points.last()),
+        points: keep.points,
+        first_s: contacts.map(|contact| contact.first_s).collect(),
+        normal_n: forces.map(|contact| contact.normal_n).collect(),
+        end_s: outcome.last.time_s,
+        failure,
+        steps: outcome.work.steps,
     }
 }

@@ -1,7 +1,6 @@
 //! Restitution: how fast two surfaces part over how fast they met.
 
-use crate::trace::bodies::{BodiesEvent, BodiesSample};
-use crate::trace::{EventKind, Sink, SinkError};
+use crate::trace::{Event, EventKind, Sample, Sink, SinkError};
 
 /// The first impact of a pair: from its touch-down to its last lift-off before the pair meets again.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,8 +42,8 @@ impl Rebounds {
     }
 }
 
-impl Sink<BodiesSample> for Rebounds {
-    fn sample(&mut self, sample: &BodiesSample) -> Result<(), SinkError> {
+impl Sink for Rebounds {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.time_s = sample.time_s;
         for ((pair, rate), contact) in self.pairs.iter_mut().zip(&mut self.rates_m_s).zip(&sample.contacts) {
             *rate = contact.gap_rate_m_s;
@@ -55,19 +54,19 @@ impl Sink<BodiesSample> for Rebounds {
         Ok(())
     }
 
-    fn event(&mut self, event: &BodiesEvent) -> Result<(), SinkError> {
-        let pair = &mut self.pairs[event.pair];
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        let pair = &mut self.pairs[event.contact];
         match event.kind {
             EventKind::TouchDown if pair.approach_m_s.is_some() => {
                 // Another impact only if the first has let go.
                 pair.over |= pair.separation_m_s.is_some() || pair.waits;
             }
-            EventKind::TouchDown if event.approach_m_s > 0.0 => pair.approach_m_s = Some(event.approach_m_s),
+            EventKind::TouchDown if event.approach_speed > 0.0 => pair.approach_m_s = Some(event.approach_speed),
             EventKind::LiftOff if pair.approach_m_s.is_some() && !pair.over => {
                 // A model that lands on its events has a sample right there; after one within a step the pair is free,
                 // and the end of the step has its rate.
                 if self.time_s == event.time_s {
-                    pair.separation_m_s = Some(self.rates_m_s[event.pair]);
+                    pair.separation_m_s = Some(self.rates_m_s[event.contact]);
                 } else {
                     pair.waits = true;
                 }
@@ -84,13 +83,13 @@ mod tests {
     use super::*;
     use crate::trace::ContactSample;
 
-    fn sample(time_s: f64, gap_rate_m_s: f64) -> BodiesSample {
+    fn sample(time_s: f64, gap_rate_m_s: f64) -> Sample {
         let contacts = vec![ContactSample { gap_rate_m_s, ..ContactSample::NONE }];
-        BodiesSample { time_s, contacts, ..BodiesSample::default() }
+        Sample { time_s, contacts, ..Sample::default() }
     }
 
-    fn event(time_s: f64, kind: EventKind, approach_m_s: f64) -> BodiesEvent {
-        BodiesEvent { time_s, pair: 0, kind, approach_m_s, impulse_n_s: 0.0 }
+    fn event(time_s: f64, kind: EventKind, approach_speed: f64) -> Event {
+        Event { time_s, contact: 0, kind, approach_speed, impulse: 0.0 }
     }
 
     fn found(run: &[(Option<f64>, f64, Option<EventKind>)]) -> Rebound {

@@ -103,7 +103,7 @@ impl Tracker {
     }
 
     fn start(&mut self, sample: &Sample) {
-        for (state, contact) in self.contacts.iter_mut().zip([&sample.proximal, &sample.distal]) {
+        for (state, contact) in self.contacts.iter_mut().zip(&sample.contacts) {
             if contact.gap_m < 0.0 {
                 state.touch_down();
             }
@@ -112,17 +112,16 @@ impl Tracker {
     }
 
     fn press(&mut self, sample: &Sample) {
-        for (state, contact) in self.contacts.iter_mut().zip([&sample.proximal, &sample.distal]) {
+        for (state, contact) in self.contacts.iter_mut().zip(&sample.contacts) {
             state.press(contact.normal_n);
         }
     }
 
     /// The step from the last sample to `next`.
     fn step(&mut self, last: &Sample, next: &Sample) {
-        let q11 =
-            Hermite::new((last.time_s, last.q11_rad, last.qd11_rad_s), (next.time_s, next.q11_rad, next.qd11_rad_s));
-        let q21 =
-            Hermite::new((last.time_s, last.q21_rad, last.qd21_rad_s), (next.time_s, next.q21_rad, next.qd21_rad_s));
+        let ([from, to], [t0, t1]) = ([last.finger(), next.finger()], [last.time_s, next.time_s]);
+        let q11 = Hermite::new((t0, from.q11_rad, from.qd11_rad_s), (t1, to.q11_rad, to.qd11_rad_s));
+        let q21 = Hermite::new((t0, from.q21_rad, from.qd21_rad_s), (t1, to.q21_rad, to.qd21_rad_s));
         let mut cuts = std::mem::take(&mut self.cuts);
         cuts.clear();
         for (angle, target) in [(&q11, self.target.q11_rad), (&q21, self.target.q21_rad)] {
@@ -145,9 +144,9 @@ impl Tracker {
                 let in_position = (q11.value(middle) - self.target.q11_rad).abs() <= EPSILON_RAD
                     && (q21.value(middle) - self.target.q21_rad).abs() <= EPSILON_RAD;
                 let lifts_off =
-                    |site| pending.clone().any(|event| event.site == site && event.kind == EventKind::LiftOff);
-                let positive = [(Site::Proximal, &next.proximal), (Site::Distal, &next.distal)]
-                    .map(|(site, end)| self.positive(site, end, lifts_off(site)));
+                    |site| pending.clone().any(|event| event.site() == site && event.kind == EventKind::LiftOff);
+                let positive =
+                    [Site::Proximal, Site::Distal].map(|site| self.positive(site, next.contact(site), lifts_off(site)));
                 self.judge(from, to, in_position, positive);
                 from = to;
             }
@@ -162,7 +161,7 @@ impl Tracker {
     }
 
     fn change(&mut self, event: &Event) {
-        let state = match event.site {
+        let state = match event.site() {
             Site::Proximal => &mut self.contacts[0],
             Site::Distal => &mut self.contacts[1],
             Site::Limit => return,
@@ -199,24 +198,28 @@ impl Tracker {
 
 impl Sink for Tracker {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        match self.last {
-            None => self.start(sample),
-            Some(last) if sample.time_s > last.time_s => self.step(&last, sample),
+        let Some(mut last) = self.last.take() else {
+            self.start(sample);
+            self.last = Some(sample.clone());
+            return Ok(());
+        };
+        if sample.time_s > last.time_s {
+            self.step(&last, sample);
+        } else {
             // A second sample of the same instant (before and after an event): the later one holds.
-            Some(_) => {
-                let events = std::mem::take(&mut self.events);
-                for event in &events {
-                    self.change(event);
-                }
-                self.press(sample);
+            let events = std::mem::take(&mut self.events);
+            for event in &events {
+                self.change(event);
             }
+            self.press(sample);
         }
-        self.last = Some(*sample);
+        last.clone_from(sample);
+        self.last = Some(last);
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if event.site != Site::Limit {
+        if event.site() != Site::Limit {
             self.events.push(*event);
         }
         Ok(())

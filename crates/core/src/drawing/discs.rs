@@ -2,7 +2,7 @@
 
 use super::{Body, Drawing, Part, Pose, Shape, extent};
 use crate::scene::{BodiesScene, DiscMotion, Pair, Partner};
-use crate::trace::bodies::{BodiesSample, DiscState};
+use crate::trace::BodyState;
 
 /// What a scene of discs looks like. Discs keep the order of the scene, whether they move or not.
 pub fn discs(scene: &BodiesScene) -> Drawing {
@@ -35,22 +35,20 @@ pub fn discs(scene: &BodiesScene) -> Drawing {
 }
 
 /// Where the bodies of [`discs`] are, in their order.
-pub fn disc_poses(scene: &BodiesScene, sample: &BodiesSample) -> Vec<Pose> {
+pub fn disc_poses(scene: &BodiesScene, bodies: &[BodyState]) -> Vec<Pose> {
     let plane = scene.half_plane.map(|_| Pose::default());
-    let discs = sample
-        .discs
+    let discs = bodies
         .iter()
-        .map(|DiscState { centre_m, angle_rad, .. }| Pose { position_m: *centre_m, angle_rad: *angle_rad });
+        .map(|BodyState { centre_m, angle_rad, .. }| Pose { position_m: *centre_m, angle_rad: *angle_rad });
     plane.into_iter().chain(discs).collect()
 }
 
 /// How fast these change: velocities and spins in place of positions and angles.
-pub fn disc_motions(scene: &BodiesScene, sample: &BodiesSample) -> Vec<Pose> {
+pub fn disc_motions(scene: &BodiesScene, bodies: &[BodyState]) -> Vec<Pose> {
     let plane = scene.half_plane.map(|_| Pose::default());
-    let discs = sample
-        .discs
+    let discs = bodies
         .iter()
-        .map(|DiscState { velocity_m_s, spin_rad_s, .. }| Pose { position_m: *velocity_m_s, angle_rad: *spin_rad_s });
+        .map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose { position_m: *velocity_m_s, angle_rad: *spin_rad_s });
     plane.into_iter().chain(discs).collect()
 }
 

@@ -3,7 +3,7 @@
 use super::{Body, Drawing, Part, Pose, Shape, extent};
 use crate::gripper::{Lengths, Posture, close, final_posture, link_outline, tip_outline};
 use crate::scene::{Actuation, Scene};
-use crate::trace::Sample;
+use crate::trace::FingerState;
 
 /// What the scene of a finger looks like.
 pub fn finger(scene: &Scene) -> Drawing {
@@ -35,9 +35,9 @@ pub fn finger(scene: &Scene) -> Drawing {
 /// Where the bodies of [`finger`] are, in their order.
 ///
 /// l11 and l21 turn about the origin, l12 about A12, the distal body about A22 with its x-axis along the arm.
-pub fn finger_poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+pub fn finger_poses(scene: &Scene, finger: &FingerState) -> Vec<Pose> {
     let posture =
-        Posture { q11_rad: sample.q11_rad, q21_rad: sample.q21_rad, q12_rad: sample.q12_rad, q22_rad: sample.q22_rad };
+        Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad };
     finger_poses_at(scene, &posture)
 }
 
@@ -63,14 +63,14 @@ pub fn finger_poses_at(scene: &Scene, posture: &Posture) -> Vec<Pose> {
 }
 
 /// How fast the poses of [`finger_poses`] change: velocities and angular velocities in place of positions and angles.
-pub fn finger_motions(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+pub fn finger_motions(scene: &Scene, finger: &FingerState) -> Vec<Pose> {
     let Lengths { l11_m, l21_m, .. } = scene.finger.lengths;
     let fixed = usize::from(scene.palm) + usize::from(scene.object.is_some());
     let mut motions = vec![Pose::default(); fixed];
     let turning = |position_m, angle_rad| Pose { position_m, angle_rad };
     // d/dt of L (cos q, sin q).
     let end = |length: f64, q: f64, rate: f64| [-length * rate * q.sin(), length * rate * q.cos()];
-    let Sample { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *sample;
+    let FingerState { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *finger;
     motions.extend([
         turning([0.0; 2], qd11_rad_s),
         turning(end(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),

@@ -10,8 +10,11 @@
 mod discs;
 mod finger;
 
-pub use discs::{disc_motions, disc_poses, discs};
-pub use finger::{finger, finger_motions, finger_poses, finger_poses_at};
+use discs::{disc_motions, disc_poses, discs};
+pub use finger::finger_poses_at;
+use finger::{finger, finger_motions, finger_poses};
+
+use crate::trace::{Sample, Simulated};
 
 /// Everything that is to be drawn of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +72,14 @@ pub enum Shape {
 }
 
 impl Drawing {
+    /// Of a scene of either kind.
+    pub fn of<'a>(scene: impl Into<Simulated<'a>>) -> Self {
+        match scene.into() {
+            Simulated::Finger(scene) => finger(scene),
+            Simulated::Discs(scene) => discs(scene),
+        }
+    }
+
     /// Length of the arrow of a force, with its sign.
     pub fn arrow_m(&self, force_n: f64) -> f64 {
         (force_n * self.arrow_m_per_n).clamp(-self.longest_arrow_m, self.longest_arrow_m)
@@ -93,6 +104,22 @@ impl Pose {
     pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (s, c) = self.angle_rad.sin_cos();
         [self.position_m[0] + c * x - s * y, self.position_m[1] + s * x + c * y]
+    }
+}
+
+/// Where the bodies of a scene's [`Drawing`] are, in their order.
+pub fn poses<'a>(scene: impl Into<Simulated<'a>>, sample: &Sample) -> Vec<Pose> {
+    match scene.into() {
+        Simulated::Finger(scene) => finger_poses(scene, sample.finger()),
+        Simulated::Discs(scene) => disc_poses(scene, &sample.bodies),
+    }
+}
+
+/// How fast these change: velocities and angular velocities in place of positions and angles.
+pub fn motions<'a>(scene: impl Into<Simulated<'a>>, sample: &Sample) -> Vec<Pose> {
+    match scene.into() {
+        Simulated::Finger(scene) => finger_motions(scene, sample.finger()),
+        Simulated::Discs(scene) => disc_motions(scene, &sample.bodies),
     }
 }
 

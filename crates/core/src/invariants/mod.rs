@@ -11,13 +11,12 @@
 //! | penetration, limit | δ | depth in which the spring alone stores all energy there is: (e + 1) E = k δᵉ⁺¹ |
 //! | loop gap | opening of a joint | [`Tolerances::loop_gap_m`] |
 //!
-//! [`Invariants`] is a sink of runs, of fingers ([`Invariants::new`]) and of discs ([`Invariants::of_discs`]);
+//! [`Invariants`] is a sink of runs;
 //! [`Invariants::findings`] says how near each invariant came to being broken.
 
-mod discs;
 mod finding;
-mod finger;
 mod measure;
+mod places;
 mod tolerance;
 
 pub use finding::{Finding, Invariant};

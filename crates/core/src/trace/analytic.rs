@@ -1,38 +1,79 @@
 //! Runs the analytic model of a scene and tells a sink about it.
 
 use super::grid::Span;
-use super::reading::Reader;
+use super::reading::{DiscsReader, Reader};
 use super::recorder::Recorder;
-use super::{Instant, Outcome, RunError, Sink, Work};
+use super::{Outcome, RunError, Simulated, Sink, Work};
+use crate::analytic::discs::{self, Discs, moving_discs};
 use crate::analytic::{GUARDS, Model, QUADRATURES};
-use crate::integrator::{Counters, Hybrid, Options, RadauOrRodas, Rodas5p, State, Tolerances, integrate};
-use crate::scene::{Integrator, Method, Scene};
+use crate::integrator::{
+    Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
+};
+use crate::scene::{BodiesScene, Integrator, Method, Scene};
 
 /// Simulates `scene` with the analytic model.
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
 /// interval, and at both ends; and every event, in order of time.
-pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+///
+/// A scene with more discs or pairs than the model takes is refused.
+pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let scene = scene.into();
+    let span = scene.span();
+    match scene {
+        Simulated::Finger(scene) => finger(scene, span, sink),
+        Simulated::Discs(scene) => match moving_discs(scene) {
+            Ok(1) => some_discs::<3, 6>(scene, span, sink),
+            Ok(2) => some_discs::<6, 12>(scene, span, sink),
+            Ok(3) => some_discs::<9, 18>(scene, span, sink),
+            Ok(_) => Ok(Outcome::default()),
+            Err(too_many) => {
+                let reason = format!("{too_many}, or simulate with `--model engine`, which takes any number");
+                let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
+                Err(RunError::Simulation { failure, so_far: Box::default() })
+            }
+        },
+    }
+}
+
+fn finger(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = Model::new(scene);
-    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
     simulate::<_, _, 2, QUADRATURES, GUARDS>(&model, &model, initial_state(scene), &scene.integrator, span, sink)
 }
 
-/// The initial state of a scene.
+fn some_discs<const N: usize, const M: usize>(
+    scene: &BodiesScene,
+    span: Span,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, RunError> {
+    let model = Discs::<N, M>::new(scene);
+    let reader = DiscsReader { model: &model, scene };
+    let start = Discs::<N, M>::start(scene);
+    simulate::<_, _, N, { discs::QUADRATURES }, { discs::GUARDS }>(
+        &model,
+        &reader,
+        start,
+        &scene.integrator,
+        span,
+        sink,
+    )
+}
+
+/// The initial state of a finger.
 fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
     let start = &scene.initial;
     State { q: [start.q11_rad, start.q21_rad], v: [start.qd11_rad_s, start.qd21_rad_s], z: [0.0; QUADRATURES] }
 }
 
 /// Integrates a model from `start` on, and shows what `reader` makes of it.
-pub(super) fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
+fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
     model: &M,
     reader: &R,
     start: State<N, Z>,
     settings: &Integrator,
     span: Span,
-    sink: &mut dyn Sink<R::Sample>,
-) -> Result<<R::Sample as Instant>::Outcome, RunError<<R::Sample as Instant>::Outcome>>
+    sink: &mut dyn Sink,
+) -> Result<Outcome, RunError>
 where
     M: Hybrid<N, Z, G>,
     R: Reader<N, Z, Mode = M::Mode>,

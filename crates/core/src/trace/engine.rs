@@ -3,10 +3,10 @@
 use super::engine_reading::{EngineReader, FingerReader};
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
-use super::{Instant, Outcome, RunError, Sink, SinkError, Site};
-use crate::engine::{Motion, Plan, Tolerance, build, next, plan};
+use super::{Outcome, RunError, Simulated, Sink, SinkError, Site};
+use crate::engine::{Motion, Tolerance, build, next, plan, plan_discs};
 use crate::integrator::{Failure, Reason};
-use crate::scene::{Engine, Scene};
+use crate::scene::{BodiesScene, Engine, Scene};
 
 /// Contact sub-steps that the step budget allows, per step: a step of a hard contact may take 100,000 of them, so that a
 /// budget of steps alone would not bound the time a run takes. Ordinary runs need one to four.
@@ -18,32 +18,52 @@ const SUBSTEPS_PER_STEP: u64 = 10;
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
 /// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
-pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+pub fn run_engine<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let scene = scene.into();
+    let span = scene.span();
+    match scene {
+        Simulated::Finger(scene) => finger(scene, span, sink),
+        Simulated::Discs(scene) => discs(scene, span, sink),
+    }
+}
+
+fn finger(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let Some(plan) = plan(scene) else {
         let reason = "the links do not close the loop at these initial angles; choose others".to_string();
-        return Err(unstarted(reason));
+        return Err(unstarted(reason, Outcome::of_unmoved_finger()));
     };
     let reader = FingerReader { phi22_rad: scene.finger.lengths.phi22_rad };
-    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
-    simulate(&plan, &reader, Site::ALL.len(), &scene.engine, span, sink)
+    let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
+    match Motion::new(&plan, world) {
+        Ok(motion) => simulate(motion, &reader, Site::ALL.len(), &scene.engine, span, sink),
+        Err(error) => Err(unstarted(error.to_string(), Outcome::of_unmoved_finger())),
+    }
 }
 
-/// A run that could not be started.
-fn unstarted<O: Default>(reason: String) -> RunError<O> {
-    RunError::Simulation { failure: Failure { time_s: 0.0, reason: Reason::Obstacle(reason) }, so_far: Box::default() }
+fn discs(scene: &BodiesScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let plan = plan_discs(scene);
+    let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
+    match Motion::new(&plan, world) {
+        Ok(motion) => simulate(motion, scene, plan.contacts.len(), &scene.engine, span, sink),
+        Err(error) => Err(unstarted(error.to_string(), Outcome::default())),
+    }
 }
 
-/// Simulates what is planned, with so many places of contact, and shows what `reader` makes of it.
-pub(super) fn simulate<R: EngineReader>(
-    plan: &Plan,
+/// A run that could not be started, and all there is of it.
+fn unstarted(reason: String, so_far: Outcome) -> RunError {
+    let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
+    RunError::Simulation { failure, so_far: Box::new(so_far) }
+}
+
+/// Simulates a motion with so many places of contact, and shows what `reader` makes of it.
+fn simulate<R: EngineReader>(
+    mut motion: Motion,
     reader: &R,
     places: usize,
     settings: &Engine,
     span: Span,
-    sink: &mut dyn Sink<R::Sample>,
-) -> Result<<R::Sample as Instant>::Outcome, RunError<<R::Sample as Instant>::Outcome>> {
-    let world = build(plan, settings.construction, settings.response, settings.iterations);
-    let mut motion = Motion::new(plan, world).map_err(|error| unstarted(error.to_string()))?;
+    sink: &mut dyn Sink,
+) -> Result<Outcome, RunError> {
     let mut recorder = EngineRecorder::new(reader, &motion, places, span, sink);
     recorder.begin(&motion)?;
     let broken = step_through(&mut motion, settings, span.end_s, &mut recorder)?;

@@ -1,23 +1,25 @@
 //! Turns the steps of the engine model into samples, events and summary figures.
 
 use super::engine::Follow;
-use super::engine_reading::{EngineReader, stored};
+use super::engine_reading::{EngineReader, contact, stored};
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::tracked::{Told, Tracked};
-use super::{Energy, Instant, Sink, SinkError, Work, between};
+use super::{Energy, Event, Outcome, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, Site};
-
-type Places<S> = <S as Instant>::Each<Tracked>;
 
 pub(super) struct EngineRecorder<'a, R: EngineReader> {
     reader: &'a R,
-    sink: &'a mut dyn Sink<R::Sample>,
+    sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
     start_energy: Energy,
-    places: Places<R::Sample>,
-    last: R::Sample,
+    places: Vec<Tracked>,
+    last: Sample,
+    /// Room for the end of the step at hand, for a sample at a change or an extreme within it, and for one on the grid.
+    node: Sample,
+    within: Sample,
+    point: Sample,
     emitted_s: f64,
     moments: Moments,
     work: Work,
@@ -26,17 +28,22 @@ pub(super) struct EngineRecorder<'a, R: EngineReader> {
 
 impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     /// Of a motion with so many places of contact.
-    pub fn new(reader: &'a R, motion: &Motion, places: usize, span: Span, sink: &'a mut dyn Sink<R::Sample>) -> Self {
+    pub fn new(reader: &'a R, motion: &Motion, places: usize, span: Span, sink: &'a mut dyn Sink) -> Self {
         let start_energy = stored(motion);
-        let impulses = R::Sample::each(places, |_| 0.0);
+        let places = vec![Tracked::default(); places];
+        let mut last = Sample::default();
+        read(reader, motion, start_energy.since(&start_energy, 0.0, 0.0), &places, &mut last);
         Self {
             reader,
             sink,
             grid: Grid::new(span.numeric_hz),
             end_s: span.end_s,
-            last: reader.sample(motion, start_energy.since(&start_energy, 0.0, 0.0), impulses.as_ref()),
+            last,
+            node: Sample::default(),
+            within: Sample::default(),
+            point: Sample::default(),
             start_energy,
-            places: R::Sample::each(places, |_| Tracked::default()),
+            places,
             emitted_s: 0.0,
             moments: Moments::default(),
             work: Work::default(),
@@ -49,7 +56,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
             let place = self.reader.place(motion.plan, touch.index);
             self.change(place, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
-            self.places.as_mut()[place].summary.take(self.last.pressed(place));
+            self.places[place].summary.take(self.last.contacts[place].pressed());
         }
         self.sink.sample(&self.last)
     }
@@ -62,7 +69,9 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
-        let now = self.node(motion);
+        let mut now = std::mem::take(&mut self.node);
+        let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
+        read(self.reader, motion, energy, &self.places, &mut now);
         self.meet_between_steps(motion, end_s - dt)?;
         self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
@@ -70,27 +79,17 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
             let place = self.reader.place(motion.plan, motion.space.sites[site].touch.index);
             let time_s = end_s - dt + after_s;
             self.pass_extremes(&now, dt, after_s)?;
-            if kind == ChangeKind::Meets && !self.places.as_ref()[place].touching {
+            if kind == ChangeKind::Meets && !self.places[place].touching {
                 self.pass_touch(motion, &now, place, time_s, closing)?;
             }
             self.change(place, kind, time_s, closing, impulse)?;
         }
         self.pass_extremes(&now, dt, dt)?;
-        for place in 0..now.places() {
+        for place in 0..self.places.len() {
             self.close_step(motion, place, end_s)?;
         }
-        self.emit(now, dt)
-    }
-
-    /// The end of the step as a sample.
-    fn node(&self, motion: &Motion) -> R::Sample {
-        let places = self.places.as_ref();
-        let impulses = R::Sample::each(places.len(), |place| {
-            let index = self.reader.index(motion.plan, place);
-            places[place].impulse + index.map_or(0.0, |index| motion.normal_impulse(index))
-        });
-        let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
-        self.reader.sample(motion, energy, impulses.as_ref())
+        self.node = now;
+        self.emit(dt)
     }
 
     /// Surfaces that the last step left apart, in its frozen geometry, or that the run starts with, and that overlap where this
@@ -108,7 +107,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     /// Finds where in the step a contact is deeper, or presses harder, than ever before.
     fn find_extremes(&mut self, motion: &Motion) {
         self.moments.clear();
-        for (place, tracked) in self.places.as_mut().iter_mut().enumerate() {
+        for (place, tracked) in self.places.iter_mut().enumerate() {
             let Some(index) = self.reader.index(motion.plan, place) else { continue };
             let within = motion.contact_extremes(index);
             let depth = motion.touches.iter().find(|touch| touch.index == index).map_or(0.0, |touch| -touch.gap);
@@ -119,19 +118,19 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     }
 
     /// Samples at the extremes of a step of length `dt` that come before `after_s`.
-    fn pass_extremes(&mut self, now: &R::Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
+    fn pass_extremes(&mut self, now: &Sample, dt: f64, after_s: f64) -> Result<(), SinkError> {
         while let Some((place, moment)) = self.moments.before(after_s) {
-            let time_s = now.time_s() - dt + moment.after_s;
-            let mut sample = between(&self.last, now, time_s);
-            let places = self.places.as_ref();
-            sample.contact_mut(place).at(&moment, places[place].impulse);
+            let time_s = now.time_s - dt + moment.after_s;
+            let sample = &mut self.within;
+            sample.become_between(&self.last, now, time_s);
+            sample.contacts[place].at(&moment, self.places[place].impulse);
             while let Some((other, at_once)) = self.moments.along(moment.after_s) {
-                sample.contact_mut(other).at(&at_once, places[other].impulse);
+                sample.contacts[other].at(&at_once, self.places[other].impulse);
             }
-            if time_s > self.emitted_s && time_s < now.time_s() {
+            if time_s > self.emitted_s && time_s < now.time_s {
                 self.emit_grid(now, time_s)?;
-                take(self.places.as_mut(), &sample);
-                self.sink.extreme(&sample)?;
+                take(&mut self.places, &self.within);
+                self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
@@ -142,27 +141,28 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     fn pass_touch(
         &mut self,
         motion: &Motion,
-        now: &R::Sample,
+        now: &Sample,
         place: usize,
         time_s: f64,
         closing: f64,
     ) -> Result<(), SinkError> {
-        if time_s <= self.last.time_s() {
+        if time_s <= self.last.time_s {
             return Ok(());
         }
-        let mut touch = between(&self.last, now, time_s);
+        let mut touch = std::mem::take(&mut self.within);
+        touch.become_between(&self.last, now, time_s);
         self.reader.fly(&mut touch, &self.last, &motion.step_accelerations);
-        for at in 0..touch.places() {
-            touch.contact_mut(at).press_on(self.last.contact(at));
+        for (contact, before) in touch.contacts.iter_mut().zip(&self.last.contacts) {
+            contact.press_on(before);
         }
-        touch.contact_mut(place).not_yet_pressed(self.last.contact(place), closing);
+        touch.contacts[place].not_yet_pressed(&self.last.contacts[place], closing);
         self.emit_grid(&touch, time_s)?;
         self.emitted_s = time_s;
-        take(self.places.as_mut(), &touch);
+        take(&mut self.places, &touch);
         self.sink.sample(&touch)?;
         // Whatever comes until the end of the step comes at the rates after the impact.
-        self.reader.take_rates(&mut touch, now);
-        self.last = touch;
+        touch.take_rates(now);
+        self.within = std::mem::replace(&mut self.last, touch);
         Ok(())
     }
 
@@ -172,11 +172,11 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         let force = motion.forces(index).0;
         if let Some(native) = motion.native.iter().find(|native| native.index == index)
             && force > 0.0
-            && !self.places.as_ref()[place].touching
+            && !self.places[place].touching
         {
             self.change(place, ChangeKind::Meets, end_s - motion.last_dt_s, native.closing, 0.0)?;
         }
-        let tracked = &mut self.places.as_mut()[place];
+        let tracked = &mut self.places[place];
         if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {
             tracked.touching &= !touch.is_apart() || force > 0.0;
         }
@@ -196,30 +196,31 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         closing: f64,
         impulse: f64,
     ) -> Result<(), SinkError> {
-        let changed = self.places.as_mut()[place].change(kind, time_s, closing, impulse);
-        let Some(Told { kind, approach, impulse }) = changed else { return Ok(()) };
+        let changed = self.places[place].change(kind, time_s, closing, impulse);
+        let Some(Told { kind, approach: approach_speed, impulse }) = changed else { return Ok(()) };
         self.work.events += 1;
         // Rates jump soon after an event: whoever interpolates needs the sample just before it.
-        if self.emitted_s < self.last.time_s() {
-            self.emitted_s = self.last.time_s();
-            take(self.places.as_mut(), &self.last);
+        if self.emitted_s < self.last.time_s {
+            self.emitted_s = self.last.time_s;
+            take(&mut self.places, &self.last);
             self.sink.sample(&self.last)?;
         }
-        self.sink.event(&R::Sample::event(time_s, place, kind, approach, impulse))
+        self.sink.event(&Event { time_s, contact: place, kind, approach_speed, impulse })
     }
 
     /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie
     /// there, or the run is over.
-    fn emit(&mut self, now: R::Sample, dt: f64) -> Result<(), SinkError> {
-        let time_s = now.time_s();
+    fn emit(&mut self, dt: f64) -> Result<(), SinkError> {
+        let now = std::mem::take(&mut self.node);
+        let time_s = now.time_s;
         self.emit_grid(&now, time_s)?;
-        self.last = now;
+        self.node = std::mem::replace(&mut self.last, now);
         if self.grid.takes_end(time_s, dt) || time_s >= self.end_s {
             self.emitted_s = time_s;
-            take(self.places.as_mut(), &self.last);
+            take(&mut self.places, &self.last);
             self.sink.sample(&self.last)
         } else if self.moments.at_end {
-            take(self.places.as_mut(), &self.last);
+            take(&mut self.places, &self.last);
             self.sink.extreme(&self.last)
         } else {
             Ok(())
@@ -227,37 +228,51 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     }
 
     /// The grid points before `until_s`, between the last sample and `end`.
-    fn emit_grid(&mut self, end: &R::Sample, until_s: f64) -> Result<(), SinkError> {
+    fn emit_grid(&mut self, end: &Sample, until_s: f64) -> Result<(), SinkError> {
         while let Some(t) = self.grid.before(until_s) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {
                 break;
             }
-            if t > self.last.time_s() {
+            if t > self.last.time_s {
                 self.emitted_s = t;
-                let sample = between(&self.last, end, t);
-                take(self.places.as_mut(), &sample);
-                self.sink.sample(&sample)?;
+                self.point.become_between(&self.last, end, t);
+                take(&mut self.places, &self.point);
+                self.sink.sample(&self.point)?;
             }
         }
         Ok(())
     }
 
     /// The last sample, if the run broke off between grid points, and the summary.
-    pub fn finish(mut self) -> Result<<R::Sample as Instant>::Outcome, SinkError> {
-        if self.emitted_s < self.last.time_s() {
-            take(self.places.as_mut(), &self.last);
+    pub fn finish(mut self) -> Result<Outcome, SinkError> {
+        if self.emitted_s < self.last.time_s {
+            take(&mut self.places, &self.last);
             self.sink.sample(&self.last)?;
         }
-        let places = self.places.as_ref();
-        let sites = R::Sample::each(places.len(), |place| places[place].summary);
-        Ok(self.last.outcome(sites, self.work, self.loop_gap_m))
+        let contacts = self.places.iter().map(|tracked| tracked.summary).collect();
+        Ok(Outcome { last: self.last, contacts, work: self.work, loop_gap_m: self.loop_gap_m })
     }
 }
 
 /// By rounding, and where a step has frozen the geometry, a sample can be above the extremes within the steps.
-fn take<S: Instant>(places: &mut [Tracked], sample: &S) {
-    places.iter_mut().enumerate().for_each(|(place, tracked)| tracked.summary.take(sample.pressed(place)));
+fn take(places: &mut [Tracked], sample: &Sample) {
+    places.iter_mut().zip(&sample.contacts).for_each(|(tracked, contact)| tracked.summary.take(contact.pressed()));
+}
+
+/// The node as a sample, where these are its energies and its places of contact up to the start of the step.
+fn read(reader: &impl EngineReader, motion: &Motion, energy: Energy, places: &[Tracked], sample: &mut Sample) {
+    sample.time_s = motion.clock.now();
+    reader.read(motion, sample);
+    sample.contacts.clear();
+    sample.contacts.extend(places.iter().enumerate().map(|(place, tracked)| {
+        let index = reader.index(motion.plan, place);
+        // Before the first step there is none.
+        let stepped = index.filter(|_| motion.last_dt_s > 0.0);
+        let impulse = tracked.impulse + stepped.map_or(0.0, |index| motion.normal_impulse(index));
+        contact(motion, index, impulse)
+    }));
+    sample.energy = energy;
 }
 
 impl<R: EngineReader> Follow for EngineRecorder<'_, R> {

@@ -1,15 +1,25 @@
-//! What a simulation says, whichever model made it: samples, events, and the sinks that take them.
+//! What a simulation says, whichever model made it and whatever it simulates: samples, events, and the sinks that take them.
+//!
+//! | file | job |
+//! |---|---|
+//! | `sample`, `outcome` | one instant, the events between instants, and what remains in the end |
+//! | `layout`, `columns` | what the samples of a scene consist of: its fingers, bodies and contacts by name, its figures with their units |
+//! | `simulated` | a scene of either kind |
+//! | `model` | the two models behind one face |
+//! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
+//! | `between`, `grid` | a sample between two others; the even grid of times |
+//! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
+//! | `engine`, `engine_recorder`, `moments`, `tracked`, `engine_reading` | runs of the engine, and how its nodes are read |
 
 mod analytic;
 mod between;
-pub mod bodies;
 pub mod columns;
 mod engine;
 mod engine_reading;
 mod engine_recorder;
 mod error;
 mod grid;
-mod instant;
+mod layout;
 mod model;
 mod moments;
 mod outcome;
@@ -18,6 +28,7 @@ mod recorder;
 mod recording;
 mod sample;
 mod search;
+mod simulated;
 mod sink;
 mod thin;
 mod tracked;
@@ -26,10 +37,11 @@ pub use analytic::run_analytic;
 pub use between::between;
 pub use engine::run_engine;
 pub use error::RunError;
-pub use instant::Instant;
+pub use layout::{Layout, Place};
 pub use model::{Model, run};
-pub use outcome::{Outcome, SiteSummary, Work};
-pub use recording::{Recording, record, record_bodies};
-pub use sample::{ContactSample, Energy, Event, EventKind, Sample, Site};
+pub use outcome::{ContactSummary, Outcome, Work};
+pub use recording::{Recording, record};
+pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
+pub use simulated::{Numerics, Simulated};
 pub use sink::{Sink, SinkError};
 pub use thin::{Thin, Thinned};

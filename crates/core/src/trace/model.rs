@@ -1,7 +1,7 @@
 //! The two models behind one face.
 
-use super::{Outcome, RunError, Sink, run_analytic, run_engine};
-use crate::scene::{Scene, Words};
+use super::{Outcome, RunError, Simulated, Sink, run_analytic, run_engine};
+use crate::scene::Words;
 
 /// Which of the two independent models simulates a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +24,8 @@ impl Words for Model {
     const WORDS: &'static [(&'static str, Self)] = &[("analytic", Model::Analytic), ("engine", Model::Engine)];
 }
 
-/// Simulates the scene with one of the models.
-pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+/// Simulates a scene of either kind with one of the models.
+pub fn run<'a>(model: Model, scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     match model {
         Model::Analytic => run_analytic(scene, sink),
         Model::Engine => run_engine(scene, sink),

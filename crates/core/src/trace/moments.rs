@@ -3,7 +3,7 @@
 //! These instants get samples of their own, so that whoever has only the samples finds the same extremes as the summary of
 //! the run.
 
-use super::{ContactSample, SiteSummary};
+use super::{ContactSample, ContactSummary};
 use crate::engine::Moment;
 
 /// Part of a step that counts as its end.
@@ -29,7 +29,7 @@ impl Moments {
     pub fn take(
         &mut self,
         place: usize,
-        summary: &mut SiteSummary,
+        summary: &mut ContactSummary,
         within: Option<[Moment; 2]>,
         dt_s: f64,
         [force, depth]: [f64; 2],

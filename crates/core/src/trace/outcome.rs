@@ -2,9 +2,9 @@
 
 use super::{Sample, Site};
 
-/// The history of one site in a few figures. For the limit, read rad for m and N·m for N.
+/// The history of one contact in a few figures. For the limit of a joint, read rad for m and N·m for N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SiteSummary {
+pub struct ContactSummary {
     /// Time of the first touch-down; `None` if contact never happened. A run that starts in contact has `Some(0.0)`.
     pub first_s: Option<f64>,
     pub touchdowns: u32,
@@ -16,7 +16,7 @@ pub struct SiteSummary {
     pub impulse_n_s: f64,
 }
 
-impl SiteSummary {
+impl ContactSummary {
     /// Takes a penetration; true if it is the largest so far.
     pub(super) fn deepen(&mut self, delta_m: f64) -> bool {
         let deeper = delta_m > self.max_penetration_m;
@@ -50,23 +50,33 @@ pub struct Work {
     /// Sub-steps of the engine's contact solver, and Newton iterations in them.
     pub contact_substeps: u64,
     pub newton_iterations: u64,
-    /// Events: touch-downs, lift-offs and reloads at any site.
+    /// Events: touch-downs, lift-offs and reloads of any contact.
     pub events: u64,
 }
 
 /// A finished run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     pub last: Sample,
-    /// In the order of [`Site::ALL`].
-    pub sites: [SiteSummary; 3],
+    /// In the order of the contacts of a sample.
+    pub contacts: Vec<ContactSummary>,
     pub work: Work,
-    /// Largest opening of a joint; 0 for the analytic model, whose loop is closed by construction.
+    /// Largest opening of a joint; 0 for the analytic model, whose loop is closed by construction, and where there is no joint.
     pub loop_gap_m: f64,
 }
 
 impl Outcome {
-    pub fn site(&self, site: Site) -> &SiteSummary {
-        &self.sites[site as usize]
+    /// Of a finger that did not begin to move: all figures zero.
+    pub(super) fn of_unmoved_finger() -> Self {
+        let contacts = vec![ContactSummary::default(); Site::ALL.len()];
+        Outcome { last: Sample::of_finger(), contacts, ..Outcome::default() }
+    }
+
+    /// A contact of the first finger.
+    ///
+    /// # Panics
+    /// If there is no finger.
+    pub fn site(&self, site: Site) -> &ContactSummary {
+        &self.contacts[site as usize]
     }
 }

@@ -3,45 +3,43 @@
 use super::grid::{Grid, Span};
 use super::reading::Reader;
 use super::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
-use super::{Energy, EventKind, Instant, Sink, SinkError, SiteSummary, Work};
+use super::{ContactSummary, Energy, Event, EventKind, Outcome, Sample, Sink, SinkError, Work};
 use crate::analytic::SiteState;
 use crate::integrator::{Observer, State, Step, StepTools};
 
 /// One place of contact through time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
-    summary: SiteSummary,
+    summary: ContactSummary,
     /// Impulse at the last touch-down.
     impulse_before: f64,
 }
 
-type Places<S> = <S as Instant>::Each<Place>;
-
 pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> {
     reader: &'a R,
-    sink: &'a mut dyn Sink<R::Sample>,
+    sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
     mode: R::Mode,
     start_energy: Energy,
-    places: Places<R::Sample>,
-    /// Everything at the end of the last step, and the time up to which the sink has samples.
-    last: R::Sample,
+    places: Vec<Place>,
+    /// Everything at the end of the last step.
+    last: Sample,
+    /// Room for the end of the step at hand, and for a sample within it.
+    end: Sample,
+    within: Sample,
+    /// Time up to which the sink has samples.
     emitted_s: f64,
     marks: Marks,
     error: Option<SinkError>,
 }
 
 impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> {
-    pub fn new(
-        reader: &'a R,
-        mode: R::Mode,
-        start: &State<N, Z>,
-        span: Span,
-        sink: &'a mut dyn Sink<R::Sample>,
-    ) -> Self {
-        let start_energy = *reader.sample(0.0, start, &mode, &Energy::default()).energy();
-        let last = reader.sample(0.0, start, &mode, &start_energy);
+    pub fn new(reader: &'a R, mode: R::Mode, start: &State<N, Z>, span: Span, sink: &'a mut dyn Sink) -> Self {
+        let mut last = Sample::default();
+        reader.read(0.0, start, &mode, &Energy::default(), &mut last);
+        let start_energy = last.energy;
+        reader.read(0.0, start, &mode, &start_energy, &mut last);
         Self {
             reader,
             sink,
@@ -49,8 +47,10 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             end_s: span.end_s,
             mode,
             start_energy,
-            places: R::Sample::each(last.places(), |_| Place::default()),
+            places: vec![Place::default(); last.contacts.len()],
             last,
+            end: Sample::default(),
+            within: Sample::default(),
             emitted_s: 0.0,
             marks: Marks::default(),
             error: None,
@@ -59,28 +59,33 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 
     /// Contacts that are there from the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
-        for (index, place) in self.places.as_mut().iter_mut().enumerate() {
+        for (index, place) in self.places.iter_mut().enumerate() {
             if self.mode[index] == SiteState::Active {
                 (place.summary.first_s, place.summary.touchdowns) = (Some(0.0), 1);
-                self.sink.event(&R::Sample::event(0.0, index, EventKind::TouchDown, 0.0, 0.0))?;
+                self.sink.event(&Event {
+                    time_s: 0.0,
+                    contact: index,
+                    kind: EventKind::TouchDown,
+                    approach_speed: 0.0,
+                    impulse: 0.0,
+                })?;
             }
         }
         // A start beyond the reach of a loop has no passive angles; the run then ends before its first step.
-        if self.last.energy().kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
+        if self.last.energy.kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
     }
 
     /// The last sample, if the run broke off between grid points, and the summary.
-    pub fn finish(mut self, end: &State<N, Z>, work: Work) -> Result<<R::Sample as Instant>::Outcome, SinkError> {
+    pub fn finish(mut self, end: &State<N, Z>, work: Work) -> Result<Outcome, SinkError> {
         if let Some(error) = self.error.take() {
             return Err(error);
         }
-        if self.emitted_s < self.last.time_s() {
+        if self.emitted_s < self.last.time_s {
             self.sink.sample(&self.last)?;
         }
-        let places = self.places.as_ref();
-        let summary = |index: usize| SiteSummary { impulse_n_s: end.z[index], ..places[index].summary };
-        let sites = R::Sample::each(places.len(), summary);
-        Ok(self.last.outcome(sites, work, 0.0))
+        let summary = |(index, place): (usize, &Place)| ContactSummary { impulse_n_s: end.z[index], ..place.summary };
+        let contacts = self.places.iter().enumerate().map(summary).collect();
+        Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0 })
     }
 
     /// Samples of one step: the grid points and extremes inside it, and its end where steps are short, extremes lie there, or
@@ -93,7 +98,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     ) -> Result<(), SinkError> {
         let end = step.t1;
         // A damper's force cannot be read off the dense output.
-        let pressing = (0..self.last.places()).any(|place| mode[place].presses());
+        let pressing = (0..self.places.len()).any(|index| mode[index].presses());
         while let Some(t) = self.grid.before(end.min(self.end_s)) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {
@@ -103,12 +108,12 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             self.emit_marks(step, mode, tools, theta)?;
             if theta > 0.0 {
                 let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
-                let sample = self.at_state(t, &state, mode);
+                self.read_within(t, &state, mode);
                 if pressing {
-                    self.take(&sample);
+                    self.take_within();
                 }
                 self.emitted_s = t;
-                self.sink.sample(&sample)?;
+                self.sink.sample(&self.within)?;
             }
         }
         self.emit_marks(step, mode, tools, 1.0)?;
@@ -133,32 +138,32 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         while let Some(mark) = self.marks.before(theta) {
             let t = step.t0 + mark * step.h;
             if t > self.emitted_s && t < step.t1 {
-                let extreme = self.at_state(t, &tools.resolve(mark), mode);
-                self.take(&extreme);
-                self.sink.extreme(&extreme)?;
+                self.read_within(t, &tools.resolve(mark), mode);
+                self.take_within();
+                self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
     }
 
+    fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
+        self.reader.read(t, state, mode, &self.start_energy, &mut self.within);
+    }
+
     /// By rounding, a sample can be above the peaks that were searched for.
-    fn take(&mut self, sample: &R::Sample) {
-        let places = self.places.as_mut().iter_mut().enumerate();
-        places.for_each(|(index, place)| place.summary.take(sample.pressed(index)));
+    fn take_within(&mut self) {
+        let places = self.places.iter_mut().zip(&self.within.contacts);
+        places.for_each(|(place, contact)| place.summary.take(contact.pressed()));
     }
 
-    fn at_state(&self, t: f64, state: &State<N, Z>, mode: &R::Mode) -> R::Sample {
-        self.reader.sample(t, state, mode, &self.start_energy)
-    }
-
-    /// Largest force and penetration within the step from the last sample to `end`, and where.
-    fn search_peaks(&mut self, end: &R::Sample, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
+    /// Largest force and penetration within the step from the last sample to its end, and where.
+    fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.marks.clear();
-        for (index, place) in self.places.as_mut().iter_mut().enumerate() {
+        for (index, place) in self.places.iter_mut().enumerate() {
             if !mode[index].presses() {
                 continue;
             }
-            let (start, end) = (self.last.contact(index), end.contact(index));
+            let (start, end) = (&self.last.contacts[index], &self.end.contacts[index]);
             let read = |state: &State<N, Z>| self.reader.contact(state, index, mode);
             let summary = &mut place.summary;
             summary.deepen(-start.gap_m);
@@ -187,9 +192,9 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         self.mode = *mode;
-        let end = self.at_state(step.t1, step.end, mode);
-        self.search_peaks(&end, mode, tools);
-        self.last = end;
+        self.reader.read(step.t1, step.end, mode, &self.start_energy, &mut self.end);
+        self.search_peaks(mode, tools);
+        std::mem::swap(&mut self.last, &mut self.end);
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
@@ -197,17 +202,17 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {
-        let parted = self.last.contact(index).gap_m > 0.0 || !matches!(self.mode[index], SiteState::Released);
+        let parted = self.last.contacts[index].gap_m > 0.0 || !matches!(self.mode[index], SiteState::Released);
         let kind = match mode[index] {
             SiteState::Active if parted => EventKind::TouchDown,
             SiteState::Active => EventKind::Reload,
             _ => EventKind::LiftOff,
         };
-        let place = &mut self.places.as_mut()[index];
-        let (mut approach, mut impulse) = (0.0, 0.0);
+        let place = &mut self.places[index];
+        let (mut approach_speed, mut impulse) = (0.0, 0.0);
         match kind {
             EventKind::TouchDown => {
-                approach = -self.reader.contact(state, index, mode).gap_rate_m_s;
+                approach_speed = -self.reader.contact(state, index, mode).gap_rate_m_s;
                 place.summary.first_s.get_or_insert(t);
                 place.summary.touchdowns += 1;
                 place.impulse_before = state.z[index];
@@ -217,9 +222,9 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         }
         self.mode = *mode;
         // Rates jump soon after an event: whoever interpolates needs the sample just before it.
-        let before = if self.emitted_s < self.last.time_s() { self.sink.sample(&self.last) } else { Ok(()) };
-        self.emitted_s = self.last.time_s();
-        let event = R::Sample::event(t, index, kind, approach, impulse);
+        let before = if self.emitted_s < self.last.time_s { self.sink.sample(&self.last) } else { Ok(()) };
+        self.emitted_s = self.last.time_s;
+        let event = Event { time_s: t, contact: index, kind, approach_speed, impulse };
         if let Err(error) = before.and_then(|()| self.sink.event(&event)) {
             self.error.get_or_insert(error);
         }

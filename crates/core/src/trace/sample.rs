@@ -34,6 +34,11 @@ impl ContactSample {
         [-self.normal[1], self.normal[0]]
     }
 
+    /// Force (N; limit: N·m) and penetration (m; rad).
+    pub fn pressed(&self) -> (f64, f64) {
+        (self.normal_n, -self.gap_m)
+    }
+
     /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet. With a
     /// force goes the gap that made it.
     pub(super) fn press_on(&mut self, before: &Self) {
@@ -108,10 +113,9 @@ impl Energy {
     }
 }
 
-/// The state of a run at one instant.
+/// A finger at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    pub time_s: f64,
+pub struct FingerState {
     pub q11_rad: f64,
     pub q21_rad: f64,
     /// Passive angles, each relative to the link before it; q13 is the absolute orientation of l22.
@@ -123,11 +127,123 @@ pub struct Sample {
     pub qd12_rad_s: f64,
     pub qd22_rad_s: f64,
     pub motor_torque_n_m: f64,
-    pub proximal: ContactSample,
-    pub distal: ContactSample,
-    /// In rad, rad/s, N·m and N·m·s.
-    pub limit: ContactSample,
+}
+
+/// A rigid body by itself, such as a disc, at one instant. The angle is counter-clockwise, and not brought back by whole turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyState {
+    pub centre_m: [f64; 2],
+    pub angle_rad: f64,
+    pub velocity_m_s: [f64; 2],
+    pub spin_rad_s: f64,
+}
+
+/// The state of a run at one instant. What there is of each kind stays the same through a run: a [`Layout`](super::Layout)
+/// names it.
+#[derive(Debug, Default, PartialEq)]
+pub struct Sample {
+    pub time_s: f64,
+    pub fingers: Vec<FingerState>,
+    /// Bodies that are no part of a finger; of a scene of discs all of its discs, fixed ones too.
+    pub bodies: Vec<BodyState>,
+    /// Of every finger in the order of [`Site::ALL`], the limit in rad, rad/s, N·m and N·m·s; behind them, of discs, one for
+    /// each of [`BodiesScene::pairs`](crate::scene::BodiesScene::pairs): forces on the pair's disc, normal from its partner to
+    /// it.
+    pub contacts: Vec<ContactSample>,
+    /// Where discs are driven, `motor_work_j` is the work of whatever drives them; these have no kinetic energy here.
     pub energy: Energy,
+}
+
+/// Samples are reused, so that a run allocates nothing from step to step: `clone_from` keeps what is there, which a derived one
+/// would not.
+impl Clone for Sample {
+    fn clone(&self) -> Self {
+        let Sample { time_s, fingers, bodies, contacts, energy } = self;
+        Sample {
+            time_s: *time_s,
+            fingers: fingers.clone(),
+            bodies: bodies.clone(),
+            contacts: contacts.clone(),
+            energy: *energy,
+        }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        let Sample { time_s, fingers, bodies, contacts, energy } = other;
+        self.fingers.clone_from(fingers);
+        self.bodies.clone_from(bodies);
+        self.contacts.clone_from(contacts);
+        (self.time_s, self.energy) = (*time_s, *energy);
+    }
+}
+
+impl Sample {
+    /// One finger and its contacts, all figures zero.
+    pub fn of_finger() -> Self {
+        Sample {
+            fingers: vec![FingerState::default()],
+            contacts: vec![ContactSample::default(); Site::ALL.len()],
+            ..Sample::default()
+        }
+    }
+
+    /// The finger of a scene that has one, or its first.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn finger(&self) -> &FingerState {
+        &self.fingers[0]
+    }
+
+    /// The same, to be changed.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn finger_mut(&mut self) -> &mut FingerState {
+        &mut self.fingers[0]
+    }
+
+    /// A contact of the first finger.
+    ///
+    /// # Panics
+    /// If there is no finger.
+    pub fn contact(&self, site: Site) -> &ContactSample {
+        &self.contacts[site as usize]
+    }
+
+    /// The same, to be changed.
+    ///
+    /// # Panics
+    /// If there is no finger.
+    pub fn contact_mut(&mut self, site: Site) -> &mut ContactSample {
+        &mut self.contacts[site as usize]
+    }
+
+    /// Whether a contact is the stop of a joint, whose gap is an angle.
+    pub fn is_stop(&self, contact: usize) -> bool {
+        contact / Site::ALL.len() < self.fingers.len() && contact % Site::ALL.len() == Site::Limit as usize
+    }
+
+    /// The contacts between surfaces: all but the stops of joints.
+    pub fn surfaces(&self) -> impl Iterator<Item = &ContactSample> {
+        self.contacts.iter().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
+    }
+
+    /// Takes over the rates of another sample of the same run.
+    pub(super) fn take_rates(&mut self, from: &Self) {
+        for (finger, from) in self.fingers.iter_mut().zip(&from.fingers) {
+            *finger = FingerState {
+                qd11_rad_s: from.qd11_rad_s,
+                qd21_rad_s: from.qd21_rad_s,
+                qd12_rad_s: from.qd12_rad_s,
+                qd22_rad_s: from.qd22_rad_s,
+                ..*finger
+            };
+        }
+        for (body, from) in self.bodies.iter_mut().zip(&from.bodies) {
+            (body.velocity_m_s, body.spin_rad_s) = (from.velocity_m_s, from.spin_rad_s);
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,10 +260,21 @@ pub enum EventKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     pub time_s: f64,
-    pub site: Site,
+    /// Index among the contacts of a sample.
+    pub contact: usize,
     pub kind: EventKind,
     /// Closing speed −gap rate at a touch-down (m/s; limit: rad/s); 0 otherwise.
     pub approach_speed: f64,
-    /// Normal impulse since the last touch-down at this site, at a lift-off (N·s; limit: N·m·s); 0 otherwise.
+    /// Normal impulse since the last touch-down of this contact, at a lift-off (N·s; limit: N·m·s); 0 otherwise.
     pub impulse: f64,
+}
+
+impl Event {
+    /// Where the finger of a scene that has one touches.
+    ///
+    /// # Panics
+    /// If it is not the contact of one finger.
+    pub fn site(&self) -> Site {
+        Site::ALL[self.contact]
+    }
 }

@@ -1,6 +1,6 @@
 //! Consumers of a run. Samples are streamed: nothing keeps a whole run in memory unless its sink does.
 
-use super::{Instant, Sample};
+use super::{Event, Sample};
 
 /// Why a sink could not take a sample.
 #[derive(Debug, thiserror::Error)]
@@ -11,16 +11,16 @@ pub struct SinkError {
     pub source: std::io::Error,
 }
 
-/// Takes the samples and events of a run in order of time: of a finger, or of discs as a `Sink<BodiesSample>`.
-pub trait Sink<S: Instant = Sample> {
-    fn sample(&mut self, sample: &S) -> Result<(), SinkError>;
-    fn event(&mut self, event: &S::Event) -> Result<(), SinkError>;
+/// Takes the samples and events of a run in order of time.
+pub trait Sink {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
+    fn event(&mut self, event: &Event) -> Result<(), SinkError>;
 
     /// A sample within a step, or at the end of a long one, at which a force or a penetration is larger than ever before.
     ///
     /// For those who keep a run: with it the largest values among the samples are those of the run. Everyone else has
     /// a run step by step, and no use for it.
-    fn extreme(&mut self, _sample: &S) -> Result<(), SinkError> {
+    fn extreme(&mut self, _sample: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
 
@@ -32,27 +32,27 @@ pub trait Sink<S: Instant = Sample> {
 }
 
 /// Takes everything and keeps nothing.
-impl<S: Instant> Sink<S> for () {
-    fn sample(&mut self, _: &S) -> Result<(), SinkError> {
+impl Sink for () {
+    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
 
-    fn event(&mut self, _: &S::Event) -> Result<(), SinkError> {
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
         Ok(())
     }
 }
 
 /// One that may not be there.
-impl<S: Instant, T: Sink<S>> Sink<S> for Option<T> {
-    fn sample(&mut self, sample: &S) -> Result<(), SinkError> {
+impl<T: Sink> Sink for Option<T> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.as_mut().map_or(Ok(()), |sink| sink.sample(sample))
     }
 
-    fn event(&mut self, event: &S::Event) -> Result<(), SinkError> {
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.as_mut().map_or(Ok(()), |sink| sink.event(event))
     }
 
-    fn extreme(&mut self, sample: &S) -> Result<(), SinkError> {
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.as_mut().map_or(Ok(()), |sink| sink.extreme(sample))
     }
 

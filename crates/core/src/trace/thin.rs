@@ -4,7 +4,7 @@
 //! none. The criteria of `phalanx run` are found on what is kept, so that a log says of its run what the run said itself.
 
 use super::grid::is_point;
-use super::{Instant, Sink, SinkError};
+use super::{Event, Sample, Sink, SinkError};
 
 /// An impact lasts as long as some force changes by more than this part of itself in an interval of the grid…
 const CHANGE: f64 = 0.1;
@@ -16,19 +16,19 @@ const LINGER: f64 = 0.25;
 /// Kept are: the first and the last; those on the grid; all within an impact, the one before it, and the one after an
 /// event; and each at which a force or a penetration has a maximum larger than any kept before.
 #[derive(Clone, Debug)]
-pub struct Thin<S> {
+pub struct Thin {
     interval_s: f64,
     /// End of the impact.
     until_s: f64,
-    latest: Option<S>,
+    latest: Option<Sample>,
     /// Whether `latest` has been kept.
     is_kept: bool,
     after_event: bool,
-    /// Largest force and penetration kept of each place.
+    /// Largest force and penetration kept of each contact.
     kept: Vec<(f64, f64)>,
 }
 
-impl<S: Instant> Thin<S> {
+impl Thin {
     /// Thins to `numeric_hz` samples a second.
     pub fn new(numeric_hz: f64) -> Self {
         Thin {
@@ -42,22 +42,22 @@ impl<S: Instant> Thin<S> {
     }
 
     /// Takes a sample; hands to `keep` what is to be kept, in order of time.
-    pub fn sample<E>(&mut self, sample: &S, mut keep: impl FnMut(&S) -> Result<(), E>) -> Result<(), E> {
+    pub fn sample<E>(&mut self, sample: &Sample, mut keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
         let first = self.latest.is_none();
         if first {
-            self.kept = vec![(0.0, 0.0); sample.places()];
+            self.kept = vec![(0.0, 0.0); sample.contacts.len()];
         }
-        let now_s = sample.time_s();
+        let now_s = sample.time_s;
         // An extreme at the end of a step comes again before an event there.
-        if self.latest.as_ref().is_some_and(|latest| latest.time_s() == now_s && latest == sample) {
+        if self.latest.as_ref().is_some_and(|latest| latest.time_s == now_s && latest == sample) {
             return Ok(());
         }
         let (mut changes, mut falls) = (false, false);
         if let Some(before) = &self.latest {
-            for (place, kept) in self.kept.iter().enumerate() {
-                let ((f0, d0), (f1, d1)) = (before.pressed(place), sample.pressed(place));
+            for ((before_it, now), kept) in before.contacts.iter().zip(&sample.contacts).zip(&self.kept) {
+                let ((f0, d0), (f1, d1)) = (before_it.pressed(), now.pressed());
                 let rate = (f1 - f0).abs() * self.interval_s;
-                changes |= rate > CHANGE * f0.max(f1) * (now_s - before.time_s());
+                changes |= rate > CHANGE * f0.max(f1) * (now_s - before.time_s);
                 falls |= (f0 > kept.0 && f1 < f0) || (d0 > kept.1 && d1 < d0);
             }
         }
@@ -69,7 +69,7 @@ impl<S: Instant> Thin<S> {
         }
         let on_grid = is_point(now_s, self.interval_s);
         match &mut self.latest {
-            Some(latest) => latest.copy_from(sample),
+            Some(latest) => latest.clone_from(sample),
             None => self.latest = Some(sample.clone()),
         }
         self.is_kept = false;
@@ -77,19 +77,19 @@ impl<S: Instant> Thin<S> {
     }
 
     /// Before an event: the latest sample is kept, for rates can jump behind it, and so will be the next.
-    pub fn event<E>(&mut self, keep: impl FnMut(&S) -> Result<(), E>) -> Result<(), E> {
+    pub fn event<E>(&mut self, keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
         self.flush(keep)?;
         self.after_event = true;
         Ok(())
     }
 
     /// Keeps the latest sample: at the end of a run.
-    pub fn flush<E>(&mut self, mut keep: impl FnMut(&S) -> Result<(), E>) -> Result<(), E> {
+    pub fn flush<E>(&mut self, mut keep: impl FnMut(&Sample) -> Result<(), E>) -> Result<(), E> {
         let Some(latest) = self.latest.as_ref().filter(|_| !self.is_kept) else {
             return Ok(());
         };
-        for (place, kept) in self.kept.iter_mut().enumerate() {
-            let (force, depth) = latest.pressed(place);
+        for (contact, kept) in latest.contacts.iter().zip(&mut self.kept) {
+            let (force, depth) = contact.pressed();
             *kept = (kept.0.max(force), kept.1.max(depth));
         }
         (self.is_kept, self.after_event) = (true, false);
@@ -99,35 +99,35 @@ impl<S: Instant> Thin<S> {
 
 /// A sink that passes on what [`Thin`] keeps.
 #[derive(Clone, Debug)]
-pub struct Thinned<I, S> {
-    thin: Thin<I>,
+pub struct Thinned<S> {
+    thin: Thin,
     pub sink: S,
 }
 
-impl<I: Instant, S> Thinned<I, S> {
+impl<S> Thinned<S> {
     /// Thins to `numeric_hz` samples a second.
     pub fn new(numeric_hz: f64, sink: S) -> Self {
         Thinned { thin: Thin::new(numeric_hz), sink }
     }
 }
 
-impl<I: Instant, S: Sink<I>> Thinned<I, S> {
+impl<S: Sink> Thinned<S> {
     /// Passes on the last sample, when the run is over.
     pub fn end(&mut self) -> Result<(), SinkError> {
         self.thin.flush(|kept| self.sink.sample(kept))
     }
 }
 
-impl<I: Instant, S: Sink<I>> Sink<I> for Thinned<I, S> {
-    fn sample(&mut self, sample: &I) -> Result<(), SinkError> {
+impl<S: Sink> Sink for Thinned<S> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.thin.sample(sample, |kept| self.sink.sample(kept))
     }
 
-    fn extreme(&mut self, sample: &I) -> Result<(), SinkError> {
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.thin.sample(sample, |kept| self.sink.sample(kept))
     }
 
-    fn event(&mut self, event: &I::Event) -> Result<(), SinkError> {
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.thin.event(|kept| self.sink.sample(kept))?;
         self.sink.event(event)
     }

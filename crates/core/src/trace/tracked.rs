@@ -1,11 +1,11 @@
 //! One place of contact of the engine model through time: from the changes a step reports to events and summary figures.
 
-use super::{EventKind, SiteSummary};
+use super::{ContactSummary, EventKind};
 use crate::engine::ChangeKind;
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tracked {
-    pub summary: SiteSummary,
+    pub summary: ContactSummary,
     pub touching: bool,
     pub pressing: bool,
     /// Whether the force has ended since the last touch-down.

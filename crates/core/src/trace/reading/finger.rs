@@ -1,29 +1,14 @@
-//! Turns a state of the analytic model into a sample.
+//! A finger in a state of the analytic model.
 
-use std::ops::Index;
-
-use super::{ContactSample, Energy, Instant, Sample, Site};
-use crate::analytic::{Mode, Model, QUADRATURES, SiteReading, SiteState};
+use super::{Reader, refill};
+use crate::analytic::{Mode, Model, QUADRATURES, SiteReading};
 use crate::integrator::State;
-
-/// Reads the states of a model.
-pub(super) trait Reader<const N: usize, const Z: usize> {
-    type Sample: Instant;
-    /// Branches of the laws of all contacts.
-    type Mode: Copy + Index<usize, Output = SiteState>;
-
-    /// Everything about one state; `start` has the energies at the start of the run, from which works and losses count.
-    fn sample(&self, t: f64, state: &State<N, Z>, mode: &Self::Mode, start: &Energy) -> Self::Sample;
-
-    /// One contact of it.
-    fn contact(&self, state: &State<N, Z>, place: usize, mode: &Self::Mode) -> ContactSample;
-}
+use crate::trace::{ContactSample, Energy, FingerState, Sample, Site};
 
 impl Reader<2, QUADRATURES> for Model {
-    type Sample = Sample;
     type Mode = Mode;
 
-    fn sample(&self, t: f64, state: &State<2, QUADRATURES>, mode: &Mode, start: &Energy) -> Sample {
+    fn read(&self, t: f64, state: &State<2, QUADRATURES>, mode: &Mode, start: &Energy, sample: &mut Sample) {
         let snapshot = self.snapshot(state.q, state.v, mode);
         let (passive, energies) = (&snapshot.passive, &snapshot.energies);
         let at = |site: Site| contact(&snapshot.sites[site as usize], state.z[site as usize]);
@@ -35,8 +20,7 @@ impl Reader<2, QUADRATURES> for Model {
             ..Energy::default()
         };
         let [.., contact_work, motor_work] = state.z;
-        Sample {
-            time_s: t,
+        let finger = FingerState {
             q11_rad: state.q[0],
             q21_rad: state.q[1],
             q12_rad: passive.q12,
@@ -47,15 +31,15 @@ impl Reader<2, QUADRATURES> for Model {
             qd12_rad_s: passive.qd12,
             qd22_rad_s: passive.qd22,
             motor_torque_n_m: self.motor_torque(t),
-            proximal: at(Site::Proximal),
-            distal: at(Site::Distal),
-            limit: at(Site::Limit),
-            energy: stored.since(start, contact_work, motor_work),
-        }
+        };
+        sample.time_s = t;
+        refill(&mut sample.fingers, std::iter::once(finger));
+        refill(&mut sample.contacts, Site::ALL.into_iter().map(at));
+        sample.energy = stored.since(start, contact_work, motor_work);
     }
 
-    fn contact(&self, state: &State<2, QUADRATURES>, place: usize, mode: &Mode) -> ContactSample {
-        contact(&self.reading(state.q, state.v, Site::ALL[place], mode[place]), state.z[place])
+    fn contact(&self, state: &State<2, QUADRATURES>, index: usize, mode: &Mode) -> ContactSample {
+        contact(&self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
     }
 }
 

@@ -1,27 +1,25 @@
-//! Turns a state of the analytic model of discs into a sample.
+//! Discs in a state of the analytic model.
 
-use super::{BodiesSample, DiscState};
+use super::{Reader, refill};
 use crate::analytic::discs::{DiscMode, Discs, PAIRS, PairReading, QUADRATURES};
 use crate::integrator::State;
 use crate::scene::BodiesScene;
-use crate::trace::reading::Reader;
-use crate::trace::{ContactSample, Energy};
+use crate::trace::{BodyState, ContactSample, Energy, Sample};
 
 /// A model, and the scene that has the discs which do not move too.
-pub(super) struct DiscsReader<'a, const N: usize, const M: usize> {
+pub struct DiscsReader<'a, const N: usize, const M: usize> {
     pub model: &'a Discs<N, M>,
     pub scene: &'a BodiesScene,
 }
 
 impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, N, M> {
-    type Sample = BodiesSample;
     type Mode = DiscMode;
 
-    fn sample(&self, t: f64, state: &State<N, QUADRATURES>, mode: &DiscMode, start: &Energy) -> BodiesSample {
+    fn read(&self, t: f64, state: &State<N, QUADRATURES>, mode: &DiscMode, start: &Energy, sample: &mut Sample) {
         let mut moving = state.q.chunks_exact(3).zip(state.v.chunks_exact(3));
         let discs = self.scene.discs.iter().map(|disc| {
             let coordinates = if disc.motion.moves() { moving.next() } else { None };
-            coordinates.map_or(DiscState { centre_m: disc.centre_m, ..DiscState::default() }, |(q, v)| DiscState {
+            coordinates.map_or(BodyState { centre_m: disc.centre_m, ..BodyState::default() }, |(q, v)| BodyState {
                 centre_m: [q[0], q[1]],
                 angle_rad: q[2],
                 velocity_m_s: [v[0], v[1]],
@@ -35,12 +33,10 @@ impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, 
             elastic_j: energies.elastic,
             ..Energy::default()
         };
-        BodiesSample {
-            time_s: t,
-            discs: discs.collect(),
-            contacts: (0..self.model.pairs()).map(|pair| self.contact(state, pair, mode)).collect(),
-            energy: stored.since(start, state.z[PAIRS], state.z[PAIRS + 1]),
-        }
+        sample.time_s = t;
+        refill(&mut sample.bodies, discs);
+        refill(&mut sample.contacts, (0..self.model.pairs()).map(|pair| self.contact(state, pair, mode)));
+        sample.energy = stored.since(start, state.z[PAIRS], state.z[PAIRS + 1]);
     }
 
     fn contact(&self, state: &State<N, QUADRATURES>, pair: usize, mode: &DiscMode) -> ContactSample {

@@ -1,0 +1,95 @@
+//! What is watched of a run, by its scene and of every sample.
+
+use super::measure::{Place, Reading};
+use super::{Invariant, Invariants, Tolerances};
+use crate::scene::{BodiesScene, Scene};
+use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Simulated, Sink, SinkError};
+
+impl Invariants {
+    /// For a run of `scene` with `model`, held to the tolerances of its settings.
+    pub fn new<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Self {
+        let scene = scene.into();
+        let (places, loop_gap_m) = match scene {
+            Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m),
+            // Discs have no joints that could open.
+            Simulated::Discs(scene) => (of_discs(scene), 0.0),
+        };
+        Self::watching(model, Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m), places)
+    }
+}
+
+fn of_finger(scene: &Scene) -> Vec<Place> {
+    let mut places = Vec::new();
+    if scene.object.is_some() {
+        for (name, law) in [("proximal", scene.contact.proximal), ("distal", scene.contact.distal)] {
+            let (normal, friction) = (law.normal, law.friction);
+            places.push(Place {
+                name: name.to_string(),
+                law: normal,
+                friction,
+                depth: Invariant::Penetration,
+                reach_m: 1.0,
+            });
+        }
+    }
+    if let Some(law) = scene.limit {
+        let depth = Invariant::JointLimit;
+        let reach_m = scene.finger.lengths.l22_m;
+        places.push(Place { name: "limit".to_string(), law, friction: None, depth, reach_m });
+    }
+    places
+}
+
+fn of_discs(scene: &BodiesScene) -> Vec<Place> {
+    let place = |pair| Place {
+        name: scene.pair_name(pair),
+        law: scene.contact.normal,
+        friction: scene.contact.friction,
+        depth: Invariant::Penetration,
+        reach_m: 1.0,
+    };
+    scene.pairs().into_iter().map(place).collect()
+}
+
+impl Sink for Invariants {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        // A gap to nothing is infinite: that place is not watched.
+        let there = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
+        self.look(sample.time_s, strange(sample), &sample.energy, there.map(reading));
+        Ok(())
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+fn reading(contact: &ContactSample) -> Reading {
+    let ContactSample { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s, .. } = *contact;
+    Reading { gap_m, gap_rate_m_s, normal_n, tangential_n, slip_m_s, impulse_n_s }
+}
+
+/// How many numbers are none.
+fn strange(sample: &Sample) -> usize {
+    let fingers = sample.fingers.iter().flat_map(|finger| {
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, motor_torque_n_m, .. } = *finger;
+        let FingerState { qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, .. } = *finger;
+        let angles = [q11_rad, q21_rad, q12_rad, q22_rad, q13_rad];
+        angles.into_iter().chain([qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, motor_torque_n_m])
+    });
+    let bodies = sample.bodies.iter().flat_map(|body| {
+        let BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [u, v], spin_rad_s } = *body;
+        [x, y, angle_rad, u, v, spin_rad_s]
+    });
+    let contacts = sample.contacts.iter().flat_map(numbers);
+    let all = fingers.chain(bodies).chain(contacts).chain(sample.energy.values_j()).chain([sample.time_s]);
+    all.filter(|number| !number.is_finite()).count()
+}
+
+/// All numbers of a contact; an infinite gap is one to nothing and is left out.
+fn numbers(contact: &ContactSample) -> impl Iterator<Item = f64> {
+    let ContactSample { gap_m, gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s, point_m, normal } =
+        *contact;
+    let scalars = [gap_rate_m_s, slip_m_s, normal_n, tangential_n, impulse_n_s];
+    scalars.into_iter().chain(point_m).chain(normal).chain(Some(gap_m).filter(|gap| *gap != f64::INFINITY))
+}

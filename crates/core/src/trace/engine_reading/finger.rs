@@ -1,0 +1,62 @@
+//! A finger at a node of the engine model.
+
+use super::EngineReader;
+use crate::engine::{self, L11, L12, L21, L22, Motion, Plan, Twist};
+use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
+use crate::trace::{FingerState, Sample, Site};
+
+/// A finger whose l22 is bent by φ22.
+pub struct FingerReader {
+    pub phi22_rad: f64,
+}
+
+impl EngineReader for FingerReader {
+    fn place(&self, plan: &Plan, index: usize) -> usize {
+        engine::site(plan, index) as usize
+    }
+
+    fn index(&self, plan: &Plan, place: usize) -> Option<usize> {
+        engine::index_of(plan, Site::ALL[place])
+    }
+
+    /// Bodies count their turns; passive angles do not. Their turn is the one both models show: q12 is the angle between two
+    /// directions, and q22 is measured from the straight line by the bend q22 + φ22, whose seam is at −90°.
+    fn read(&self, motion: &Motion, sample: &mut Sample) {
+        let places = &motion.linkage.places;
+        let (angle, rate) = (|body: usize| places[body].angle, |body: usize| motion.velocities[body][2]);
+        let direction = |body: usize| places[body].direction;
+        let (sin, cos) = self.phi22_rad.sin_cos();
+        let bend = opening_angle(direction(L21), rotate(direction(L22), [cos, sin]));
+        let q12_rad = near_turn(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
+        let q22_rad = near_turn(angle(L22) - angle(L21), bend - self.phi22_rad);
+        sample.fingers.clear();
+        sample.fingers.push(FingerState {
+            q11_rad: angle(L11),
+            q21_rad: angle(L21),
+            q12_rad,
+            q22_rad,
+            q13_rad: angle(L21) + q22_rad,
+            qd11_rad_s: rate(L11),
+            qd21_rad_s: rate(L21),
+            qd12_rad_s: rate(L12) - rate(L11),
+            qd22_rad_s: rate(L22) - rate(L21),
+            motor_torque_n_m: motion.plan.motor_torque(L11, motion.clock.now(), rate),
+        });
+    }
+
+    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]) {
+        let time = sample.time_s - from.time_s;
+        let (finger, from) = (sample.finger_mut(), from.finger());
+        let [a11, a12, a21, a22] = [L11, L12, L21, L22].map(|body| accelerations[body][2]);
+        let angle = |q: f64, rate: f64, a: f64| q + time * (rate + 0.5 * time * a);
+        finger.q11_rad = angle(from.q11_rad, from.qd11_rad_s, a11);
+        finger.q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
+        finger.q12_rad = angle(from.q12_rad, from.qd12_rad_s, a12 - a11);
+        finger.q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
+        finger.q13_rad = finger.q21_rad + finger.q22_rad;
+        finger.qd11_rad_s = from.qd11_rad_s + time * a11;
+        finger.qd21_rad_s = from.qd21_rad_s + time * a21;
+        finger.qd12_rad_s = from.qd12_rad_s + time * (a12 - a11);
+        finger.qd22_rad_s = from.qd22_rad_s + time * (a22 - a21);
+    }
+}

@@ -1,0 +1,70 @@
+//! Turns a node of the engine model into a sample: what that is differs between kinds of scene, and nothing else does.
+
+mod discs;
+mod finger;
+
+pub(super) use finger::FingerReader;
+
+use super::{ContactSample, Energy, Sample};
+use crate::engine::{Motion, Plan, Touch, Twist, kinetic, potential};
+use crate::law::{elastic_energy, friction_force, normal_force};
+
+/// Reads the nodes of a motion.
+pub(super) trait EngineReader {
+    /// The contact of a sample that a stop or contact of the plan is.
+    fn place(&self, plan: &Plan, index: usize) -> usize;
+
+    /// The index of a sample's contact among the stops and contacts of the plan; `None` where there is nothing to touch.
+    fn index(&self, plan: &Plan, place: usize) -> Option<usize>;
+
+    /// Fingers and bodies at the node.
+    fn read(&self, motion: &Motion, sample: &mut Sample);
+
+    /// Coordinates and rates of `sample` as free motion from `from` makes them, given the accelerations of all bodies.
+    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]);
+}
+
+/// The stored energies of the node.
+pub(super) fn stored(motion: &Motion) -> Energy {
+    let (gravity_j, spring_j) = potential(motion.plan, &motion.linkage);
+    let governed = motion.touches.iter().filter(|touch| touch.governed);
+    Energy {
+        kinetic_j: kinetic(&motion.linkage, &motion.velocities),
+        gravity_j,
+        spring_j,
+        elastic_j: governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum(),
+        ..Energy::default()
+    }
+}
+
+/// A contact at the node; `index` is that of the plan.
+pub(super) fn contact(motion: &Motion, index: Option<usize>, impulse_n_s: f64) -> ContactSample {
+    let touch = index.and_then(|index| motion.touches.iter().find(|touch| touch.index == index));
+    touch.map_or(ContactSample::NONE, |touch| {
+        let (normal_n, tangential_n) = pressing(motion, touch);
+        ContactSample {
+            gap_m: touch.gap,
+            gap_rate_m_s: touch.normal_row.rate(&motion.velocities),
+            slip_m_s: touch.slip_row.rate(&motion.velocities),
+            normal_n,
+            tangential_n,
+            impulse_n_s,
+            point_m: touch.point,
+            normal: touch.normal,
+        }
+    })
+}
+
+/// Normal and tangential force of a touch at the end of the last step; before the first one, from the laws themselves.
+fn pressing(motion: &Motion, touch: &Touch) -> (f64, f64) {
+    if motion.last_dt_s > 0.0 {
+        return motion.forces(touch.index);
+    }
+    if !touch.governed {
+        return (0.0, 0.0);
+    }
+    let [rate, slip] = [&touch.normal_row, &touch.slip_row].map(|row| row.rate(&motion.velocities));
+    let normal = normal_force(&touch.law, -touch.gap, -rate).force;
+    let friction = touch.friction.filter(|_| normal > 0.0);
+    (normal, friction.map_or(0.0, |law| friction_force(&law, slip, normal)))
+}

@@ -1,0 +1,30 @@
+//! Turns a state of the analytic model into a sample: what that is differs between kinds of scene, and nothing else does.
+
+mod discs;
+mod finger;
+
+use std::ops::Index;
+
+pub(super) use discs::DiscsReader;
+
+use super::{ContactSample, Energy, Sample};
+use crate::analytic::SiteState;
+use crate::integrator::State;
+
+/// Reads the states of a model.
+pub(super) trait Reader<const N: usize, const Z: usize> {
+    /// Branches of the laws of all contacts.
+    type Mode: Copy + Index<usize, Output = SiteState>;
+
+    /// Everything about one state; `start` has the energies at the start of the run, from which works and losses count.
+    fn read(&self, t: f64, state: &State<N, Z>, mode: &Self::Mode, start: &Energy, sample: &mut Sample);
+
+    /// One contact of it.
+    fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
+}
+
+/// Puts these in the place of what is there, without allocating where there is room.
+fn refill<T>(parts: &mut Vec<T>, new: impl Iterator<Item = T>) {
+    parts.clear();
+    parts.extend(new);
+}

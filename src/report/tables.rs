@@ -1,0 +1,163 @@
+//! The tables that summaries of runs and of logs are made of.
+
+use std::collections::BTreeMap;
+
+use super::contacts::{Contacts, FingerContacts, PairReport, PhalanxReport};
+use super::discs::DiscReport;
+use super::document::{Dynamics, Energies, Final};
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
+
+pub(super) fn final_state(last: &Final, end_s: f64) -> Sheet {
+    let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
+    table(&[
+        row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
+        row(["angle, deg", &degrees(last.q11_rad), &degrees(last.q21_rad), &degrees(last.q22_rad)]),
+        row(["rate, rad/s", &figure(last.qd11_rad_s, 5), &figure(last.qd21_rad_s, 5)]),
+    ])
+}
+
+pub(super) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
+    let at = format!("at {}", duration(end_s));
+    let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
+    for (name, disc) in discs {
+        rows.push(row([
+            name,
+            disc.motion,
+            &figure(disc.x_m * 1e3, 7),
+            &figure(disc.y_m * 1e3, 7),
+            &figure(disc.angle_rad.to_degrees(), 6),
+            &figure(disc.vx_m_s, 6),
+            &figure(disc.vy_m_s, 6),
+            &figure(disc.spin_rad_s, 6),
+        ]));
+    }
+    table(&rows)
+}
+
+/// `None` where nothing can touch.
+pub(super) fn contacts(contacts: &Contacts) -> Option<Sheet> {
+    match contacts {
+        Contacts::Finger(all) => Some(sites(all)),
+        Contacts::Pairs(all) if all.is_empty() => None,
+        Contacts::Pairs(all) => Some(pairs(all)),
+    }
+}
+
+fn sites(contacts: &FingerContacts) -> Sheet {
+    let phalanx = |name: &str, report: &PhalanxReport| {
+        row([
+            name,
+            &milliseconds(report.first_s),
+            &report.touchdowns.to_string(),
+            &figure(report.final_normal_n, 6),
+            &figure(report.final_tangential_n, 6),
+            &figure(report.peak_normal_n, 5),
+            &figure(report.max_penetration_m * 1e6, 5),
+            &figure(report.impulse_n_s * 1e3, 5),
+        ])
+    };
+    let limit = &contacts.limit;
+    let mut text = table(&[
+        row([
+            "contact",
+            "first, ms",
+            "touch-downs",
+            "normal, N",
+            "friction, N",
+            "peak, N",
+            "depth, µm",
+            "impulse, mN·s",
+        ]),
+        phalanx("proximal", &contacts.proximal),
+        phalanx("distal", &contacts.distal),
+    ]);
+    text.push('\n');
+    text.push(table(&[
+        row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"]),
+        row([
+            "joint limit",
+            &milliseconds(limit.first_s),
+            &limit.touchdowns.to_string(),
+            &figure(limit.final_torque_n_m, 6),
+            &figure(limit.peak_torque_n_m, 5),
+            &figure(limit.max_penetration_rad * 1e6, 5),
+            &figure(limit.impulse_n_m_s * 1e3, 5),
+        ]),
+    ]));
+    text
+}
+
+fn pairs(pairs: &BTreeMap<String, PairReport>) -> Sheet {
+    let mut rows = vec![row([
+        "contact",
+        "first, ms",
+        "touch-downs",
+        "normal, N",
+        "friction, N",
+        "peak, N",
+        "depth, µm",
+        "impulse, mN·s",
+        "restitution",
+    ])];
+    for (name, pair) in pairs {
+        rows.push(row([
+            name,
+            &milliseconds(pair.first_s),
+            &pair.touchdowns.to_string(),
+            &figure(pair.final_normal_n, 6),
+            &figure(pair.final_tangential_n, 6),
+            &figure(pair.peak_normal_n, 5),
+            &figure(pair.max_penetration_m * 1e6, 5),
+            &figure(pair.impulse_n_s * 1e3, 5),
+            &pair.restitution.map_or("–".to_string(), |ratio| figure(ratio, 5)),
+        ]));
+    }
+    table(&rows)
+}
+
+/// Of a finger, whose `motor` works against its spring, or of what is driven.
+pub(super) fn energies(energy: &Energies, motor: bool) -> Sheet {
+    let mj = |joule: f64| figure(joule * 1e3, 5);
+    let spring = |cell: &str| motor.then(|| cell.to_string());
+    let line = |first: &str, [kinetic, gravity, spring_of, rest @ ..]: [&str; 7]| {
+        let spring = spring(spring_of);
+        let cells = [first, kinetic, gravity].into_iter().map(String::from).chain(spring);
+        cells.chain(rest.map(String::from)).collect::<Vec<String>>()
+    };
+    let work = if motor { "motor work" } else { "drive work" };
+    let figures = [
+        energy.kinetic_j,
+        energy.gravity_j,
+        energy.spring_j,
+        energy.elastic_j,
+        energy.dissipated_j,
+        energy.motor_work_j,
+        energy.balance_j,
+    ]
+    .map(mj);
+    table(&[
+        line("energy", ["kinetic", "gravity", "spring", "contact", "dissipated", work, "balance"]),
+        line("mJ", figures.each_ref().map(String::as_str)),
+    ])
+}
+
+pub(super) fn dynamics(criteria: &Dynamics) -> Sheet {
+    let rebound = match criteria.rebound_percent {
+        Some(percent) => format!("{} %", figure(percent, 4)),
+        None => "–".to_string(),
+    };
+    let mut text = table(&[
+        row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
+        row(["", criteria.class, &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
+    ]);
+    if !criteria.statically_stable {
+        text.push_str("Unstable in statics: at rest a phalanx would have to pull (phalanx statics says which).\n");
+    }
+    text
+}
+
+pub(super) fn milliseconds(time_s: Option<f64>) -> String {
+    time_s.map_or("–".to_string(), |time_s| format!("{:.6}", time_s * 1e3))
+}
