@@ -141,7 +141,9 @@ fn a_fixed_object_gives_each_finger_its_own_scene() {
         });
         scene.integrator = Integrator::preset(Preset::Reference);
         let alone = phalanx::trace::run_analytic(&scene, &mut ()).expect("a run").last;
-        let off = (end.state.q[2 * side] - alone.finger().q11_rad).abs().max((end.state.q[2 * side + 1] - alone.finger().q21_rad).abs());
+        let off = (end.state.q[2 * side] - alone.finger().q11_rad)
+            .abs()
+            .max((end.state.q[2 * side + 1] - alone.finger().q21_rad).abs());
         assert!(off < 1e-10, "finger {side}: {off:.1e} rad");
     }
 }

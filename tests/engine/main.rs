@@ -7,6 +7,7 @@ mod support;
 
 mod anchor;
 mod contact;
+mod gripper;
 mod order;
 mod recorder;
 mod repeats;

@@ -5,11 +5,12 @@ use super::reading::{DiscsReader, Reader};
 use super::recorder::Recorder;
 use super::{Outcome, RunError, Simulated, Sink, Work};
 use crate::analytic::discs::{self, Discs, moving_discs};
+use crate::analytic::gripper::{self, GripperModel};
 use crate::analytic::{GUARDS, Model, QUADRATURES};
 use crate::integrator::{
     Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
 };
-use crate::scene::{BodiesScene, Integrator, Method, Scene};
+use crate::scene::{BodiesScene, GripperScene, Integrator, Method, ObjectMotion, Scene};
 
 /// Simulates `scene` with the analytic model.
 ///
@@ -52,6 +53,28 @@ fn some_discs<const N: usize, const M: usize>(
     simulate::<_, _, N, { discs::QUADRATURES }, { discs::GUARDS }>(
         &model,
         &reader,
+        start,
+        &scene.integrator,
+        span,
+        sink,
+    )
+}
+
+/// Simulates a gripper with the analytic model.
+pub(super) fn gripper(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    match scene.object.motion {
+        ObjectMotion::Free { .. } => grasping::<7>(scene, sink),
+        ObjectMotion::Fixed => grasping::<4>(scene, sink),
+    }
+}
+
+fn grasping<const N: usize>(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let model = GripperModel::<N>::new(scene);
+    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
+    let start = gripper::start::<N>(scene);
+    simulate::<_, _, N, { gripper::QUADRATURES }, { gripper::GUARDS }>(
+        &model,
+        &model,
         start,
         &scene.integrator,
         span,

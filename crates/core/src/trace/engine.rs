@@ -4,9 +4,9 @@ use super::engine_reading::{EngineReader, FingerReader};
 use super::engine_recorder::EngineRecorder;
 use super::grid::Span;
 use super::{Outcome, RunError, Simulated, Sink, SinkError, Site};
-use crate::engine::{Motion, Tolerance, build, next, plan, plan_discs};
+use crate::engine::{Motion, Tolerance, build, next, plan, plan_discs, plan_gripper};
 use crate::integrator::{Failure, Reason};
-use crate::scene::{BodiesScene, Engine, Scene};
+use crate::scene::{BodiesScene, Construction, Engine, GripperScene, Place, Scene};
 
 /// Contact sub-steps that the step budget allows, per step: a step of a hard contact may take 100,000 of them, so that a
 /// budget of steps alone would not bound the time a run takes. Ordinary runs need one to four.
@@ -46,6 +46,25 @@ fn discs(scene: &BodiesScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome
     match Motion::new(&plan, world) {
         Ok(motion) => simulate(motion, scene, plan.contacts.len(), &scene.engine, span, sink),
         Err(error) => Err(unstarted(error.to_string(), Outcome::default())),
+    }
+}
+
+/// Simulates a gripper with the engine model.
+pub(super) fn gripper(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let unmoved = |reason: String| unstarted(reason, Outcome::default());
+    let plan = plan_gripper(scene).map_err(|side| {
+        unmoved(format!("the links of the {} finger do not close their loop at these initial angles", side.word()))
+    })?;
+    if scene.engine.construction == Construction::Reduced {
+        return Err(unmoved(
+            "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string(),
+        ));
+    }
+    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
+    let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
+    match Motion::new(&plan, world) {
+        Ok(motion) => simulate(motion, scene, Place::ALL.len(), &scene.engine, span, sink),
+        Err(error) => Err(unmoved(error.to_string())),
     }
 }
 

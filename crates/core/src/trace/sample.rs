@@ -138,6 +138,23 @@ pub struct BodyState {
     pub spin_rad_s: f64,
 }
 
+impl BodyState {
+    /// Where it is after a time under these accelerations (x, y, angle).
+    pub(super) fn flown(&self, time_s: f64, a: &[f64; 3]) -> Self {
+        let free = |axis: usize| {
+            let rate = self.velocity_m_s[axis];
+            [self.centre_m[axis] + time_s * (rate + 0.5 * time_s * a[axis]), rate + time_s * a[axis]]
+        };
+        let [[x, vx], [y, vy]] = [free(0), free(1)];
+        BodyState {
+            centre_m: [x, y],
+            angle_rad: self.angle_rad + time_s * (self.spin_rad_s + 0.5 * time_s * a[2]),
+            velocity_m_s: [vx, vy],
+            spin_rad_s: self.spin_rad_s + time_s * a[2],
+        }
+    }
+}
+
 /// The state of a run at one instant. What there is of each kind stays the same through a run: a [`Layout`](super::Layout)
 /// names it.
 #[derive(Debug, Default, PartialEq)]

@@ -154,13 +154,13 @@ impl<const N: usize> GripperModel<N> {
 
     /// (x, y, θ) of the object.
     #[inline(always)]
-    pub(super) fn object_of(&self, q: &[f64; N]) -> [f64; 3] {
+    pub fn object_of(&self, q: &[f64; N]) -> [f64; 3] {
         if N > FINGERS { [q[FINGERS], q[FINGERS + 1], q[FINGERS + 2]] } else { self.object.pose }
     }
 
     /// Its rates.
     #[inline(always)]
-    pub(super) fn object_rates(&self, v: &[f64; N]) -> [f64; 3] {
+    pub fn object_rates(&self, v: &[f64; N]) -> [f64; 3] {
         if N > FINGERS { [v[FINGERS], v[FINGERS + 1], v[FINGERS + 2]] } else { [0.0; 3] }
     }
 

@@ -39,7 +39,8 @@ impl<const N: usize> GripperModel<N> {
 
     /// Everything there is to know of one contact, point and normal in the palm's frame; `None` where the scene has no such contact.
     ///
-    /// Slip and friction of a left phalanx are along the tangent of the finger's own frame.
+    /// Slip and friction are along the normal turned counter-clockwise, of a left phalanx too: of two that do the same in their mirror,
+    /// signs differ.
     pub fn reading(&self, q: &[f64; N], v: &[f64; N], place: Place, state: SiteState) -> Option<SiteReading> {
         let touch = self.touch(q, place, |side| self.terms(side, q))?;
         let law = self.normal_law(place)?;
@@ -48,6 +49,7 @@ impl<const N: usize> GripperModel<N> {
         let normal = branch(law, state, delta, delta_rate).force.max(0.0);
         let tangential = self.friction_law(place).map_or(0.0, |law| friction_force(law, slip, normal));
         let none = [0.0; 2];
+        let turned = if let Place::Finger(side, _) = place { side.mirror() } else { 1.0 };
         let (point, direction) = match place {
             Place::Finger(side, _) => {
                 let [x, y] = touch.normal;
@@ -57,7 +59,7 @@ impl<const N: usize> GripperModel<N> {
             Place::Palm | Place::Table => (touch.point, touch.normal),
         };
         let geometry = Geometry { gap: touch.gap, normal_row: none, tangent_row: none, normal: direction, point };
-        Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
+        Some(SiteReading { geometry, delta, delta_rate, slip: turned * slip, normal, tangential: turned * tangential })
     }
 
     /// Passive joints of a finger and their rates.

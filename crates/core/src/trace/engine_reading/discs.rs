@@ -33,15 +33,7 @@ impl EngineReader for BodiesScene {
         let time = sample.time_s - from.time_s;
         let moving = self.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
         for ((index, _), a) in moving.zip(accelerations) {
-            let (from, to) = (&from.bodies[index], &mut sample.bodies[index]);
-            let free = |axis: usize| {
-                let rate = from.velocity_m_s[axis];
-                [from.centre_m[axis] + time * (rate + 0.5 * time * a[axis]), rate + time * a[axis]]
-            };
-            let [[x, vx], [y, vy]] = [free(0), free(1)];
-            (to.centre_m, to.velocity_m_s) = ([x, y], [vx, vy]);
-            to.angle_rad = from.angle_rad + time * (from.spin_rad_s + 0.5 * time * a[2]);
-            to.spin_rad_s = from.spin_rad_s + time * a[2];
+            sample.bodies[index] = from.bodies[index].flown(time, a);
         }
     }
 }

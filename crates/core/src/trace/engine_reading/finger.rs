@@ -1,5 +1,7 @@
 //! A finger at a node of the engine model.
 
+use std::f64::consts::PI;
+
 use super::EngineReader;
 use crate::engine::{self, L11, L12, L21, L22, Motion, Plan, Twist};
 use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
@@ -19,18 +21,46 @@ impl EngineReader for FingerReader {
         engine::index_of(plan, Site::ALL[place])
     }
 
+    fn read(&self, motion: &Motion, sample: &mut Sample) {
+        let torque = motion.plan.motor_torque(L11, motion.clock.now(), |body| motion.velocities[body][2]);
+        sample.fingers.clear();
+        sample.fingers.push(Links::ALONE.read(motion, self.phi22_rad, torque));
+    }
+
+    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]) {
+        let time_s = sample.time_s - from.time_s;
+        Links::ALONE.fly(sample.finger_mut(), from.finger(), time_s, accelerations);
+    }
+}
+
+/// The links of a finger among the bodies of a plan: the first of them, and −1 where they are the mirror image of what is read.
+#[derive(Clone, Copy)]
+pub struct Links {
+    pub first: usize,
+    pub mirror: f64,
+}
+
+impl Links {
+    const ALONE: Self = Self { first: 0, mirror: 1.0 };
+
     /// Bodies count their turns; passive angles do not. Their turn is the one both models show: q12 is the angle between two
     /// directions, and q22 is measured from the straight line by the bend q22 + φ22, whose seam is at −90°.
-    fn read(&self, motion: &Motion, sample: &mut Sample) {
+    pub fn read(self, motion: &Motion, phi22_rad: f64, motor_torque_n_m: f64) -> FingerState {
         let places = &motion.linkage.places;
-        let (angle, rate) = (|body: usize| places[body].angle, |body: usize| motion.velocities[body][2]);
-        let direction = |body: usize| places[body].direction;
-        let (sin, cos) = self.phi22_rad.sin_cos();
+        let rate = |link: usize| self.mirror * motion.velocities[self.first + link][2];
+        let angle = |link: usize| {
+            let angle = places[self.first + link].angle;
+            if self.mirror > 0.0 { angle } else { PI - angle }
+        };
+        let direction = |link: usize| {
+            let [x, y] = places[self.first + link].direction;
+            [self.mirror * x, y]
+        };
+        let (sin, cos) = phi22_rad.sin_cos();
         let bend = opening_angle(direction(L21), rotate(direction(L22), [cos, sin]));
         let q12_rad = near_turn(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
-        let q22_rad = near_turn(angle(L22) - angle(L21), bend - self.phi22_rad);
-        sample.fingers.clear();
-        sample.fingers.push(FingerState {
+        let q22_rad = near_turn(angle(L22) - angle(L21), bend - phi22_rad);
+        FingerState {
             q11_rad: angle(L11),
             q21_rad: angle(L21),
             q12_rad,
@@ -40,23 +70,22 @@ impl EngineReader for FingerReader {
             qd21_rad_s: rate(L21),
             qd12_rad_s: rate(L12) - rate(L11),
             qd22_rad_s: rate(L22) - rate(L21),
-            motor_torque_n_m: motion.plan.motor_torque(L11, motion.clock.now(), rate),
-        });
+            motor_torque_n_m,
+        }
     }
 
-    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]) {
-        let time = sample.time_s - from.time_s;
-        let (finger, from) = (sample.finger_mut(), from.finger());
-        let [a11, a12, a21, a22] = [L11, L12, L21, L22].map(|body| accelerations[body][2]);
-        let angle = |q: f64, rate: f64, a: f64| q + time * (rate + 0.5 * time * a);
+    /// Angles and rates after a time under these accelerations of all bodies.
+    pub fn fly(self, finger: &mut FingerState, from: &FingerState, time_s: f64, accelerations: &[Twist]) {
+        let [a11, a12, a21, a22] = [L11, L12, L21, L22].map(|link| self.mirror * accelerations[self.first + link][2]);
+        let angle = |q: f64, rate: f64, a: f64| q + time_s * (rate + 0.5 * time_s * a);
         finger.q11_rad = angle(from.q11_rad, from.qd11_rad_s, a11);
         finger.q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);
         finger.q12_rad = angle(from.q12_rad, from.qd12_rad_s, a12 - a11);
         finger.q22_rad = angle(from.q22_rad, from.qd22_rad_s, a22 - a21);
         finger.q13_rad = finger.q21_rad + finger.q22_rad;
-        finger.qd11_rad_s = from.qd11_rad_s + time * a11;
-        finger.qd21_rad_s = from.qd21_rad_s + time * a21;
-        finger.qd12_rad_s = from.qd12_rad_s + time * (a12 - a11);
-        finger.qd22_rad_s = from.qd22_rad_s + time * (a22 - a21);
+        finger.qd11_rad_s = from.qd11_rad_s + time_s * a11;
+        finger.qd21_rad_s = from.qd21_rad_s + time_s * a21;
+        finger.qd12_rad_s = from.qd12_rad_s + time_s * (a12 - a11);
+        finger.qd22_rad_s = from.qd22_rad_s + time_s * (a22 - a21);
     }
 }

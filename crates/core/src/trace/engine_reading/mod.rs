@@ -2,6 +2,7 @@
 
 mod discs;
 mod finger;
+mod gripper;
 
 pub(super) use finger::FingerReader;
 

@@ -2,6 +2,7 @@
 
 mod discs;
 mod finger;
+mod gripper;
 
 use std::ops::Index;
 

@@ -1,0 +1,61 @@
+//! A gripper in a state of the analytic model.
+
+use super::{Reader, refill};
+use crate::analytic::gripper::{GripperMode, GripperModel, PLACES, QUADRATURES};
+use crate::integrator::State;
+use crate::scene::{Place, Side};
+use crate::trace::{BodyState, ContactSample, Energy, FingerState, Sample};
+
+impl<const N: usize> Reader<N, QUADRATURES> for GripperModel<N> {
+    type Mode = GripperMode;
+
+    fn read(&self, t: f64, state: &State<N, QUADRATURES>, mode: &GripperMode, start: &Energy, sample: &mut Sample) {
+        let torques = self.motor_torques(t, &state.v);
+        let finger = |side: Side| {
+            let passive = self.passive(side, &state.q, &state.v);
+            let first = 2 * side as usize;
+            FingerState {
+                q11_rad: state.q[first],
+                q21_rad: state.q[first + 1],
+                q12_rad: passive.q12,
+                q22_rad: passive.q22,
+                q13_rad: passive.q13,
+                qd11_rad_s: state.v[first],
+                qd21_rad_s: state.v[first + 1],
+                qd12_rad_s: passive.qd12,
+                qd22_rad_s: passive.qd22,
+                motor_torque_n_m: torques[side as usize],
+            }
+        };
+        let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (self.object_of(&state.q), self.object_rates(&state.v));
+        let object = BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s };
+        let energies = self.energies(&state.q, &state.v);
+        let stored = Energy {
+            kinetic_j: energies.kinetic,
+            gravity_j: energies.gravity,
+            spring_j: energies.spring,
+            elastic_j: energies.elastic,
+            ..Energy::default()
+        };
+        sample.time_s = t;
+        refill(&mut sample.fingers, Side::BOTH.into_iter().map(finger));
+        refill(&mut sample.bodies, std::iter::once(object));
+        refill(&mut sample.contacts, (0..PLACES).map(|place| self.contact(state, place, mode)));
+        sample.energy = stored.since(start, state.z[PLACES], state.z[PLACES + 1]);
+    }
+
+    fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &GripperMode) -> ContactSample {
+        let place = Place::ALL[index];
+        let Some(r) = self.reading(&state.q, &state.v, place, mode[index]) else { return ContactSample::NONE };
+        ContactSample {
+            gap_m: -r.delta,
+            gap_rate_m_s: -r.delta_rate,
+            slip_m_s: r.slip,
+            normal_n: r.normal,
+            tangential_n: r.tangential,
+            impulse_n_s: state.z[index],
+            point_m: r.geometry.point,
+            normal: r.geometry.normal,
+        }
+    }
+}
