@@ -46,7 +46,6 @@ mod sweep;
 mod sweep_store;
 mod terminal;
 mod validate;
-mod validate_bodies;
 mod validate_files;
 mod volume;
 mod volume_args;

@@ -16,11 +16,10 @@ use super::{Failure, Status};
 use crate::limits::MOST_COMPARED_FIGURES;
 use crate::log::{self, LogSink, Reading};
 use crate::page::{Note, Page, page};
-use crate::plot::{self, Apart, Differences, Touches};
+use crate::plot::{self, Differences};
 use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
-use crate::scene::Bounds;
-use crate::trace::{Event, EventKind, Layout, Sample, Sink, SinkError};
-use crate::validate::{Angle, BodiesComparison, Recording, compare};
+use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::validate::{Angle, Recording, compare};
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
@@ -73,13 +72,8 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     let mut notes = notes(&sides, &labels);
     let compared_to_s = sides.iter().filter_map(|side| side.reading.last_s).fold(f64::INFINITY, f64::min);
     let compared_to_s = if compared_to_s.is_finite() { compared_to_s } else { 0.0 };
-    let (apart, pictures) = match kinds[0] {
-        false => fingers(&sides, &labels, &logs, compared_to_s),
-        true => {
-            notes.extend(common(&mut sides, &labels));
-            discs(&sides, &labels, &logs, compared_to_s)
-        }
-    };
+    notes.extend(common(&mut sides, &labels));
+    let (apart, pictures) = apart(&sides, &labels, &logs, compared_to_s);
     let (figures, words) = side_by_side(&logs);
     let kind = if kinds[0] { "bodies" } else { "finger" };
     let mut report = AgainstReport {
@@ -139,11 +133,12 @@ fn both(films: [Reels; 2], paths: [&Path; 2], report: &AgainstReport) -> Result<
 impl<'a> Side<'a> {
     /// Reads a log; `film` gets all of it too.
     fn read(path: &Path, interrupt: &'a Interrupt, film: &mut impl LogSink) -> Result<Self, Failure> {
+        let finger = !head(path)?.is_of_discs();
         let mut side = Side {
             listeners: Listeners::new(path, interrupt)?,
             reading: Reading::default(),
             recording: Recording::default(),
-            layout: Layout::default(),
+            layout: if finger { Layout::finger() } else { Layout::default() },
             figures: 0,
             too_long: false,
         };
@@ -215,87 +210,42 @@ fn title(logs: &[ReplayReport; 2], labels: &[String; 2]) -> String {
     if first == second { format!("{first}: {a} and {b}") } else { format!("{first} ({a}) and {second} ({b})") }
 }
 
-/// Angles along the way, and the pictures. The run with more samples is the one that is interpolated in.
-fn fingers(
+/// Differences along the way, and the pictures, of what both logs have. The run with more samples is the one that is
+/// interpolated in.
+fn apart(
     sides: &[Side<'_>; 2],
     labels: &[String; 2],
     logs: &[ReplayReport; 2],
     until_s: f64,
 ) -> (Vec<ApartReport>, Pictures) {
+    let layout = &sides[0].layout;
     let [first, second] = sides.each_ref().map(|side| &side.recording);
     let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
-    let found = compare(run, dense, &Bounds { until_s, ..Bounds::over(until_s) });
-    let apart = Angle::ALL.into_iter().enumerate().map(|(k, angle)| ApartReport {
-        quantity: format!("{}_rad", angle.name()),
-        max: found.angle_max_rad[k],
-        max_at_s: found.angle_max_at_s[k],
-        rms: found.angle_rms_rad[k],
-        end: found.angle_end_rad[k],
+    let angles = layout.fingers.iter().flat_map(|_| Angle::ALL.map(|angle| format!("{}_rad", angle.name())));
+    let quantities = angles.chain(layout.bodies.iter().map(|name| format!("{name}_centre_m")));
+    let found = compare(run, dense, until_s);
+    let apart = quantities.zip(&found.path).map(|(quantity, off)| ApartReport {
+        quantity,
+        max: off.max,
+        max_at_s: off.max_at_s,
+        rms: off.rms,
+        end: off.end,
     });
     let apart = if run.samples.is_empty() { Vec::new() } else { apart.collect() };
-    let names = labels.each_ref().map(String::as_str);
-    let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
-    let overlay = plot::overlay_of(title(logs, labels), names, [first, second], end_s);
-    let difference = plot::difference_of(&Differences {
-        title: format!("{}: joint angles apart", title(logs, labels)),
-        label: "|difference|, rad",
-        curves: plot::angles_apart(run, dense, until_s),
-        touches: plot::touches(first, until_s),
-        bound: None,
-        until_s,
-    });
-    (apart, (overlay, difference))
-}
-
-/// The same of discs that both logs have.
-fn discs(
-    sides: &[Side<'_>; 2],
-    labels: &[String; 2],
-    logs: &[ReplayReport; 2],
-    until_s: f64,
-) -> (Vec<ApartReport>, Pictures) {
-    let Layout { bodies, contacts, .. } = &sides[0].layout;
-    let [first, second] = sides.each_ref().map(|side| &side.recording);
-    let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
-    let mut comparison = BodiesComparison::new(dense);
-    let mut curves: Vec<Apart> = bodies.iter().map(|name| Apart { name: name.clone(), points: Vec::new() }).collect();
-    let mut cursor = 0;
-    for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
-        comparison.sample(sample).expect("comparing writes nothing");
-        let Some(other) = dense.at(sample.time_s, &mut cursor) else { continue };
-        for ((curve, a), b) in curves.iter_mut().zip(&sample.bodies).zip(&other.bodies) {
-            let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
-            curve.points.push((sample.time_s, x.hypot(y)));
-        }
-    }
-    let found = comparison.finish(&run.outcome);
-    let apart = bodies.iter().enumerate().map(|(k, name)| ApartReport {
-        quantity: format!("{name}_centre_m"),
-        max: found.position_max_m[k],
-        max_at_s: found.position_max_at_s[k],
-        rms: found.position_rms_m[k],
-        end: found.position_end_m[k],
-    });
-    let apart = if run.samples.is_empty() { Vec::new() } else { apart.collect() };
-    let touches = contacts.iter().enumerate().map(|(pair, place)| Touches {
-        name: place.name.clone(),
-        times_s: first
-            .events
-            .iter()
-            .filter(|event| event.contact == pair && event.kind == EventKind::TouchDown && event.time_s <= until_s)
-            .map(|event| event.time_s)
-            .collect(),
-    });
-    let difference = plot::difference_of(&Differences {
-        title: format!("{}: centres apart", title(logs, labels)),
-        label: "distance, m",
-        curves,
-        touches: touches.collect(),
-        bound: None,
-        until_s,
-    });
-    let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
     let words = labels.each_ref().map(String::as_str);
-    let overlay = plot::bodies_overlay_of(title(logs, labels), words, &sides[0].layout, [first, second], end_s);
+    let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
+    let overlay = plot::overlay_of(title(logs, labels), words, layout, [first, second], end_s);
+    let [what, label] = match layout.fingers.is_empty() {
+        false => ["joint angles", "|difference|, rad"],
+        true => ["centres", "distance, m"],
+    };
+    let difference = plot::difference_of(&Differences {
+        title: format!("{}: {what} apart", title(logs, labels)),
+        label,
+        curves: plot::paths_apart(layout, run, dense, until_s),
+        touches: plot::touches(layout, first, until_s),
+        bound: None,
+        until_s,
+    });
     (apart, (overlay, difference))
 }

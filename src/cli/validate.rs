@@ -9,14 +9,13 @@ use super::interrupt::Interrupt;
 use super::output::{print, show};
 use super::progress::Count;
 use super::set::SetArgs;
-use super::validate_files::{FILES, write};
-use super::{Failure, Status, validate_bodies};
+use super::validate_files::{files, write};
+use super::{Failure, Status};
 use crate::integrator;
 use crate::limits::MOST_VALIDATED_SAMPLES;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
-use crate::scene::{AnyScene, Scene};
-use crate::trace::{Model, RunError};
-use crate::validate::{Progress, StudyError, Subject, Validation, validate};
+use crate::trace::{Model, RunError, Simulated};
+use crate::validate::{Progress, StudyError, Validation, validate};
 
 /// Compare the engine with the analytic model, judge it by the scene's bounds, and weigh speed against error.
 #[derive(Debug, Args)]
@@ -49,16 +48,11 @@ pub struct ValidateArgs {
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
-    match args.set.load_any(&args.scene)? {
-        AnyScene::Finger(scene) => finger(args, &scene),
-        AnyScene::Bodies(scene) => validate_bodies::run(args, &scene),
-    }
-}
-
-fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let scene = args.set.load_any(&args.scene)?;
+    let scene = Simulated::from(&scene);
+    let folder = args.out.as_deref().map(|out| Folder::open(out, files(scene))).transpose()?;
     let interrupt = Interrupt::listen()?;
-    let found = watched(scene, args, &interrupt, incomplete)?;
+    let found = watched(scene, args, &interrupt)?;
     let mut report = ValidationReport::new(scene, &found, args.quick);
     if let Some(folder) = folder {
         folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
@@ -71,27 +65,23 @@ fn finger(args: &ValidateArgs, scene: &Scene) -> Result<Status, Failure> {
 }
 
 /// Refuses what would not fit into memory: runs are held whole to be compared.
-fn refuse_too_fine<S: Subject>(scene: &S) -> Result<(), Failure> {
-    let samples = scene.numeric_hz() * scene.duration_s();
+fn refuse_too_fine(scene: Simulated<'_>) -> Result<(), Failure> {
+    let numeric_hz = scene.log().numeric_hz;
+    let samples = numeric_hz * scene.duration_s();
     if samples <= MOST_VALIDATED_SAMPLES {
         return Ok(());
     }
     Err(Failure::bad_input(format!(
         "the scene asks for {samples:.0} samples of a run ({:e} Hz over {} s), and a validation, which holds several runs in \
          memory, takes {MOST_VALIDATED_SAMPLES:e}; lower numeric_rate in [log] to {:e} Hz, or shorten the run",
-        scene.numeric_hz(),
+        numeric_hz,
         scene.duration_s(),
         (MOST_VALIDATED_SAMPLES / scene.duration_s()).floor()
     )))
 }
 
 /// The validation itself, its progress shown; it ends at a signal.
-pub(super) fn watched<S: Subject>(
-    scene: &S,
-    args: &ValidateArgs,
-    interrupt: &Interrupt,
-    incomplete: impl FnOnce(StudyError<S::Error>) -> Failure,
-) -> Result<Validation<S>, Failure> {
+fn watched(scene: Simulated<'_>, args: &ValidateArgs, interrupt: &Interrupt) -> Result<Validation, Failure> {
     refuse_too_fine(scene)?;
     let mut count = Count::new();
     let mut reached = (0, 0);
@@ -101,7 +91,7 @@ pub(super) fn watched<S: Subject>(
     };
     let result = validate(scene, args.quick, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
-    result.map_err(|error| match interrupt.signal().filter(|_| S::is_stop(&error.error)) {
+    result.map_err(|error| match interrupt.signal().filter(|_| error.error.is_stop()) {
         Some(signal) => interrupted(signal, reached, args.out.is_some()),
         None => incomplete(error),
     })
@@ -124,7 +114,7 @@ fn incomplete(error: StudyError) -> Failure {
 }
 
 /// A model that cannot go through the scene.
-pub(super) fn stopped(model: Model, failure: &integrator::Failure) -> Failure {
+fn stopped(model: Model, failure: &integrator::Failure) -> Failure {
     let model = model.name();
     Failure::incomplete(format!(
         "the {model} model stopped at {}: {}; there is nothing to compare (phalanx run --model {model} --log FILE.mcap \

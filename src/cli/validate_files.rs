@@ -15,8 +15,8 @@ use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
 use crate::report::{self, Sheet, ValidationReport, series, validation_json, validation_text};
-use crate::scene::{Preset, Scene};
-use crate::trace::{Model, Outcome, Simulated, SinkError};
+use crate::scene::Preset;
+use crate::trace::{Model, Numerics, Outcome, Simulated, SinkError};
 use crate::validate::Validation;
 
 /// The file that says what the others are; written last.
@@ -25,8 +25,8 @@ const REPORT: &str = "report.txt";
 /// Both models in motion, laid over each other.
 pub(super) const PAGE: &str = "page.html";
 
-/// Everything that is in the directory in the end.
-pub(super) const FILES: [&str; 9] = [
+/// Everything that is in the directory in the end, of a finger and of discs.
+const FINGER: [&str; 9] = [
     REPORT,
     "report.json",
     PAGE,
@@ -37,47 +37,54 @@ pub(super) const FILES: [&str; 9] = [
     "analytic.mcap",
     "engine.mcap",
 ];
+const DISCS: [&str; 8] =
+    [REPORT, "report.json", PAGE, "series.csv", "speed-error.svg", "overlay.svg", "analytic.mcap", "engine.mcap"];
+
+/// The files of a validation.
+pub fn files(scene: Simulated<'_>) -> &'static [&'static str] {
+    match scene {
+        Simulated::Finger(_) => &FINGER,
+        Simulated::Discs(_) => &DISCS,
+    }
+}
 
 /// Writes everything, and says in the report where it is to be in the end.
 pub fn write(
     out: &Path,
     args: &ValidateArgs,
-    scene: &Scene,
+    scene: Simulated<'_>,
     found: &Validation,
     report: &mut ValidationReport,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    let name = &scene.name;
-    let pictures = pictures(
-        out,
-        [
-            ("speed-error.svg", "Speed against error", plot::speed_error(name, found)),
-            ("overlay.svg", "Both models over time", plot::overlay(name, found)),
-            ("difference.svg", "Difference over time", plot::difference(name, found)),
-        ],
-    )?;
-    table(&out.join("series.csv"), |mut file| {
-        series(&mut file, &found.reference, &found.engine, scene.log.numeric_hz)
-    })?;
-    let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
+    let name = scene.name();
+    let mut drawn = vec![
+        ("speed-error.svg", "Speed against error", plot::speed_error(name, found)),
+        ("overlay.svg", "Both models over time", plot::overlay(scene, found)),
+    ];
+    if let Simulated::Finger(_) = scene {
+        drawn.push(("difference.svg", "Difference over time", plot::difference(name, found)));
+    }
+    let pictures = pictures(out, drawn)?;
+    table(&out.join("series.csv"), |mut file| series(&mut file, scene, [&found.reference, &found.engine]))?;
+    let mut reference = scene.to_owned();
+    let Numerics { integrator, .. } = Numerics::from(&mut reference);
+    *integrator = integrator.with_preset(Preset::Reference);
     let runs = vec![
         record(Model::Analytic, &reference, &args.scene, &out.join("analytic.mcap"), interrupt)?,
         record(Model::Engine, scene, &args.scene, &out.join("engine.mcap"), interrupt)?,
     ];
 
     // A page is given to others: it does not say where it was made.
-    show_page(out, name, &scene.description, runs, validation_text(report), pictures)?;
+    show_page(out, name, scene.description(), runs, validation_text(report), pictures)?;
     report.directory = args.out.as_ref().map(|out| out.display().to_string());
-    report.files = Some(FILES.map(String::from).to_vec());
+    report.files = Some(files(scene).iter().map(ToString::to_string).collect());
     save(&out.join(REPORT), &validation_text(report).to_string())?;
     save(&out.join("report.json"), &validation_json(report))
 }
 
 /// Writes pictures, each a file with a title; returns them for the page.
-pub(super) fn pictures<const N: usize>(
-    out: &Path,
-    drawn: [(&str, &str, Result<String, plot::DrawError>); N],
-) -> Result<Vec<Picture>, Failure> {
+fn pictures(out: &Path, drawn: Vec<(&str, &str, Result<String, plot::DrawError>)>) -> Result<Vec<Picture>, Failure> {
     let save_one = |(file, title, picture): (&str, &str, Result<String, plot::DrawError>)| {
         let path = out.join(file);
         let svg = picture.map_err(|error| broken(&path, error))?;
@@ -89,7 +96,7 @@ pub(super) fn pictures<const N: usize>(
 
 /// Writes the page of a validation: its runs, its report, and the first of its pictures (the others are plots of the same
 /// runs, which the page draws itself).
-pub(super) fn show_page(
+fn show_page(
     out: &Path,
     name: &str,
     description: &str,
@@ -113,13 +120,13 @@ pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
 }
 
 /// Both models side by side, as `rows` writes them.
-pub(super) fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let written = replace(path, rows);
     written.map_err(|error| broken(path, error))
 }
 
 /// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
-pub(super) fn record<'a>(
+fn record<'a>(
     model: Model,
     scene: impl Into<Simulated<'a>>,
     scene_file: &Path,

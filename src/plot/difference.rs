@@ -6,8 +6,8 @@ use super::canvas::{
     picture, titled,
 };
 use super::curve::thin;
-use crate::trace::{EventKind, Site};
-use crate::validate::{Angle, Recording, Validation};
+use crate::trace::{EventKind, Layout};
+use crate::validate::{Angle, Recording, Validation, off};
 use plotters::style::RGBColor;
 
 const HEIGHT: u32 = 560;
@@ -39,44 +39,46 @@ pub struct Differences<'a> {
     pub until_s: f64,
 }
 
-/// The picture of a validation, of the run with the scene's own torque.
+/// The picture of a validation of a finger, of the run with the scene's own torque.
 pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let until_s = found.bounds.until_s;
+    let (layout, until_s) = (Layout::finger(), found.until_s);
     difference_of(&Differences {
         title: format!("{scene}: difference of the joint angles over time"),
         label: "|engine − analytic|, rad",
-        curves: angles_apart(&found.engine, &found.reference, until_s),
-        touches: touches(&found.reference, until_s),
-        bound: Some(found.bounds.angle_rad),
+        curves: paths_apart(&layout, &found.engine, &found.reference, until_s),
+        touches: touches(&layout, &found.reference, until_s),
+        bound: Some(found.path_bound),
         until_s,
     })
 }
 
-/// How far the angles of a run are from those of another.
-pub fn angles_apart(run: &Recording, reference: &Recording, until_s: f64) -> Vec<Apart> {
-    let mut curves = Angle::ALL.map(|angle| Apart { name: angle.name().to_string(), points: Vec::new() });
+/// How far the angles of fingers and the centres of bodies of a run are from those of another.
+pub fn paths_apart(layout: &Layout, run: &Recording, reference: &Recording, until_s: f64) -> Vec<Apart> {
+    let angles = layout.fingers.iter().flat_map(|_| Angle::ALL.map(|angle| angle.name().to_string()));
+    let names = angles.chain(layout.bodies.iter().cloned());
+    let mut curves: Vec<Apart> = names.map(|name| Apart { name, points: Vec::new() }).collect();
     let mut cursor = 0;
     for sample in run.samples.iter().filter(|sample| sample.time_s <= until_s) {
         let Some(expected) = reference.at(sample.time_s, &mut cursor) else { continue };
-        for (curve, angle) in curves.iter_mut().zip(Angle::ALL) {
-            curve.points.push((sample.time_s, angle.difference(sample, &expected).abs()));
+        for (curve, off) in curves.iter_mut().zip(off(sample, &expected)) {
+            curve.points.push((sample.time_s, off.abs()));
         }
     }
-    curves.into()
+    curves
 }
 
-/// Touch-downs of both phalanges.
-pub fn touches(run: &Recording, until_s: f64) -> Vec<Touches> {
-    let at = |site: Site| Touches {
-        name: site.name().to_string(),
+/// Touch-downs of all contacts between surfaces.
+pub fn touches(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Touches> {
+    let at = |contact: usize| Touches {
+        name: layout.contacts[contact].name.clone(),
         times_s: run
             .events
             .iter()
-            .filter(|event| event.site() == site && event.kind == EventKind::TouchDown && event.time_s <= until_s)
+            .filter(|event| event.contact == contact && event.kind == EventKind::TouchDown && event.time_s <= until_s)
             .map(|event| event.time_s)
             .collect(),
     };
-    [Site::Proximal, Site::Distal].map(at).into()
+    layout.surfaces().map(at).collect()
 }
 
 /// The picture: differences on a logarithmic axis over time.

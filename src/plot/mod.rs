@@ -10,7 +10,6 @@
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `overlay` | two runs over time |
-//! | `bodies` | the same of a scene of discs |
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
@@ -21,7 +20,6 @@
 //! | `difference` | difference of two runs over time |
 
 mod axis;
-mod bodies;
 mod canvas;
 mod closings;
 pub mod colours;
@@ -38,16 +36,15 @@ mod stability;
 mod step_size;
 mod volume;
 
-pub use bodies::{bodies_overlay, bodies_overlay_of};
 pub use canvas::{DrawError, PICTURE_MARK};
 pub use closings::closings;
-pub use difference::{Apart, Differences, Touches, angles_apart, difference, difference_of, touches};
+pub use difference::{Apart, Differences, Touches, difference, difference_of, paths_apart, touches};
 pub use grasp::grasp;
 pub use linkage::{Linkage, Spot, linkage};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
-pub use speed_error::{bodies_speed_error, speed_error};
+pub use speed_error::speed_error;
 pub use stability::stability;
 pub use step_size::step_size;
 pub use volume::{intersection_slices, volume_slices};

@@ -2,68 +2,73 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    Area, BLACK, BLUE, DrawError, Entry, GREEN, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend, line, picture,
-    titled,
+    AMBER, Area, BLACK, BLUE, DrawError, Entry, GREEN, GREY, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend, line,
+    picture, titled,
 };
 use super::curve::over_time;
-use crate::trace::{Sample, Site};
+use crate::trace::{ContactSample, Layout, Place, Sample, Simulated, Site};
 use crate::validate::{Recording, Validation, turned};
 use plotters::style::RGBColor;
 
+const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
 const PANEL: u32 = 230;
 const FOOT: u32 = 40;
 const FIRST: Mark = Mark::Pale { width: 6 };
 const SECOND: Mark = Mark::Line { width: 1 };
 
 /// One quantity of a panel.
-pub(super) struct Quantity<'a, S> {
+struct Quantity {
     pub name: String,
     pub colour: RGBColor,
-    pub value: Box<dyn Fn(&S) -> f64 + 'a>,
+    pub value: Box<dyn Fn(&Sample) -> f64>,
 }
 
 /// One panel.
-pub(super) struct Panel<'a, S> {
+struct Panel {
     pub label: &'static str,
     pub log: bool,
-    pub quantities: Vec<Quantity<'a, S>>,
+    pub quantities: Vec<Quantity>,
 }
 
-/// Two runs: what they are called, their samples, and where a sample has its time.
-pub(super) struct Runs<'a, S> {
-    pub title: String,
-    pub labels: [&'a str; 2],
-    pub first: &'a [S],
-    pub second: &'a [S],
-    pub time_s: fn(&S) -> f64,
-    pub end_s: f64,
+/// Two runs: what they are called, and their samples.
+struct Runs<'a> {
+    title: String,
+    labels: [&'a str; 2],
+    first: &'a [Sample],
+    second: &'a [Sample],
+    end_s: f64,
 }
 
-/// What the two models of a validation are called.
-pub(super) const MODELS: [&str; 2] = ["analytic (reference)", "engine"];
-
-/// The picture of a validation, of the runs with the scene's own torque.
-pub fn overlay(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let title = format!("{scene}: analytic model and engine");
+/// The picture of a validation, of the scene itself.
+pub fn overlay<'a>(scene: impl Into<Simulated<'a>>, found: &Validation) -> Result<String, DrawError> {
+    let scene = scene.into();
+    let title = format!("{}: analytic model and engine", scene.name());
     let end_s = found.reference.outcome.last.time_s;
-    overlay_of(title, MODELS, [&found.reference, &found.engine], end_s)
+    let labels = ["analytic (reference)", "engine"];
+    overlay_of(title, labels, &scene.layout(), [&found.reference, &found.engine], end_s)
 }
 
-/// The picture of any two runs of fingers.
+/// The picture of any two runs of this layout; pairs of bodies that never touch are left out of it where others do.
 pub fn overlay_of(
     title: String,
     labels: [&str; 2],
+    layout: &Layout,
     [first, second]: [&Recording; 2],
     end_s: f64,
 ) -> Result<String, DrawError> {
-    let touches = |run: &Recording| run.outcome.last.contact(Site::Proximal).gap_m.is_finite();
-    let panels = panels(touches(first) || touches(second));
-    let (first, second) = (&first.samples, &second.samples);
-    draw_all(&panels, &Runs { title, labels, first, second, time_s: |sample: &Sample| sample.time_s, end_s })
+    let panels = match layout.fingers.is_empty() {
+        true => of_pairs(&layout.contacts, [first, second]),
+        false => {
+            let object =
+                |run: &Recording| run.outcome.last.contacts.first().is_some_and(|proximal| proximal.gap_m.is_finite());
+            of_finger(object(first) || object(second))
+        }
+    };
+    draw_all(&panels, &Runs { title, labels, first: &first.samples, second: &second.samples, end_s })
 }
 
 /// All panels of a picture.
-pub(super) fn draw_all<S>(panels: &[Panel<'_, S>], runs: &Runs<'_, S>) -> Result<String, DrawError> {
+fn draw_all(panels: &[Panel], runs: &Runs<'_>) -> Result<String, DrawError> {
     let x = Axis::linear("time, ms", [0.0, runs.end_s * 1e3]);
     picture(PANEL * panels.len() as u32 + FOOT + 40, |area| {
         let mut rest = titled(area, &runs.title)?;
@@ -82,10 +87,10 @@ pub(super) fn draw_all<S>(panels: &[Panel<'_, S>], runs: &Runs<'_, S>) -> Result
     })
 }
 
-fn draw<S>(
+fn draw(
     area: &Area,
-    panel: &Panel<'_, S>,
-    runs: &Runs<'_, S>,
+    panel: &Panel,
+    runs: &Runs<'_>,
     x: &Axis,
     foot: bool,
     mut entries: Vec<Entry>,
@@ -98,8 +103,8 @@ fn draw<S>(
     };
     let (left, right) = area.split_horizontally(WIDTH - LEGEND);
     let mut chart = frame(&left, x, &y, foot)?;
-    let points = |samples: &[S], value: &dyn Fn(&S) -> f64| {
-        over_time(samples.iter().map(|sample| ((runs.time_s)(sample), value(sample))), &y)
+    let points = |samples: &[Sample], value: &dyn Fn(&Sample) -> f64| {
+        over_time(samples.iter().map(|sample| (sample.time_s, value(sample))), &y)
     };
     for Quantity { name, colour, value } in &panel.quantities {
         line(&mut chart, points(runs.first, value), FIRST, *colour)?;
@@ -118,7 +123,7 @@ fn dark(colour: RGBColor) -> RGBColor {
 }
 
 /// Joints and energies always; contacts where the scene has an object.
-fn panels(object: bool) -> Vec<Panel<'static, Sample>> {
+fn of_finger(object: bool) -> Vec<Panel> {
     let quantity = |name: &str, colour, value: fn(&Sample) -> f64| Quantity {
         name: name.to_string(),
         colour,
@@ -168,6 +173,53 @@ fn panels(object: bool) -> Vec<Panel<'static, Sample>> {
         quantities: vec![
             quantity("kinetic", BLUE, |s| s.energy.kinetic_j * 1e3),
             quantity("motor work", ORANGE, |s| s.energy.motor_work_j * 1e3),
+            quantity("dissipated", GREEN, |s| s.energy.dissipated_j * 1e3),
+            quantity("balance", PURPLE, |s| s.energy.balance_j * 1e3),
+        ],
+    });
+    panels
+}
+
+/// Gaps and forces of the pairs that touch, or of all if none does; energies.
+fn of_pairs(places: &[Place], runs: [&Recording; 2]) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    let touching = |&pair: &usize| {
+        runs.iter().any(|run| run.outcome.contacts.get(pair).is_some_and(|pair| pair.first_s.is_some()))
+    };
+    let mut shown: Vec<usize> = (0..places.len()).filter(touching).collect();
+    if shown.is_empty() {
+        shown = (0..places.len()).collect();
+    }
+    let rubs = |run: &Recording| {
+        run.samples.iter().any(|sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0))
+    };
+    let of_contacts = |label, value: fn(&ContactSample) -> f64| {
+        let quantity = |(place, &pair): (usize, &usize)| Quantity {
+            name: places[pair].name.clone(),
+            colour: COLOURS[place % COLOURS.len()],
+            value: Box::new(move |sample: &Sample| value(&sample.contacts[pair])),
+        };
+        Panel { label, log: false, quantities: shown.iter().enumerate().map(quantity).collect() }
+    };
+    if !shown.is_empty() {
+        panels.push(of_contacts("gap, mm", |contact| contact.gap_m * 1e3));
+        panels.push(of_contacts("normal force, N", |contact| contact.normal_n));
+        if runs.into_iter().any(rubs) {
+            panels.push(of_contacts("friction force, N", |contact| contact.tangential_n));
+        }
+    }
+    let quantity = |name: &str, colour, value: fn(&Sample) -> f64| Quantity {
+        name: name.to_string(),
+        colour,
+        value: Box::new(value),
+    };
+    panels.push(Panel {
+        label: "energy, mJ",
+        log: false,
+        quantities: vec![
+            quantity("kinetic", BLUE, |s| s.energy.kinetic_j * 1e3),
+            quantity("drive work", ORANGE, |s| s.energy.motor_work_j * 1e3),
+            quantity("contact", AMBER, |s| s.energy.elastic_j * 1e3),
             quantity("dissipated", GREEN, |s| s.energy.dissipated_j * 1e3),
             quantity("balance", PURPLE, |s| s.energy.balance_j * 1e3),
         ],

@@ -5,33 +5,20 @@ use super::canvas::{
     AMBER, BLACK, BLUE, DrawError, Entry, GREEN, GREY, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend, line,
     picture, point, titled,
 };
-use crate::scene::BodiesScene;
-use crate::validate::{BodiesDifferences, Differences, Family, Row, Tried, Validation};
+use crate::validate::{Family, Row, Tried, Validation};
 use plotters::style::RGBColor;
 
 const HEIGHT: u32 = 600;
 
 /// The picture; settings without a finite error are not in it.
 pub fn speed_error(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let label = "largest difference of a joint angle from the reference, rad";
-    picture_of(scene, &found.rows, Differences::angle_rad, label, found.bounds.angle_rad)
-}
-
-/// The same of a scene of discs.
-pub fn bodies_speed_error(scene: &str, found: &Validation<BodiesScene>) -> Result<String, DrawError> {
-    let label = "largest distance of a disc from its place in the reference, m";
-    picture_of(scene, &found.rows, BodiesDifferences::position_m, label, found.bounds.position_m)
-}
-
-fn picture_of<D>(
-    scene: &str,
-    rows: &[Row<D>],
-    error: fn(&D) -> f64,
-    label: &str,
-    bound: f64,
-) -> Result<String, DrawError> {
-    let points: Vec<(&Row<D>, f64, f64)> =
-        rows.iter().filter_map(|row| place(row, error).map(|(x, y)| (row, x, y))).collect();
+    let label = match found.reference.outcome.last.fingers.is_empty() {
+        false => "largest difference of a joint angle from the reference, rad",
+        true => "largest distance of a disc from its place in the reference, m",
+    };
+    let bound = found.path_bound;
+    let points: Vec<(&Row, f64, f64)> =
+        found.rows.iter().filter_map(|row| place(row).map(|(x, y)| (row, x, y))).collect();
     let x = Axis::decades(label, points.iter().map(|point| point.1).chain([bound]), 16.0);
     let y = Axis::decades("wall time of a run, ms", points.iter().map(|point| point.2), 16.0);
     picture(HEIGHT, |area| {
@@ -42,7 +29,7 @@ fn picture_of<D>(
         line(&mut chart, vec![(at_bound, y.from), (at_bound, y.to)], Mark::Line { width: 1 }, GREY)?;
         let mut entries = Vec::new();
         for family in Family::ALL {
-            let of: Vec<&(&Row<D>, f64, f64)> = points.iter().filter(|point| point.0.rung.family == family).collect();
+            let of: Vec<&(&Row, f64, f64)> = points.iter().filter(|point| point.0.rung.family == family).collect();
             if of.is_empty() {
                 continue;
             }
@@ -63,9 +50,9 @@ fn picture_of<D>(
     })
 }
 
-fn place<D>(row: &Row<D>, error: fn(&D) -> f64) -> Option<(f64, f64)> {
+fn place(row: &Row) -> Option<(f64, f64)> {
     let Tried::Done { differences: Some(differences), cost } = &row.tried else { return None };
-    let error = error(differences);
+    let error = differences.path_max();
     (error.is_finite() && error > 0.0).then_some((error, cost.wall_s * 1e3))
 }
 

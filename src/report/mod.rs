@@ -48,10 +48,10 @@ pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use sweep::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
 pub use text::text;
 pub use validation::{
-    AngleDifference, BodiesModelReport, BodiesValidationReport, COLUMNS, CheckReport, ContactDifference,
-    DifferencesReport, DiscDifference, DiscDifferences, DiscErrors, FindingReport, ImpactReport, JointErrors,
-    ModelReport, PairDifference, SettingReport, StatisticReport, StatisticsReport, Status, ValidationReport,
-    bodies_series, bodies_validation_json, bodies_validation_text, series, validation_json, validation_text,
+    AngleDifference, COLUMNS, CheckReport, ContactDifference, DifferencesReport, DiscDifference, DiscDifferences,
+    DiscErrors, Errors, FindingReport, ImpactReport, JointDifferences, JointErrors, ModelReport, PairDifference,
+    SettingReport, StatisticReport, StatisticsReport, Status, ValidationReport, series, validation_json,
+    validation_text,
 };
 pub use volume::{
     AxesReport, AxisReport, BestReport, Effort, IntersectionReport, ReasonReport, ShareReport, VolumeReport,

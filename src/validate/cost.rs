@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
-use super::{GoOn, Subject, steps_only};
-use crate::scene::Preset;
-use crate::trace::Model;
+use super::subject::with;
+use super::{GoOn, Subject, While, steps_only};
+use crate::scene::{AnyScene, Preset};
+use crate::trace::{Model, Numerics, RunError, run};
 
 /// Time spent on repeating one setting, in earnest and in haste, and how often at most.
 const PATIENCE_S: f64 = 0.2;
@@ -41,22 +42,23 @@ impl Cost {
 /// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off
 /// a grid of times for a log is not part of it: that costs what the log rate says, whatever the settings. Ends
 /// early when `go_on` says no.
-pub fn cost<S: Subject>(model: Model, scene: &S, quick: bool, go_on: GoOn) -> Result<Cost, S::Error> {
+pub fn cost(model: Model, scene: &AnyScene, quick: bool, go_on: GoOn) -> Result<Cost, RunError> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
-    let everyday = scene.with_integrator(scene.integrator().with_preset(Preset::Engineering));
+    let usual = |numerics: Numerics<'_>| *numerics.integrator = numerics.integrator.with_preset(Preset::Engineering);
+    let everyday = with(scene, usual);
     let (mut times, mut beside) = (Vec::new(), Vec::new());
     let (mut steps, mut wanted) = (0, 1);
     while times.len() < wanted {
         let start = Instant::now();
-        steps = scene.steps(model, go_on)?;
+        steps = steps_of(model, scene, go_on)?;
         times.push(start.elapsed().as_secs_f64());
         if times.len() == 1 {
             wanted = ((patience_s / times[0]) as usize).clamp(1, MOST_RUNS);
         }
         for _ in 0..BESIDE {
             let start = Instant::now();
-            everyday.steps(Model::Analytic, go_on)?;
+            steps_of(Model::Analytic, &everyday, go_on)?;
             beside.push(start.elapsed().as_secs_f64());
         }
     }
@@ -66,7 +68,12 @@ pub fn cost<S: Subject>(model: Model, scene: &S, quick: bool, go_on: GoOn) -> Re
     }
     let runs = times.len();
     let (wall_s, analytic_wall_s) = (median(times), median(beside));
-    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.duration_s() })
+    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.simulated().duration_s() })
+}
+
+/// Steps of a run with nothing listening.
+fn steps_of(model: Model, scene: &AnyScene, go_on: GoOn) -> Result<u64, RunError> {
+    Ok(run(model, scene, &mut While { sink: &mut (), go_on })?.work.steps)
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

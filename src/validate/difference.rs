@@ -1,61 +1,80 @@
 //! Everything in which a run differs from its reference.
 
 use super::{Angle, Impact, Impacts, Rate, Recording, Track};
-use crate::scene::Bounds;
-use crate::trace::{Event, Outcome, Sample, Sink, SinkError, Site};
+use crate::trace::{ContactSummary, Event, Outcome, Sample, Sink, SinkError};
 
-/// The phalanges, in the order of every pair of figures here.
-const PHALANGES: [Site; 2] = [Site::Proximal, Site::Distal];
-/// Impacts with less than this part of the largest impulse are too small to compare.
+/// Impacts of a finger with less than this part of the largest impulse, and pairs of bodies with less than this part of the
+/// largest figure of all, are too small to compare in it.
 const SIGNIFICANT: f64 = 0.01;
 /// A reference force below this is no force: the difference is then absolute, in N.
 const NO_FORCE_N: f64 = 1e-6;
 
+/// How far one coordinate is off along the way: an angle in rad, the centre of a body in m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Off {
+    /// Largest difference, and when it was.
+    pub max: f64,
+    pub max_at_s: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// At the end of what is compared.
+    pub end: f64,
+}
+
 /// Differences of a run from its reference, or the worst of several. Infinite where one of the two has what the other
 /// lacks; `None` where neither has it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
-    /// Of q11, q21, q22: largest, its time, root mean square, at the end of what is compared.
-    pub angle_max_rad: [f64; 3],
-    pub angle_max_at_s: [f64; 3],
-    pub angle_rms_rad: [f64; 3],
-    pub angle_end_rad: [f64; 3],
-    /// Of qd11, qd21, qd22: root mean square.
-    pub rate_rms_rad_s: [f64; 3],
+    /// Of q11, q21, q22 of every finger, then of the centre of every body.
+    pub path: Vec<Off>,
+    /// Of qd11, qd21, qd22 of every finger: root mean square.
+    pub rate_rms_rad_s: Vec<f64>,
+    /// Of the angle of every body, at the end.
+    pub angle_end_rad: Vec<f64>,
+    /// Of every contact between surfaces: first touch-down.
+    pub contact_time_s: Vec<Option<f64>>,
+    /// Worst relative difference of the normal impulse of an impact; of pairs of bodies, of that over the run.
+    pub impulse: Vec<Option<f64>>,
     /// Normal force at the end of the run, relative to the reference (in N where that presses with nothing).
-    pub final_force: [Option<f64>; 2],
-    /// First touch-down of each phalanx.
-    pub contact_time_s: [Option<f64>; 2],
-    /// Worst relative difference of the normal impulse of an impact of each phalanx.
-    pub impulse: [Option<f64>; 2],
+    pub final_force: Vec<Option<f64>>,
+    /// Largest normal force, relative.
+    pub peak_force: Vec<Option<f64>>,
     /// Largest opening of a joint.
     pub loop_gap_m: f64,
-    /// Largest excess of the energy balance, in J and relative to the motor's work.
+    /// Largest excess of the energy balance, in J and relative to the motor's work; of bodies, to the energy there is.
     pub energy_created_j: f64,
     pub energy_created: f64,
 }
 
 impl Differences {
-    /// Largest difference of any of the angles.
-    pub fn angle_rad(&self) -> f64 {
-        self.angle_max_rad.into_iter().fold(0.0, f64::max)
+    /// Largest difference of any coordinate.
+    pub fn path_max(&self) -> f64 {
+        self.path.iter().map(|off| off.max).fold(0.0, f64::max)
     }
 
     /// The worse of each figure.
     pub fn worst(&self, other: &Self) -> Self {
-        let mut worst = *self;
-        for k in 0..3 {
-            if other.angle_max_rad[k] > self.angle_max_rad[k] {
-                (worst.angle_max_rad[k], worst.angle_max_at_s[k]) = (other.angle_max_rad[k], other.angle_max_at_s[k]);
+        let mut worst = self.clone();
+        for (worst, other) in worst.path.iter_mut().zip(&other.path) {
+            if other.max > worst.max {
+                (worst.max, worst.max_at_s) = (other.max, other.max_at_s);
             }
-            worst.angle_rms_rad[k] = self.angle_rms_rad[k].max(other.angle_rms_rad[k]);
-            worst.angle_end_rad[k] = self.angle_end_rad[k].max(other.angle_end_rad[k]);
-            worst.rate_rms_rad_s[k] = self.rate_rms_rad_s[k].max(other.rate_rms_rad_s[k]);
+            worst.rms = worst.rms.max(other.rms);
+            worst.end = worst.end.max(other.end);
         }
-        for k in 0..2 {
-            worst.final_force[k] = larger(self.final_force[k], other.final_force[k]);
-            worst.contact_time_s[k] = larger(self.contact_time_s[k], other.contact_time_s[k]);
-            worst.impulse[k] = larger(self.impulse[k], other.impulse[k]);
+        let figures =
+            [(&mut worst.rate_rms_rad_s, &other.rate_rms_rad_s), (&mut worst.angle_end_rad, &other.angle_end_rad)];
+        for (worst, other) in figures {
+            worst.iter_mut().zip(other).for_each(|(worst, other)| *worst = worst.max(*other));
+        }
+        let figures = [
+            (&mut worst.contact_time_s, &other.contact_time_s),
+            (&mut worst.impulse, &other.impulse),
+            (&mut worst.final_force, &other.final_force),
+            (&mut worst.peak_force, &other.peak_force),
+        ];
+        for (worst, other) in figures {
+            worst.iter_mut().zip(other).for_each(|(worst, other)| *worst = larger(*worst, *other));
         }
         worst.loop_gap_m = self.loop_gap_m.max(other.loop_gap_m);
         worst.energy_created_j = self.energy_created_j.max(other.energy_created_j);
@@ -64,8 +83,12 @@ impl Differences {
     }
 }
 
-/// The larger of two figures, as far as there are any.
-pub(super) fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+/// The largest of several figures, as far as there are any.
+pub fn largest(figures: &[Option<f64>]) -> Option<f64> {
+    figures.iter().copied().fold(None, larger)
+}
+
+fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.max(b)),
         (some, None) | (None, some) => some,
@@ -77,48 +100,74 @@ pub struct Comparison<'a> {
     reference: &'a Recording,
     until_s: f64,
     cursor: usize,
-    angles: [Track; 3],
-    rates: [Track; 3],
+    path: Vec<Track>,
+    rates: Vec<Track>,
     impacts: Impacts,
     excess_j: f64,
     motor_work_j: f64,
+    energy_j: f64,
 }
 
 impl<'a> Comparison<'a> {
-    /// Trajectories are compared up to `bounds.until_s`.
-    pub fn new(reference: &'a Recording, bounds: &Bounds) -> Self {
+    /// Trajectories are compared up to `until_s`.
+    pub fn new(reference: &'a Recording, until_s: f64) -> Self {
+        let Sample { fingers, bodies, .. } = &reference.outcome.last;
+        let (angles, rates) = (Angle::ALL.len() * fingers.len(), Rate::ALL.len() * fingers.len());
         Self {
             reference,
-            until_s: bounds.until_s,
+            until_s,
             cursor: 0,
-            angles: [Track::default(); 3],
-            rates: [Track::default(); 3],
+            path: vec![Track::default(); angles + bodies.len()],
+            rates: vec![Track::default(); rates],
             impacts: Impacts::default(),
             excess_j: 0.0,
             motor_work_j: 0.0,
+            energy_j: 0.0,
         }
     }
 
     /// The differences, once the run is over.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
+        let compared: Vec<usize> =
+            (0..reference.contacts.len()).filter(|&index| !reference.last.is_stop(index)).collect();
+        let of_fingers = !reference.last.fingers.is_empty();
+        let over_the_run = |figure: fn(&ContactSummary) -> f64| -> Vec<Option<f64>> {
+            let largest = reference.contacts.iter().map(figure).fold(0.0, f64::max);
+            let of = |&index: &usize| {
+                let found = outcome.contacts.get(index).map_or(f64::NAN, figure);
+                relative(found, figure(&reference.contacts[index]), largest)
+            };
+            compared.iter().map(of).collect()
+        };
+        let first_s = |outcome: &Outcome, index: usize| outcome.contacts.get(index).and_then(|contact| contact.first_s);
+        let touch = |&index: &usize| first_touch(first_s(outcome, index), first_s(reference, index), self.until_s);
+        let ends_within = outcome.last.time_s <= self.until_s;
+        let final_force = |&index: &usize| match ends_within {
+            true => final_force(&outcome.last, &reference.last, index),
+            // The end lies beyond what is compared.
+            false => None,
+        };
+        let turned = outcome.last.bodies.iter().zip(&reference.last.bodies);
+        let off = |track: &Track| Off { max: track.max, max_at_s: track.max_at_s, rms: track.rms(), end: track.end };
+        let energy_j = if of_fingers { self.motor_work_j } else { self.energy_j };
         Differences {
-            angle_max_rad: self.angles.map(|track| track.max),
-            angle_max_at_s: self.angles.map(|track| track.max_at_s),
-            angle_rms_rad: self.angles.map(|track| track.rms()),
-            angle_end_rad: self.angles.map(|track| track.end),
-            rate_rms_rad_s: self.rates.map(|track| track.rms()),
-            final_force: match outcome.last.time_s <= self.until_s {
-                true => final_forces(&outcome.last, &reference.last),
-                // The end lies beyond what is compared.
-                false => [None; 2],
+            path: self.path.iter().map(off).collect(),
+            rate_rms_rad_s: self.rates.iter().map(Track::rms).collect(),
+            angle_end_rad: turned.map(|(found, expected)| distance(found.angle_rad, expected.angle_rad)).collect(),
+            contact_time_s: compared.iter().map(touch).collect(),
+            impulse: match of_fingers {
+                true => {
+                    let of = |&index: &usize| impulses(&self.impacts, &self.reference.impacts, index, self.until_s);
+                    compared.iter().map(of).collect()
+                }
+                false => over_the_run(|contact| contact.impulse_n_s),
             },
-            contact_time_s: PHALANGES
-                .map(|site| first_touch(outcome.site(site).first_s, reference.site(site).first_s, self.until_s)),
-            impulse: PHALANGES.map(|site| impulses(&self.impacts, &self.reference.impacts, site, self.until_s)),
+            final_force: compared.iter().map(final_force).collect(),
+            peak_force: over_the_run(|contact| contact.peak_normal_n),
             loop_gap_m: outcome.loop_gap_m,
             energy_created_j: self.excess_j,
-            energy_created: if self.excess_j > 0.0 { self.excess_j / self.motor_work_j } else { 0.0 },
+            energy_created: if self.excess_j > 0.0 { self.excess_j / energy_j } else { 0.0 },
         }
     }
 }
@@ -126,17 +175,21 @@ impl<'a> Comparison<'a> {
 impl Sink for Comparison<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.impacts.sample(sample)?;
-        self.excess_j = self.excess_j.max(sample.energy.balance_j);
-        self.motor_work_j = self.motor_work_j.max(sample.energy.motor_work_j.abs());
+        let energy = &sample.energy;
+        self.excess_j = self.excess_j.max(energy.balance_j);
+        self.motor_work_j = self.motor_work_j.max(energy.motor_work_j.abs());
+        self.energy_j = self.energy_j.max(energy.kinetic_j + energy.elastic_j).max(energy.motor_work_j.abs());
         if sample.time_s > self.until_s {
             return Ok(());
         }
         let Some(expected) = self.reference.at(sample.time_s, &mut self.cursor) else { return Ok(()) };
-        for (track, angle) in self.angles.iter_mut().zip(Angle::ALL) {
-            track.push(sample.time_s, angle.difference(sample, &expected));
+        for (track, off) in self.path.iter_mut().zip(off(sample, &expected)) {
+            track.push(sample.time_s, off);
         }
-        for (track, rate) in self.rates.iter_mut().zip(Rate::ALL) {
-            track.push(sample.time_s, rate.of(sample) - rate.of(&expected));
+        let fingers = sample.fingers.iter().zip(&expected.fingers);
+        let rates = fingers.flat_map(|(a, b)| Rate::ALL.map(|rate| rate.of(a) - rate.of(b)));
+        for (track, off) in self.rates.iter_mut().zip(rates) {
+            track.push(sample.time_s, off);
         }
         Ok(())
     }
@@ -146,9 +199,20 @@ impl Sink for Comparison<'_> {
     }
 }
 
-/// Compares a run that was kept with its reference.
-pub fn compare(run: &Recording, reference: &Recording, bounds: &Bounds) -> Differences {
-    let mut comparison = Comparison::new(reference, bounds);
+/// How far the coordinates of a sample are off: q11, q21, q22 of every finger, and the distances of the centres of all bodies.
+pub fn off(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
+    let fingers = sample.fingers.iter().zip(&expected.fingers);
+    let angles = fingers.flat_map(|(a, b)| Angle::ALL.map(|angle| angle.difference(a, b)));
+    let centres = sample.bodies.iter().zip(&expected.bodies).map(|(a, b)| {
+        let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
+        x.hypot(y)
+    });
+    angles.chain(centres)
+}
+
+/// Compares a run that was kept with its reference, trajectories up to `until_s`.
+pub fn compare(run: &Recording, reference: &Recording, until_s: f64) -> Differences {
+    let mut comparison = Comparison::new(reference, until_s);
     // Events and samples of a kept run are apart: impacts are already measured, and only samples are gone through
     // again.
     for sample in &run.samples {
@@ -158,14 +222,12 @@ pub fn compare(run: &Recording, reference: &Recording, bounds: &Bounds) -> Diffe
     comparison.finish(&run.outcome)
 }
 
-fn final_forces(last: &Sample, expected: &Sample) -> [Option<f64>; 2] {
-    PHALANGES.map(|site| {
-        let (contact, expected) = (last.contact(site), expected.contact(site));
-        // Without an object there is nothing to press on.
-        let there = expected.gap_m.is_finite() || contact.gap_m.is_finite();
-        let scale = if expected.normal_n > NO_FORCE_N { expected.normal_n } else { 1.0 };
-        there.then(|| distance(contact.normal_n, expected.normal_n) / scale)
-    })
+fn final_force(last: &Sample, expected: &Sample, index: usize) -> Option<f64> {
+    let (contact, expected) = (last.contacts.get(index)?, expected.contacts.get(index)?);
+    // Without an object there is nothing to press on.
+    let there = expected.gap_m.is_finite() || contact.gap_m.is_finite();
+    let scale = if expected.normal_n > NO_FORCE_N { expected.normal_n } else { 1.0 };
+    there.then(|| distance(contact.normal_n, expected.normal_n) / scale)
 }
 
 /// Difference of two first touches, unless both come after what is compared.
@@ -178,12 +240,12 @@ fn first_touch(time_s: Option<f64>, expected_s: Option<f64>, until_s: f64) -> Op
 }
 
 /// Worst relative difference of the impulse of the impacts that matter.
-fn impulses(impacts: &Impacts, expected: &Impacts, site: Site, until_s: f64) -> Option<f64> {
+fn impulses(impacts: &Impacts, expected: &Impacts, contact: usize, until_s: f64) -> Option<f64> {
     let whole = |impact: &&Impact| impact.end_s() <= until_s;
     let largest = expected.all.iter().filter(whole).map(Impact::impulse_n_s).fold(0.0, f64::max);
-    let mut found = impacts.of(site as usize);
+    let mut found = impacts.of(contact);
     let mut worst = None;
-    for expected in expected.of(site as usize).filter(whole) {
+    for expected in expected.of(contact).filter(whole) {
         let found = found.next();
         let impulse = expected.impulse_n_s();
         if impulse > 0.0 && impulse >= SIGNIFICANT * largest {
@@ -194,8 +256,65 @@ fn impulses(impacts: &Impacts, expected: &Impacts, site: Site, until_s: f64) -> 
     worst
 }
 
+/// Difference relative to what is expected; `None` where that is next to nothing beside the largest of all.
+fn relative(found: f64, expected: f64, largest: f64) -> Option<f64> {
+    if expected > 0.0 && expected >= SIGNIFICANT * largest {
+        Some(distance(found, expected) / expected)
+    } else if found > SIGNIFICANT * largest && found > 0.0 {
+        Some(f64::INFINITY)
+    } else {
+        None
+    }
+}
+
 /// |a − b|; infinite where that is no number.
-pub(super) fn distance(a: f64, b: f64) -> f64 {
+fn distance(a: f64, b: f64) -> f64 {
     let difference = (a - b).abs();
     if difference.is_nan() { f64::INFINITY } else { difference }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::BodyState;
+
+    fn recording(shift_m: f64, pairs: [ContactSummary; 3]) -> Recording {
+        let sample = |time_s: f64| Sample {
+            time_s,
+            bodies: vec![BodyState { centre_m: [shift_m * time_s, 0.0], ..BodyState::default() }],
+            ..Sample::default()
+        };
+        let samples = vec![sample(0.0), sample(1.0)];
+        let outcome = Outcome { last: sample(1.0), contacts: pairs.to_vec(), ..Outcome::default() };
+        Recording { samples, outcome, ..Recording::default() }
+    }
+
+    fn pair(first_s: Option<f64>, impulse_n_s: f64) -> ContactSummary {
+        ContactSummary { first_s, impulse_n_s, peak_normal_n: 10.0 * impulse_n_s, ..ContactSummary::default() }
+    }
+
+    #[test]
+    fn places_touches_and_impulses_are_compared_pair_by_pair() {
+        let reference = recording(0.0, [pair(Some(0.5), 2.0), pair(None, 0.0), pair(Some(0.7), 0.001)]);
+        let found = recording(3e-6, [pair(Some(0.501), 2.1), pair(None, 0.0), pair(None, 0.0)]);
+        let differences = compare(&found, &reference, 1.0);
+        assert!((differences.path_max() - 3e-6).abs() < 1e-18);
+        assert_eq!(differences.path[0].max_at_s, 1.0);
+        assert!((differences.contact_time_s[0].expect("touches") - 1e-3).abs() < 1e-12);
+        assert_eq!(differences.contact_time_s[1..], [None, Some(f64::INFINITY)], "one touch is missing");
+        assert!((differences.impulse[0].expect("an impulse") - 0.05).abs() < 1e-12);
+        assert_eq!(differences.impulse[1..], [None, None], "nothing, and next to nothing");
+        assert!((largest(&differences.peak_force).expect("a force") - 0.05).abs() < 1e-12);
+        let exact = compare(&reference, &reference, 1.0);
+        let worst = (largest(&exact.impulse), largest(&exact.contact_time_s));
+        assert_eq!((exact.path_max(), worst), (0.0, (Some(0.0), Some(0.0))));
+        assert_eq!(exact.worst(&differences), differences);
+    }
+
+    #[test]
+    fn an_impulse_out_of_nothing_is_infinitely_wrong() {
+        let reference = recording(0.0, [pair(None, 0.0); 3]);
+        let found = recording(0.0, [pair(Some(0.1), 1.0), pair(None, 0.0), pair(None, 0.0)]);
+        assert_eq!(largest(&compare(&found, &reference, 1.0).impulse), Some(f64::INFINITY));
+    }
 }

@@ -1,9 +1,10 @@
 //! The settings that are tried: both models, from coarse to fine.
 
+use super::subject::{is_jointed, touching_friction, with};
 use super::{MEMBERS, Subject};
 use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Stepping};
-use crate::trace::Model;
+use crate::trace::{Model, Simulated};
 
 /// A setting that is predicted to need more steps than this is left out.
 pub const LONGEST_STEPS: f64 = 2e6;
@@ -69,7 +70,7 @@ pub struct Rung {
 }
 
 impl Rung {
-    fn engine(engine: Engine, scene: &impl Subject) -> Self {
+    fn engine(engine: Engine, scene: Simulated<'_>) -> Self {
         let own = engine == *scene.engine();
         let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s() / step_s > ONCE_STEPS);
         let members = if long && !own { 1 } else { MEMBERS };
@@ -89,10 +90,10 @@ impl Rung {
 
     /// The scene with this setting.
     pub fn apply<S: Subject>(&self, scene: &S) -> S {
-        match self.settings {
-            Settings::Analytic(integrator) => scene.with_integrator(integrator),
-            Settings::Engine(engine) => scene.with_engine(engine),
-        }
+        with(scene, |numerics| match self.settings {
+            Settings::Analytic(integrator) => *numerics.integrator = integrator,
+            Settings::Engine(engine) => *numerics.engine = engine,
+        })
     }
 
     /// Whether this is the reference: it has no error to speak of.
@@ -101,7 +102,7 @@ impl Rung {
     }
 
     /// Steps a run will take, as far as that can be told; `own` is what the scene's own engine run took.
-    pub fn predicted_steps(&self, scene: &impl Subject, own: u64) -> Option<f64> {
+    pub fn predicted_steps(&self, scene: Simulated<'_>, own: u64) -> Option<f64> {
         match (self.settings, scene.engine().stepping) {
             (Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }), _) => {
                 Some(scene.duration_s() / step_s)
@@ -116,7 +117,7 @@ impl Rung {
 }
 
 /// The setting the scene asks for.
-pub fn own(scene: &impl Subject) -> Rung {
+pub fn own(scene: Simulated<'_>) -> Rung {
     Rung::engine(*scene.engine(), scene)
 }
 
@@ -137,14 +138,14 @@ pub fn name(rung: &Rung) -> String {
 }
 
 /// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
-pub fn ladder<S: Subject>(scene: &S, quick: bool) -> Vec<Rung> {
+pub fn ladder(scene: Simulated<'_>, quick: bool) -> Vec<Rung> {
     let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
     let mut engines = adaptive(scene);
     engines.extend(fixed(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
-    if S::JOINTED && !quick {
+    if is_jointed(scene) && !quick {
         engines.extend(fixed(scene, reduced, Response::Laws, &[1e-4, 1e-5, 1e-6], quick));
     }
-    if let Some(friction) = scene.touching_friction() {
+    if let Some(friction) = touching_friction(scene) {
         let native = Response::Rapier { friction, restitution: 0.0 };
         engines.extend(fixed(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
     }
@@ -160,7 +161,7 @@ pub fn ladder<S: Subject>(scene: &S, quick: bool) -> Vec<Rung> {
 
 /// Tolerances around the scene's own, or around the usual one where its steps are fixed. Bodies without joints are rarely
 /// held back by the tolerance: there the longest step goes with it, as its square root.
-fn adaptive<S: Subject>(scene: &S) -> Vec<Engine> {
+fn adaptive(scene: Simulated<'_>) -> Vec<Engine> {
     let stepping = match scene.engine().stepping {
         Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
         adaptive @ Stepping::Adaptive { .. } => adaptive,
@@ -170,14 +171,14 @@ fn adaptive<S: Subject>(scene: &S) -> Vec<Engine> {
         let (tolerance_m, max_step_s) = (scaled(tolerance_m, factor), scaled(max_step_s, longer));
         engine(scene, Construction::Maximal, Response::Laws, Stepping::Adaptive { tolerance_m, max_step_s })
     };
-    match S::JOINTED {
+    match is_jointed(scene) {
         true => [100.0, 10.0, 1.0, 0.1].map(|factor| at([factor, 1.0])).to_vec(),
         false => [[100.0, 10.0], [1.0, 1.0], [0.01, 0.1]].map(at).to_vec(),
     }
 }
 
 fn fixed(
-    scene: &impl Subject,
+    scene: Simulated<'_>,
     construction: Construction,
     response: Response,
     steps_s: &[f64],
@@ -189,7 +190,7 @@ fn fixed(
 
 /// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same
 /// kind.
-fn engine(scene: &impl Subject, construction: Construction, response: Response, stepping: Stepping) -> Engine {
+fn engine(scene: Simulated<'_>, construction: Construction, response: Response, stepping: Stepping) -> Engine {
     let own = scene.engine();
     let same = matches!(response, Response::Laws) == matches!(own.response, Response::Laws);
     let iterations = if same { own.iterations } else { Engine::usual_iterations(response) };
@@ -197,7 +198,7 @@ fn engine(scene: &impl Subject, construction: Construction, response: Response, 
 }
 
 /// The everyday preset loosened and tightened as a whole, and two of the method of the reference.
-fn analytic(scene: &impl Subject) -> Vec<Integrator> {
+fn analytic(scene: Simulated<'_>) -> Vec<Integrator> {
     let (usual, reference) = (Integrator::preset(Preset::Engineering), Integrator::preset(Preset::Reference));
     let at = |preset: Integrator, rtol: f64| {
         let factor = rtol / preset.rtol;

@@ -18,9 +18,9 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `subject` | what a validation needs of a kind of scene; scenes of discs in `bodies` |
+//! | `subject` | what a validation does to a scene: settings, members, bounds |
 //! | `recording` | the reference: a sink that keeps a run, on a grid dense enough to interpolate in |
-//! | `ensemble` | the members: the same scene with its motor torque a little changed |
+//! | `ensemble` | the members: the same scene with its motor torque, or its speeds and gravity, a little changed |
 //! | `statistics` | means over many runs, where trajectories are too sensitive to be compared |
 //! | `impacts` | normal impulse of every impact, as a run goes by |
 //! | `track` | differences of angles and rates along the way |
@@ -31,7 +31,6 @@
 //! | `study` | the whole validation of a scene |
 //! | `verdict` | measured against bounds |
 
-mod bodies;
 mod cost;
 mod difference;
 mod ensemble;
@@ -45,16 +44,15 @@ mod subject;
 mod track;
 mod verdict;
 
-pub use bodies::{BodiesComparison, BodiesDifferences};
 pub use cost::{Cost, cost};
-pub use difference::{Comparison, Differences, compare};
-pub use ensemble::{MEMBERS, TORQUE_STEP, member};
+pub use difference::{Comparison, Differences, Off, compare, largest, off};
+pub use ensemble::{MEMBERS, TORQUE_STEP, member, member_of_discs};
 pub use gate::{GoOn, While};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
 pub use recording::{Recording, record, record_while};
 pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
-pub use subject::{Subject, reference, sampled, steps_only};
+pub use subject::{Subject, path_bound, reference, sampled, steps_only, until_s};
 pub use track::{Angle, Rate, Track, turned};
 pub use verdict::{Check, Verdict, verdicts};

@@ -1,23 +1,28 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
-use super::{Cost, GoOn, MEMBERS, Rung, Statistics, Subject, Verdict, cost, ladder, own, reference, sampled};
+use super::subject::{member, with};
+use super::{
+    Comparison, Cost, Differences, GoOn, MEMBERS, Recording, Rung, Statistics, Subject, Verdict, While, compare, cost,
+    ladder, own, path_bound, record_while, reference, sampled, statistics, until_s,
+};
+use crate::check;
 use crate::invariants::Finding;
-use crate::scene::Scene;
-use crate::trace::{Model, RunError};
+use crate::scene::AnyScene;
+use crate::trace::{Model, RunError, Simulated, run};
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row<D = super::Differences> {
+pub struct Row {
     pub rung: Rung,
-    pub tried: Tried<D>,
+    pub tried: Tried,
 }
 
 /// What came of a setting.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Tried<D = super::Differences> {
+pub enum Tried {
     /// Worst differences of its ensemble; `None` for the reference itself.
     Done {
-        differences: Option<Box<D>>,
+        differences: Option<Box<Differences>>,
         cost: Cost,
     },
     Failed {
@@ -31,30 +36,33 @@ pub enum Tried<D = super::Differences> {
 
 /// Everything that is known after a validation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Validation<S: Subject = Scene> {
-    pub bounds: S::Bounds,
+pub struct Validation {
+    /// Trajectories are compared up to here.
+    pub until_s: f64,
+    /// What the engine may be off by along the way: rad, of discs m.
+    pub path_bound: f64,
     /// The analytic model at its reference preset, on a dense grid, and the engine as the scene says, both of the first
     /// member of the ensemble: the scene itself.
-    pub reference: S::Recording,
-    pub engine: S::Recording,
+    pub reference: Recording,
+    pub engine: Recording,
     /// Of the engine as the scene says: worst of the ensemble.
-    pub differences: S::Differences,
+    pub differences: Differences,
     /// How near the two runs above came to breaking an invariant.
     pub reference_invariants: Vec<Finding>,
     pub engine_invariants: Vec<Finding>,
     /// Where the scene compares trajectories only up to some time: means over many runs beyond it.
     pub statistics: Option<Statistics>,
-    pub rows: Vec<Row<S::Differences>>,
+    pub rows: Vec<Row>,
     pub verdict: Verdict,
 }
 
 /// Why a scene could not be validated: one of the two runs that must complete did not.
 #[derive(Debug, thiserror::Error)]
 #[error("the {} model of this scene has nothing to compare: {error}", model.name())]
-pub struct StudyError<E: std::error::Error + 'static = RunError> {
+pub struct StudyError {
     pub model: Model,
     #[source]
-    pub error: E,
+    pub error: RunError,
 }
 
 /// How far a validation has come.
@@ -70,33 +78,35 @@ pub struct Progress<'a> {
 ///
 /// # Errors A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail:
 /// their row says so. When `go_on` says no, the run at hand ends as stopped, and the validation with it.
-pub fn validate<S: Subject>(
-    scene: &S,
+pub fn validate<'a>(
+    scene: impl Into<Simulated<'a>>,
     quick: bool,
     tell: &mut dyn FnMut(Progress),
     go_on: GoOn,
-) -> Result<Validation<S>, StudyError<S::Error>> {
-    let scene = &scene.compared();
-    let rungs = ladder(scene, quick);
+) -> Result<Validation, StudyError> {
+    let whole = scene.into();
+    let scene = &whole.to_owned().compared();
+    let (until_s, path_bound) = (until_s(whole), path_bound(whole));
+    let rungs = ladder(scene.simulated(), quick);
     let total = rungs.len() + 1;
     tell(Progress { done: 0, total, next: "references" });
-    let broken = |model: Model| move |error: S::Error| StudyError { model, error };
-    let scenes: Vec<S> = (0..MEMBERS).map(|index| scene.member(index)).collect();
-    let references: Vec<S::Recording> = scenes
+    let broken = |model: Model| move |error: RunError| StudyError { model, error };
+    let scenes: Vec<AnyScene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
+    let references: Vec<Recording> = scenes
         .iter()
-        .map(|scene| reference(scene).record(Model::Analytic, go_on))
+        .map(|scene| record_while(Model::Analytic, &reference(scene), go_on))
         .collect::<Result<_, _>>()
         .map_err(broken(Model::Analytic))?;
-    let engine = sampled(Model::Engine, scene).record(Model::Engine, go_on).map_err(broken(Model::Engine))?;
-    let own = own(scene);
+    let engine = record_while(Model::Engine, &sampled(Model::Engine, scene), go_on).map_err(broken(Model::Engine))?;
+    let own = own(scene.simulated());
     let rest = against(&own, &scenes[1..], &references[1..], go_on).map_err(broken(Model::Engine))?;
-    let first = scene.compare(&engine, &references[0]);
+    let first = compare(&engine, &references[0], until_s);
     let differences = match rest {
-        Some(rest) => S::worse(&first, &rest),
+        Some(rest) => first.worst(&rest),
         None => first,
     };
 
-    let own_steps = S::recorded_steps(&engine);
+    let own_steps = engine.outcome.work.steps;
     let mut rows = Vec::with_capacity(rungs.len());
     for (index, rung) in rungs.into_iter().enumerate() {
         tell(Progress { done: index + 1, total, next: rung.family.name() });
@@ -109,15 +119,16 @@ pub fn validate<S: Subject>(
         };
         rows.push(Row { rung, tried });
     }
-    let statistics = scene.statistics(go_on).map_err(broken(Model::Engine))?;
-    let checked = scene.check_reference(go_on);
+    let statistics = sensitive(scene, go_on).map_err(broken(Model::Engine))?;
+    let checked = check_reference(scene, until_s, go_on);
     let reference_invariants = reference(scene).invariants(Model::Analytic, &references[0]);
     let engine_invariants = scene.invariants(Model::Engine, &engine);
     Ok(Validation {
-        bounds: scene.bounds(),
+        until_s,
+        path_bound,
         verdict: scene
             .judge(&differences)
-            .and_reference(&checked, scene.path_bound())
+            .and_reference(&checked, path_bound)
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
             .and_statistics(statistics.as_ref()),
@@ -131,16 +142,31 @@ pub fn validate<S: Subject>(
     })
 }
 
+/// Means over many runs beyond the time up to which trajectories are compared, if there is such a time.
+fn sensitive(scene: &AnyScene, go_on: GoOn) -> Result<Option<Statistics>, RunError> {
+    match scene {
+        AnyScene::Finger(scene) if scene.bounds.until_s < scene.duration_s => statistics(scene, go_on).map(Some),
+        AnyScene::Finger(_) | AnyScene::Bodies(_) => Ok(None),
+    }
+}
+
+/// What a check of the reference says, as far as trajectories are compared.
+fn check_reference(scene: &AnyScene, until_s: f64, go_on: GoOn) -> check::Check {
+    let compared = with(scene, |numerics| *numerics.duration_s = until_s.min(*numerics.duration_s));
+    check::check(Model::Analytic, &reference(&compared), go_on)
+}
+
 /// Compares and times one setting.
-fn attempt<S: Subject>(
+fn attempt(
     rung: &Rung,
-    scenes: &[S],
-    references: &[S::Recording],
+    scenes: &[AnyScene],
+    references: &[Recording],
     own_steps: u64,
     quick: bool,
     go_on: GoOn,
-) -> Result<Tried<S::Differences>, StudyError<S::Error>> {
-    if let Some(steps) = rung.predicted_steps(&scenes[0], own_steps).filter(|&steps| steps > super::LONGEST_STEPS) {
+) -> Result<Tried, StudyError> {
+    let predicted = rung.predicted_steps(scenes[0].simulated(), own_steps);
+    if let Some(steps) = predicted.filter(|&steps| steps > super::LONGEST_STEPS) {
         return Ok(Tried::TooLong { steps });
     }
     let members = if rung.is_reference() { 0 } else { rung.members };
@@ -148,23 +174,26 @@ fn attempt<S: Subject>(
     let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]), quick, go_on)?)));
     match timed {
         Ok((differences, cost)) => Ok(Tried::Done { differences: differences.map(Box::new), cost }),
-        Err(error) if S::is_stop(&error) => Err(StudyError { model: rung.model(), error }),
+        Err(error) if error.is_stop() => Err(StudyError { model: rung.model(), error }),
         Err(error) => Ok(Tried::Failed { reason: error.to_string() }),
     }
 }
 
 /// Worst differences of a setting over some members; `None` without members.
-fn against<S: Subject>(
+fn against(
     rung: &Rung,
-    scenes: &[S],
-    references: &[S::Recording],
+    scenes: &[AnyScene],
+    references: &[Recording],
     go_on: GoOn,
-) -> Result<Option<S::Differences>, S::Error> {
-    let mut worst: Option<S::Differences> = None;
+) -> Result<Option<Differences>, RunError> {
+    let mut worst: Option<Differences> = None;
     for (scene, reference) in scenes.iter().zip(references) {
-        let found = sampled(rung.model(), &rung.apply(scene)).differences(rung.model(), reference, go_on)?;
+        let mut comparison = Comparison::new(reference, until_s(scene.simulated()));
+        let sampled = sampled(rung.model(), &rung.apply(scene));
+        let outcome = run(rung.model(), &sampled, &mut While { sink: &mut comparison, go_on })?;
+        let found = comparison.finish(&outcome);
         worst = Some(match worst {
-            Some(worst) => S::worse(&worst, &found),
+            Some(worst) => worst.worst(&found),
             None => found,
         });
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::trace::Sample;
+use crate::trace::FingerState;
 
 /// Joint angles that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,16 +23,16 @@ pub enum Rate {
 impl Angle {
     pub const ALL: [Angle; 3] = [Angle::Q11, Angle::Q21, Angle::Q22];
 
-    pub fn of(self, sample: &Sample) -> f64 {
+    pub fn of(self, finger: &FingerState) -> f64 {
         match self {
-            Angle::Q11 => sample.finger().q11_rad,
-            Angle::Q21 => sample.finger().q21_rad,
-            Angle::Q22 => sample.finger().q22_rad,
+            Angle::Q11 => finger.q11_rad,
+            Angle::Q21 => finger.q21_rad,
+            Angle::Q22 => finger.q22_rad,
         }
     }
 
-    /// How far one sample is from another: at most half a turn, for a whole turn leads back.
-    pub fn difference(self, a: &Sample, b: &Sample) -> f64 {
+    /// How far one finger is from another: at most half a turn, for a whole turn leads back.
+    pub fn difference(self, a: &FingerState, b: &FingerState) -> f64 {
         turned(self.of(a) - self.of(b))
     }
 
@@ -48,11 +48,11 @@ impl Angle {
 impl Rate {
     pub const ALL: [Rate; 3] = [Rate::Qd11, Rate::Qd21, Rate::Qd22];
 
-    pub fn of(self, sample: &Sample) -> f64 {
+    pub fn of(self, finger: &FingerState) -> f64 {
         match self {
-            Rate::Qd11 => sample.finger().qd11_rad_s,
-            Rate::Qd21 => sample.finger().qd21_rad_s,
-            Rate::Qd22 => sample.finger().qd22_rad_s,
+            Rate::Qd11 => finger.qd11_rad_s,
+            Rate::Qd21 => finger.qd21_rad_s,
+            Rate::Qd22 => finger.qd22_rad_s,
         }
     }
 

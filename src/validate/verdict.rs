@@ -1,10 +1,9 @@
 //! Measured against bounds.
 
-use super::difference::larger;
-use super::{Differences, MOST_ERRORS, Statistics};
+use super::{Differences, MOST_ERRORS, Statistics, largest};
 use crate::check;
 use crate::invariants::Finding;
-use crate::scene::Bounds;
+use crate::scene::{BodiesBounds, Bounds};
 
 /// What the reference may be off by, as a part of what the engine may.
 pub const REFERENCE_SHARE: f64 = 0.1;
@@ -28,6 +27,9 @@ impl Check {
     }
 }
 
+/// A bound: its key, its meaning, what was measured and the limit.
+type Measured = (&'static str, &'static str, (Option<f64>, f64));
+
 /// All bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
@@ -35,6 +37,11 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    fn new<const N: usize>(bounds: [Measured; N]) -> Self {
+        let check = |(bound, meaning, (measured, limit))| Check { bound, meaning, measured, limit };
+        Verdict { checks: bounds.map(check).to_vec() }
+    }
+
     /// Whether every bound holds.
     pub fn passed(&self) -> bool {
         self.checks.iter().all(Check::passed)
@@ -76,27 +83,31 @@ impl Verdict {
     }
 }
 
-/// Judges the differences of the engine at the scene's own settings.
+/// Judges the differences of the engine at the settings of a scene of a finger.
 pub fn verdicts(found: &Differences, bounds: &Bounds) -> Verdict {
-    let check = |bound, meaning, measured, limit| Check { bound, meaning, measured, limit };
-    let worst = |[proximal, distal]: [Option<f64>; 2]| larger(proximal, distal);
-    Verdict {
-        checks: vec![
-            check("angle_rad", "largest difference of a joint angle", Some(found.angle_rad()), bounds.angle_rad),
-            check(
-                "contact_time_s",
-                "largest difference of a first touch",
-                worst(found.contact_time_s),
-                bounds.contact_time_s,
-            ),
-            check(
-                "final_force",
-                "relative difference of a normal force at the end",
-                worst(found.final_force),
-                bounds.final_force,
-            ),
-            check("impulse", "relative difference of the impulse of an impact", worst(found.impulse), bounds.impulse),
-            check("loop_gap_m", "largest opening of a joint", Some(found.loop_gap_m), bounds.loop_gap_m),
-        ],
-    }
+    let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
+    let path = (Some(found.path_max()), bounds.angle_rad);
+    Verdict::new([
+        ("angle_rad", "largest difference of a joint angle", path),
+        ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
+        (
+            "final_force",
+            "relative difference of a normal force at the end",
+            worst(&found.final_force, bounds.final_force),
+        ),
+        ("impulse", "relative difference of the impulse of an impact", worst(&found.impulse, bounds.impulse)),
+        ("loop_gap_m", "largest opening of a joint", (Some(found.loop_gap_m), bounds.loop_gap_m)),
+    ])
+}
+
+/// The same of a scene of discs.
+pub(super) fn verdicts_of_discs(found: &Differences, bounds: &BodiesBounds) -> Verdict {
+    let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
+    let path = (Some(found.path_max()), bounds.position_m);
+    Verdict::new([
+        ("position_m", "largest distance of a disc", path),
+        ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
+        ("impulse", "relative difference of the impulse of a pair", worst(&found.impulse, bounds.impulse)),
+        ("peak_force", "relative difference of a largest normal force", worst(&found.peak_force, bounds.peak_force)),
+    ])
 }

@@ -10,7 +10,7 @@ use phalanx::criteria::Rebounds;
 use phalanx::invariants::Finding;
 use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
 use phalanx::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
-use phalanx::validate::{Subject, reference, sampled};
+use phalanx::validate::{Subject, compare, record, reference, sampled};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
 const NAMES: [&str; 10] = [
@@ -98,16 +98,15 @@ fn all_say_what_they_are_and_come_back_bit_for_bit() {
 fn the_engine_is_within_the_bounds_of_every_scene() {
     for name in NAMES {
         let scene = load(name).compared();
-        let expected = reference(&scene).record(Model::Analytic, &|| true).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let found =
-            sampled(Model::Engine, &scene).record(Model::Engine, &|| true).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let expected = record(Model::Analytic, &reference(&scene)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let found = record(Model::Engine, &sampled(Model::Engine, &scene)).unwrap_or_else(|e| panic!("{name}: {e}"));
         for (model, scene, run) in
             [(Model::Analytic, reference(&scene), &expected), (Model::Engine, scene.clone(), &found)]
         {
             let broken: Vec<_> = scene.invariants(model, run).into_iter().filter(Finding::is_broken).collect();
             assert!(broken.is_empty(), "{name}: {broken:?}");
         }
-        let verdict = scene.judge(&scene.compare(&found, &expected));
+        let verdict = scene.judge(&compare(&found, &expected, scene.bounds.until_s));
         assert!(verdict.passed(), "{name}: {verdict:#?}");
         for (found, expected) in found.outcome.contacts.iter().zip(&expected.outcome.contacts) {
             assert_eq!(found.touchdowns, expected.touchdowns, "{name}");

@@ -18,7 +18,7 @@ fn checked(model: Model, scene: &Scene) -> Check {
 /// Largest difference of an angle from the reference.
 fn off(model: Model, scene: &Scene) -> f64 {
     let exact = record(Model::Analytic, &reference(scene)).expect("a reference");
-    compare(&record(model, &sampled(model, scene)).expect("a run"), &exact, &scene.bounds).angle_rad()
+    compare(&record(model, &sampled(model, scene)).expect("a run"), &exact, scene.bounds.until_s).path_max()
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_run_that_the_last_digits_of_its_input_decide_is_chaotic() {
     let scene = parse(&text, "harder.toml").expect("a scene");
     let exact = record(Model::Analytic, &reference(&scene)).expect("a reference");
     let moved = record(Model::Analytic, &reference(&pushed(&scene, PUSH))).expect("a reference");
-    let moves = compare(&moved, &exact, &scene.bounds).angle_rad();
+    let moves = compare(&moved, &exact, scene.bounds.until_s).path_max();
     for model in [Model::Analytic, Model::Engine] {
         let said = checked(model, &scene);
         assert_eq!(said.verdict, Verdict::Chaotic, "{model:?}");
@@ -72,7 +72,7 @@ fn sensitivity_is_what_a_push_does() {
     let scene = scene("experiment-95");
     let exact = record(Model::Analytic, &reference(&scene)).expect("a reference");
     let moved = record(Model::Analytic, &reference(&pushed(&scene, PUSH))).expect("a reference");
-    let moves = compare(&moved, &exact, &scene.bounds).angle_rad();
+    let moves = compare(&moved, &exact, scene.bounds.until_s).path_max();
     let said = checked(Model::Analytic, &scene).sensitivity;
     assert!(said > 0.5 * moves && said < 2.0 * moves, "{said:e} for {moves:e}");
 }

@@ -38,12 +38,12 @@ fn agree(name: &str) -> (Scene, Recording, Recording) {
     let everyday = sampled(Model::Analytic, &scene);
     let found = recorded(Model::Analytic, &everyday);
     assert_held(&everyday.invariants(Model::Analytic, &found), &format!("{name}, analytic"));
-    let off = compare(&found, &expected, &scene.bounds).angle_rad();
+    let off = compare(&found, &expected, scene.bounds.until_s).path_max();
     let allowed = AMPLIFYING.iter().find(|(scene, _)| *scene == name).map_or(EVERYDAY, |(_, allowed)| *allowed);
     assert!(off < allowed, "{name}: the everyday preset is {off:.1e} rad off");
     let found = recorded(Model::Engine, &sampled(Model::Engine, &scene));
     assert_held(&scene.invariants(Model::Engine, &found), &format!("{name}, engine"));
-    let verdict = verdicts(&compare(&found, &expected, &scene.bounds), &scene.bounds);
+    let verdict = verdicts(&compare(&found, &expected, scene.bounds.until_s), &scene.bounds);
     let broken: Vec<_> = verdict.checks.iter().filter(|check| !check.passed()).collect();
     assert!(broken.is_empty(), "{name}: {broken:?}");
     (scene, expected, found)
@@ -206,7 +206,7 @@ fn limits_that_move_by_rounding_alone_stop_no_reference() {
         let scene = load(name);
         let expected = recorded(Model::Analytic, &reference(&scene));
         assert!(expected.outcome.work.steps < 100_000, "{name}: {} steps", expected.outcome.work.steps);
-        let off = compare(&recorded(Model::Analytic, &scene), &expected, &scene.bounds).angle_rad();
+        let off = compare(&recorded(Model::Analytic, &scene), &expected, scene.bounds.until_s).path_max();
         assert!(off < EVERYDAY, "{name}: {off:.1e} rad off");
     }
 }

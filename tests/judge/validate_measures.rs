@@ -3,7 +3,7 @@
 use crate::support::synthetic::{lift_off, sample, touch_down};
 use phalanx::scene::Bounds;
 use phalanx::trace::{ContactSample, ContactSummary, FingerState, Outcome, Sample, Sink, Site};
-use phalanx::validate::{Differences, IMPACT_S, Recording, compare, verdicts};
+use phalanx::validate::{IMPACT_S, Off, Recording, compare, verdicts};
 
 const END_S: f64 = 10e-3;
 /// The force that stays after an impact, and the impulse that comes with it.
@@ -61,9 +61,8 @@ fn near(value: f64, expected: f64, tolerance: f64) {
 #[test]
 fn a_run_does_not_differ_from_itself() {
     let run = usual(1000);
-    let found = compare(&run, &run, &Bounds::over(END_S));
-    let Differences { angle_max_rad, angle_rms_rad, angle_end_rad, rate_rms_rad_s, .. } = found;
-    assert_eq!([angle_max_rad, angle_rms_rad, angle_end_rad, rate_rms_rad_s], [[0.0; 3]; 4]);
+    let found = compare(&run, &run, END_S);
+    assert_eq!((&found.path, &found.rate_rms_rad_s), (&vec![Off::default(); 3], &vec![0.0; 3]));
     assert_eq!(found.final_force, [Some(0.0), None], "there is nothing for the distal phalanx to press on");
     assert_eq!(found.contact_time_s, [Some(0.0), None]);
     assert_eq!(found.impulse, [Some(0.0), None]);
@@ -73,39 +72,35 @@ fn a_run_does_not_differ_from_itself() {
 #[test]
 fn coarse_samples_are_compared_with_what_lies_between_fine_ones() {
     // 300 does not divide 10,000: the coarse times lie between the fine ones.
-    let found = compare(&usual(300), &usual(10_000), &Bounds::over(END_S));
-    assert!(found.angle_rad() < 1e-13, "{}", found.angle_rad());
+    let found = compare(&usual(300), &usual(10_000), END_S);
+    assert!(found.path_max() < 1e-13, "{}", found.path_max());
 }
 
 #[test]
 fn a_shift_is_measured_where_it_is() {
     let shifted = run(3e-4, TOUCH_S, IMPACT_N_S, HOLD_N, 1000);
-    let found = compare(&shifted, &usual(10_000), &Bounds::over(END_S));
-    near(found.angle_max_rad[0], 3e-4, 1e-12);
-    assert!(found.angle_max_at_s[0] >= 5e-3);
-    near(found.angle_end_rad[0], 3e-4, 1e-12);
-    near(found.angle_rms_rad[0], 3e-4 / 2f64.sqrt(), 3e-7);
-    assert_eq!((found.angle_max_rad[1], found.angle_max_rad[2]), (0.0, 0.0));
+    let found = compare(&shifted, &usual(10_000), END_S);
+    near(found.path[0].max, 3e-4, 1e-12);
+    assert!(found.path[0].max_at_s >= 5e-3);
+    near(found.path[0].end, 3e-4, 1e-12);
+    near(found.path[0].rms, 3e-4 / 2f64.sqrt(), 3e-7);
+    assert_eq!((found.path[1].max, found.path[2].max), (0.0, 0.0));
     // What comes later than the end of the comparison does not count.
-    let found = compare(&shifted, &usual(10_000), &Bounds { until_s: 4.9e-3, ..Bounds::over(END_S) });
-    assert!(found.angle_rad() < 1e-12);
+    let found = compare(&shifted, &usual(10_000), 4.9e-3);
+    assert!(found.path_max() < 1e-12);
 }
 
 #[test]
 fn a_whole_turn_is_no_difference() {
     let mut turned = usual(1000);
     turned.samples.iter_mut().for_each(|sample| sample.finger_mut().q22_rad += std::f64::consts::TAU);
-    assert!(compare(&turned, &usual(1000), &Bounds::over(END_S)).angle_rad() < 1e-15);
+    assert!(compare(&turned, &usual(1000), END_S).path_max() < 1e-15);
 }
 
 #[test]
 fn contact_is_compared_each_from_its_own_touch() {
     let late = 0.3e-6;
-    let found = compare(
-        &run(0.0, TOUCH_S + late, 1.02 * IMPACT_N_S, 1.001 * HOLD_N, 1000),
-        &usual(10_000),
-        &Bounds::over(END_S),
-    );
+    let found = compare(&run(0.0, TOUCH_S + late, 1.02 * IMPACT_N_S, 1.001 * HOLD_N, 1000), &usual(10_000), END_S);
     near(found.contact_time_s[0].expect("both touch"), late, 1e-15);
     near(found.final_force[0].expect("both press"), 1e-3, 1e-9);
     let ours = IMPACT_N_S + HOLD_N * IMPACT_S;
@@ -116,7 +111,7 @@ fn contact_is_compared_each_from_its_own_touch() {
 #[test]
 fn a_step_longer_than_the_impact_is_not_charged_for_it() {
     // Steps of 100 µs: the impact is inside one.
-    let found = compare(&usual(100), &usual(10_000), &Bounds::over(END_S));
+    let found = compare(&usual(100), &usual(10_000), END_S);
     assert!(found.impulse[0].expect("both touch") < 1e-9, "{:?}", found.impulse);
 }
 
@@ -125,12 +120,12 @@ fn a_touch_that_one_lacks_is_infinitely_far_off() {
     let mut never = usual(1000);
     never.outcome.contacts[0] = ContactSummary::default();
     never.impacts = Default::default();
-    let found = compare(&never, &usual(1000), &Bounds::over(END_S));
+    let found = compare(&never, &usual(1000), END_S);
     assert_eq!(found.contact_time_s[0], Some(f64::INFINITY));
     assert_eq!(found.impulse[0], Some(f64::INFINITY));
     assert!(!verdicts(&found, &Bounds::over(END_S)).passed());
     // Before both touch there is nothing to compare.
-    let found = compare(&never, &usual(1000), &Bounds { until_s: 2e-3, ..Bounds::over(END_S) });
+    let found = compare(&never, &usual(1000), 2e-3);
     assert_eq!((found.contact_time_s[0], found.impulse[0]), (None, None));
 }
 
@@ -139,8 +134,8 @@ fn figures_that_are_no_numbers_break_their_bound() {
     let mut broken = usual(1000);
     broken.samples[500].finger_mut().q21_rad = f64::NAN;
     broken.outcome.last.contact_mut(Site::Proximal).normal_n = f64::NAN;
-    let found = compare(&broken, &usual(1000), &Bounds::over(END_S));
-    assert_eq!((found.angle_rad(), found.final_force[0]), (f64::INFINITY, Some(f64::INFINITY)));
+    let found = compare(&broken, &usual(1000), END_S);
+    assert_eq!((found.path_max(), found.final_force[0]), (f64::INFINITY, Some(f64::INFINITY)));
     assert!(!verdicts(&found, &Bounds::over(END_S)).passed());
 }
 
@@ -164,6 +159,6 @@ fn small_rebounds_are_not_judged() {
         run.impacts.sample(&at(later + 1e-6, before + rebound)).expect("kept");
         run.impacts.sample(&at(later + 1e-4, before + rebound)).expect("kept");
     }
-    let found = compare(&theirs, &bouncing, &Bounds::over(END_S));
+    let found = compare(&theirs, &bouncing, END_S);
     assert_eq!(found.impulse[0], Some(0.0));
 }

@@ -7,39 +7,44 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::super::contacts::FingerContacts;
+use super::super::contacts::Contacts;
+use super::super::discs::{DiscReport, discs};
 use super::super::document::{Energies, Final};
+use super::differences::{DifferencesReport, Errors};
 use super::invariants::FindingReport;
 use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
-use crate::scene::Scene;
-use crate::trace::Site;
-use crate::validate::{
-    Angle, Check, Differences, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name,
-};
+use crate::trace::{Layout, Simulated, Site};
+use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidationReport {
     /// Name of the scene.
     pub scene: String,
-    /// `finger`.
+    /// `finger` or `bodies`; what a kind of scene does not have is no key at all.
     pub kind: &'static str,
     /// Whether every bound holds.
     pub passed: bool,
     pub duration_s: f64,
     /// Trajectories are compared up to here.
     pub until_s: f64,
-    /// Runs of which the worst counts, and the relative step of the motor torque from one to the next.
+    /// Runs of which the worst counts, and the relative step from one to the next: of the motor torque, or of all speeds of discs
+    /// and gravity.
     pub ensemble_runs: usize,
-    pub ensemble_torque_step: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ensemble_torque_step: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ensemble_speed_step: Option<f64>,
     pub verdict: Vec<CheckReport>,
     pub analytic: ModelReport,
     pub engine: ModelReport,
     /// Means over many runs beyond `until_s`, where trajectories are not compared; null if they are to the end.
-    pub statistics: Option<StatisticsReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistics: Option<Option<StatisticsReport>>,
     /// Impacts of both models, the scene's own torque.
-    pub impacts: Vec<ImpactReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub impacts: Option<Vec<ImpactReport>>,
     /// Of the engine at the scene's settings: worst of the ensemble.
     pub differences: DifferencesReport,
     /// Whether settings that take long were left out.
@@ -62,7 +67,7 @@ pub struct CheckReport {
     pub passed: bool,
 }
 
-/// One of the two models at the scene's own torque: the analytic one at its reference preset, the engine as the scene
+/// One of the two models, of the scene itself: the analytic one at its reference preset, the engine as the scene
 /// says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
@@ -70,11 +75,16 @@ pub struct ModelReport {
     pub steps: Option<u64>,
     /// Median wall time with nothing listening.
     pub wall_s: Option<f64>,
-    #[serde(rename = "final")]
-    pub last: Final,
-    pub contacts: FingerContacts,
+    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
+    pub last: Option<Final>,
+    /// At the end of what is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discs: Option<BTreeMap<String, DiscReport>>,
+    /// Restitution is not measured here: `phalanx run` does.
+    pub contacts: Contacts,
     pub energy: Energies,
-    pub loop_gap_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_gap_m: Option<f64>,
     /// How near this run came to breaking each invariant.
     pub invariants: Vec<FindingReport>,
 }
@@ -91,36 +101,6 @@ pub struct ImpactReport {
     pub engine_n_s: Option<f64>,
 }
 
-/// Differences of one joint.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct AngleDifference {
-    pub max_rad: f64,
-    pub max_at_s: f64,
-    pub rms_rad: f64,
-    pub end_rad: f64,
-    pub rate_rms_rad_s: f64,
-}
-
-/// Differences of the contact of one phalanx; the forces and impulses are relative.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ContactDifference {
-    pub first_touch_s: Option<f64>,
-    pub impulse: Option<f64>,
-    pub final_force: Option<f64>,
-}
-
-/// Everything in which a setting differs from the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DifferencesReport {
-    pub joints: BTreeMap<&'static str, AngleDifference>,
-    pub proximal: ContactDifference,
-    pub distal: ContactDifference,
-    pub loop_gap_m: f64,
-    pub energy_created_j: f64,
-    /// Relative to the work of the motor.
-    pub energy_created: f64,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
@@ -129,9 +109,9 @@ pub enum Status {
     TooLong,
 }
 
-/// One setting: its cost and its differences `E` from the reference.
+/// One setting: its cost and its differences from the reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SettingReport<E = JointErrors> {
+pub struct SettingReport {
     pub family: &'static str,
     pub setting: String,
     pub model: &'static str,
@@ -151,23 +131,7 @@ pub struct SettingReport<E = JointErrors> {
     pub real_time_factor: Option<f64>,
     pub analytic_factor: Option<f64>,
     #[serde(flatten)]
-    pub errors: E,
-}
-
-/// Differences of a finger; null for the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct JointErrors {
-    pub angle_max_rad: Option<f64>,
-    pub differences: Option<DifferencesReport>,
-}
-
-impl From<Option<&Differences>> for JointErrors {
-    fn from(found: Option<&Differences>) -> Self {
-        JointErrors {
-            angle_max_rad: found.map(Differences::angle_rad),
-            differences: found.map(DifferencesReport::from),
-        }
-    }
+    pub errors: Errors,
 }
 
 impl From<&Check> for CheckReport {
@@ -183,49 +147,60 @@ impl From<&Check> for CheckReport {
 }
 
 impl ValidationReport {
-    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
+    pub fn new<'a>(scene: impl Into<Simulated<'a>>, found: &Validation, quick: bool) -> Self {
+        let scene = scene.into();
+        let layout = scene.layout();
+        let finger = !layout.fingers.is_empty();
         let row = |wanted: fn(&Row) -> bool| found.rows.iter().find(|row| wanted(row));
+        let analytic = row(|row| row.rung.is_reference());
         ValidationReport {
-            scene: scene.name.clone(),
-            kind: "finger",
+            scene: scene.name().to_string(),
+            kind: if finger { "finger" } else { "bodies" },
             passed: found.verdict.passed(),
-            duration_s: scene.duration_s,
-            until_s: found.bounds.until_s,
+            duration_s: scene.duration_s(),
+            until_s: found.until_s,
             ensemble_runs: MEMBERS,
-            ensemble_torque_step: TORQUE_STEP,
+            ensemble_torque_step: finger.then_some(TORQUE_STEP),
+            ensemble_speed_step: (!finger).then_some(TORQUE_STEP),
             verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
-            analytic: ModelReport::new(
-                row(|row| row.rung.is_reference()),
-                &found.reference,
-                &found.reference_invariants,
-            ),
-            statistics: found.statistics.as_ref().map(StatisticsReport::from),
-            engine: ModelReport::new(row(|row| row.rung.own), &found.engine, &found.engine_invariants),
-            impacts: impacts(&found.reference, &found.engine),
-            differences: DifferencesReport::from(&found.differences),
+            analytic: ModelReport::new(scene, analytic, &found.reference, &found.reference_invariants),
+            engine: ModelReport::new(scene, row(|row| row.rung.own), &found.engine, &found.engine_invariants),
+            statistics: finger.then(|| found.statistics.as_ref().map(StatisticsReport::from)),
+            impacts: finger.then(|| impacts(&found.reference, &found.engine)),
+            differences: DifferencesReport::new(&layout, &found.differences),
             quick,
-            settings: found.rows.iter().map(SettingReport::from).collect(),
+            settings: found.rows.iter().map(|row| SettingReport::new(&layout, row)).collect(),
             directory: None,
             files: None,
         }
     }
+
+    /// Whether the scene has a finger.
+    pub(super) fn is_of_finger(&self) -> bool {
+        self.kind == "finger"
+    }
 }
 
 impl ModelReport {
-    fn new(row: Option<&Row>, recording: &Recording, invariants: &[Finding]) -> Self {
-        let outcome = &recording.outcome;
+    fn new(scene: Simulated<'_>, row: Option<&Row>, recording: &Recording, invariants: &[Finding]) -> Self {
+        let (layout, outcome) = (scene.layout(), &recording.outcome);
         let cost = row.and_then(|row| match row.tried {
             Tried::Done { cost, .. } => Some(cost),
             _ => None,
         });
+        let finger = outcome.last.fingers.first();
         ModelReport {
             setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
             steps: cost.map(|cost| cost.steps),
             wall_s: cost.map(|cost| cost.wall_s),
-            last: Final::from(outcome.last.finger()),
-            contacts: FingerContacts::from(outcome),
+            last: finger.map(Final::from),
+            discs: match scene {
+                Simulated::Finger(_) => None,
+                Simulated::Discs(of) => Some(discs(&layout.bodies, Some(of), &outcome.last.bodies)),
+            },
+            contacts: Contacts::new(&layout, outcome, &[]),
             energy: Energies::from(&outcome.last.energy),
-            loop_gap_m: outcome.loop_gap_m,
+            loop_gap_m: finger.map(|_| outcome.loop_gap_m),
             invariants: invariants.iter().map(FindingReport::from).collect(),
         }
     }
@@ -254,33 +229,8 @@ fn impacts(analytic: &Recording, engine: &Recording) -> Vec<ImpactReport> {
     rows
 }
 
-impl From<&Differences> for DifferencesReport {
-    fn from(found: &Differences) -> Self {
-        let joint = |k: usize| AngleDifference {
-            max_rad: found.angle_max_rad[k],
-            max_at_s: found.angle_max_at_s[k],
-            rms_rad: found.angle_rms_rad[k],
-            end_rad: found.angle_end_rad[k],
-            rate_rms_rad_s: found.rate_rms_rad_s[k],
-        };
-        let contact = |k: usize| ContactDifference {
-            first_touch_s: found.contact_time_s[k],
-            impulse: found.impulse[k],
-            final_force: found.final_force[k],
-        };
-        DifferencesReport {
-            joints: Angle::ALL.into_iter().enumerate().map(|(k, angle)| (angle.name(), joint(k))).collect(),
-            proximal: contact(0),
-            distal: contact(1),
-            loop_gap_m: found.loop_gap_m,
-            energy_created_j: found.energy_created_j,
-            energy_created: found.energy_created,
-        }
-    }
-}
-
-impl<D, E: for<'a> From<Option<&'a D>>> From<&Row<D>> for SettingReport<E> {
-    fn from(row: &Row<D>) -> Self {
+impl SettingReport {
+    fn new(layout: &Layout, row: &Row) -> Self {
         let rung = &row.rung;
         let (status, reason) = match &row.tried {
             Tried::Done { .. } => (Status::Done, None),
@@ -305,7 +255,7 @@ impl<D, E: for<'a> From<Option<&'a D>>> From<&Row<D>> for SettingReport<E> {
             timed_runs: cost.map(|cost| cost.runs),
             real_time_factor: cost.map(|cost| cost.real_time_factor()),
             analytic_factor: cost.map(|cost| cost.analytic_factor()),
-            errors: E::from(found),
+            errors: Errors::new(layout, found),
         }
     }
 }

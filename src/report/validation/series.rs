@@ -3,13 +3,12 @@
 use std::io::{self, Write};
 
 use super::super::csv::cell;
-use crate::scene::BodiesScene;
-use crate::trace::{Sample, Site};
+use crate::trace::{Layout, Place, Sample, Simulated, Site};
 use crate::validate::{Recording, turned};
 
 type Column = (&'static str, fn(&Sample) -> f64);
 
-/// The quantities, in SI: each is a column with `_analytic` behind its name and one with `_engine`. Angles are
+/// The quantities of a finger, in SI: each is a column with `_analytic` behind its name and one with `_engine`. Angles are
 /// from −π to π.
 pub const COLUMNS: [Column; 15] = [
     ("q11_rad", |s| turned(s.finger().q11_rad)),
@@ -29,46 +28,54 @@ pub const COLUMNS: [Column; 15] = [
     ("balance_j", |s| s.energy.balance_j),
 ];
 
-/// Writes both runs at every multiple of 1/`numeric_hz` and at the end. What is infinite (a gap to no object) is empty.
-pub fn series(out: &mut impl Write, analytic: &Recording, engine: &Recording, numeric_hz: f64) -> io::Result<()> {
-    let names: Vec<String> = COLUMNS.iter().map(|(name, _)| name.to_string()).collect();
+/// Writes both runs at every multiple of the interval of the scene's log and at the end: of a finger these columns, of discs
+/// places and rates of every disc, gap and forces of every pair, energies. What is infinite (a gap to no object) is empty.
+pub fn series<'a>(
+    out: &mut impl Write,
+    scene: impl Into<Simulated<'a>>,
+    [analytic, engine]: [&Recording; 2],
+) -> io::Result<()> {
+    let scene = scene.into();
+    let names = match scene {
+        Simulated::Finger(_) => COLUMNS.iter().map(|(name, _)| name.to_string()).collect(),
+        Simulated::Discs(_) => names_of_discs(&scene.layout()),
+    };
+    let values = |sample: &Sample| match scene {
+        Simulated::Finger(_) => COLUMNS.iter().map(|(_, value)| value(sample)).collect(),
+        Simulated::Discs(_) => values_of_discs(sample),
+    };
     let (mut ours, mut theirs) = (0, 0);
-    let values = |sample: &Sample| COLUMNS.iter().map(|(_, value)| value(sample)).collect();
-    write_series(out, &names, [numeric_hz, analytic.outcome.last.time_s], |t| {
+    write_series(out, &names, [scene.log().numeric_hz, analytic.outcome.last.time_s], |t| {
         Some([values(&analytic.at(t, &mut ours)?), values(&engine.at(t, &mut theirs)?)])
     })
 }
 
-/// The same of a scene of discs: places and rates of every disc, gap and forces of every pair, energies.
-pub fn bodies_series(out: &mut impl Write, scene: &BodiesScene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
+fn names_of_discs(layout: &Layout) -> Vec<String> {
     let mut names = Vec::new();
-    for disc in &scene.discs {
+    for disc in &layout.bodies {
         let quantities = ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
-        names.extend(quantities.map(|quantity| format!("{}_{quantity}", disc.name)));
+        names.extend(quantities.map(|quantity| format!("{disc}_{quantity}")));
     }
-    for pair in scene.pairs() {
-        let name = scene.pair_name(pair);
+    for Place { name, .. } in &layout.contacts {
         names.extend(["gap_m", "slip_m_s", "normal_n", "tangential_n"].map(|quantity| format!("{name}_{quantity}")));
     }
     names.extend(["kinetic_j", "dissipated_j", "balance_j"].map(String::from));
-    let values = |sample: &Sample| {
-        let mut values = Vec::with_capacity(names.len());
-        for disc in &sample.bodies {
-            values.extend(disc.centre_m);
-            values.push(disc.angle_rad);
-            values.extend(disc.velocity_m_s);
-            values.push(disc.spin_rad_s);
-        }
-        for contact in &sample.contacts {
-            values.extend([contact.gap_m, contact.slip_m_s, contact.normal_n, contact.tangential_n]);
-        }
-        values.extend([sample.energy.kinetic_j, sample.energy.dissipated_j, sample.energy.balance_j]);
-        values
-    };
-    let (mut ours, mut theirs) = (0, 0);
-    write_series(out, &names, [scene.log.numeric_hz, analytic.outcome.last.time_s], |t| {
-        Some([values(&analytic.at(t, &mut ours)?), values(&engine.at(t, &mut theirs)?)])
-    })
+    names
+}
+
+fn values_of_discs(sample: &Sample) -> Vec<f64> {
+    let mut values = Vec::new();
+    for disc in &sample.bodies {
+        values.extend(disc.centre_m);
+        values.push(disc.angle_rad);
+        values.extend(disc.velocity_m_s);
+        values.push(disc.spin_rad_s);
+    }
+    for contact in &sample.contacts {
+        values.extend([contact.gap_m, contact.slip_m_s, contact.normal_n, contact.tangential_n]);
+    }
+    values.extend([sample.energy.kinetic_j, sample.energy.dissipated_j, sample.energy.balance_j]);
+    values
 }
 
 /// Writes what `at` gives for both models at every multiple of 1/`numeric_hz` and at `end_s`.

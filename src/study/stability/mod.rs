@@ -160,10 +160,10 @@ fn expected(scene: &Scene, (stiffness, damping): (f64, f64), task: &Task) -> Opt
                 invariants.sample(sample).expect("measuring writes nothing");
             }
             found.throughput_j = invariants.throughput_j();
-            let mut comparison = Comparison::new(&recording, &scene.bounds);
+            let mut comparison = Comparison::new(&recording, scene.bounds.until_s);
             let nearby = member(&tight, 1);
             match run(Model::Analytic, &nearby, &mut While { sink: &mut comparison, go_on: task.go_on }) {
-                Ok(outcome) => found.sensitivity_rad = Some(comparison.finish(&outcome).angle_rad()),
+                Ok(outcome) => found.sensitivity_rad = Some(comparison.finish(&outcome).path_max()),
                 Err(error) if error.is_stop() => return None,
                 Err(_) => {}
             }
@@ -205,7 +205,7 @@ fn cell(
     let mut scene = sampled(Model::Engine, scene);
     scene.engine.stepping = Stepping::Fixed { step_s };
     let mut watched = Watched {
-        comparison: Comparison::new(reference, &scene.bounds),
+        comparison: Comparison::new(reference, scene.bounds.until_s),
         invariants: Invariants::new(Model::Engine, &scene).tolerating(ENERGY),
     };
     let start = Instant::now();
@@ -218,7 +218,7 @@ fn cell(
         Err(RunError::Sink(error)) => return Some(unjudged(factors, step_s, &error.to_string())),
     };
     let Watched { comparison, invariants } = watched;
-    let error_rad = comparison.finish(&outcome).angle_rad();
+    let error_rad = comparison.finish(&outcome).path_max();
     let (created_j, findings) = (invariants.created_j(), invariants.findings(outcome.loop_gap_m));
     let (verdict, reason) = match broken {
         Some(Failure { reason: reason @ (Reason::Budget(_) | Reason::SubstepBudget { .. }), .. }) => {

@@ -20,17 +20,25 @@ pub struct Numerics<'a> {
     pub engine: &'a mut Engine,
 }
 
+impl<'a> From<&'a mut Scene> for Numerics<'a> {
+    fn from(scene: &'a mut Scene) -> Self {
+        let Scene { duration_s, log, integrator, engine, .. } = scene;
+        Numerics { duration_s, log, integrator, engine }
+    }
+}
+
+impl<'a> From<&'a mut BodiesScene> for Numerics<'a> {
+    fn from(scene: &'a mut BodiesScene) -> Self {
+        let BodiesScene { duration_s, log, integrator, engine, .. } = scene;
+        Numerics { duration_s, log, integrator, engine }
+    }
+}
+
 impl<'a> From<&'a mut AnyScene> for Numerics<'a> {
     fn from(scene: &'a mut AnyScene) -> Self {
         match scene {
-            AnyScene::Finger(scene) => {
-                let Scene { duration_s, log, integrator, engine, .. } = scene.as_mut();
-                Numerics { duration_s, log, integrator, engine }
-            }
-            AnyScene::Bodies(scene) => {
-                let BodiesScene { duration_s, log, integrator, engine, .. } = scene.as_mut();
-                Numerics { duration_s, log, integrator, engine }
-            }
+            AnyScene::Finger(scene) => scene.as_mut().into(),
+            AnyScene::Bodies(scene) => scene.as_mut().into(),
         }
     }
 }
