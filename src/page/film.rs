@@ -44,7 +44,7 @@ pub struct Body {
     pub spin_rad_s: Vec<f64>,
 }
 
-/// A place of contact: as [`ContactSample`] has it.
+/// A place of contact: as [`ContactSample`](crate::trace::ContactSample) has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
     pub name: String,
