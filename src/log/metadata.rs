@@ -4,9 +4,10 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::check::{Check, PUSH};
+use crate::scene::table::record;
 use crate::scene::{
-    AnyScene, BodiesScene, Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping, Words, parse,
-    parse_any, show, show_bodies,
+    AnyScene, BodiesScene, Construction, Method, Preset, Response, Scene, Stepping, Words, parse, parse_any, show,
+    show_bodies,
 };
 use crate::trace::Simulated;
 
@@ -106,7 +107,7 @@ pub struct RunInfo<'a> {
 /// held. Numbers are printed in the shortest form that reads back to the same double.
 pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     let (scene, rates) = (run.scene, run.scene.log());
-    let mut entries = vec![
+    let about = [
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("model", run.model.to_string()),
@@ -114,80 +115,37 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         ("scene", scene.name().to_string()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{:?}", scene.duration_s())),
-        ("log_numeric_hz", format!("{:?}", rates.numeric_hz)),
-        ("log_picture_hz", format!("{:?}", rates.picture_hz)),
     ];
-    match run.model {
-        ENGINE => entries.extend(engine(scene.engine())),
-        _ => entries.extend(integrator(scene.integrator())),
-    }
-    entries.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
-}
-
-fn integrator(settings: &Integrator) -> Vec<(&'static str, String)> {
-    vec![
-        ("integrator_preset", preset_name(settings.preset).to_string()),
-        ("integrator_method", method_name(settings.method).to_string()),
-        ("integrator_rtol", format!("{:?}", settings.rtol)),
-        ("integrator_atol_angle_rad", format!("{:?}", settings.atol_angle_rad)),
-        ("integrator_atol_rate_rad_s", format!("{:?}", settings.atol_rate_rad_s)),
-        ("integrator_max_steps", settings.max_steps.to_string()),
-    ]
-}
-
-fn engine(settings: &Engine) -> Vec<(&'static str, String)> {
-    let mut entries = vec![
-        ("engine_construction", construction_name(settings.construction).to_string()),
-        ("engine_law", law_name(settings.response).to_string()),
-        ("engine_stepping", stepping_name(settings.stepping).to_string()),
-        ("engine_iterations", settings.iterations.to_string()),
-        ("engine_max_steps", settings.max_steps.to_string()),
-        ("rapier_version", RAPIER_VERSION.to_string()),
-    ];
-    if let Response::Rapier { friction, restitution } = settings.response {
-        entries.push(("engine_friction", format!("{friction:?}")));
-        entries.push(("engine_restitution", format!("{restitution:?}")));
-    }
-    match settings.stepping {
-        Stepping::Fixed { step_s } => entries.push(("engine_step_s", format!("{step_s:?}"))),
-        Stepping::Adaptive { tolerance_m, max_step_s } => {
-            entries.push(("engine_tolerance_m", format!("{tolerance_m:?}")));
-            entries.push(("engine_max_step_s", format!("{max_step_s:?}")));
-        }
+    let mut entries: BTreeMap<String, String> =
+        about.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
+    entries.extend(record("log", rates));
+    if run.model == ENGINE {
+        entries.extend(record("engine", scene.engine()));
+        entries.insert("rapier_version".to_string(), RAPIER_VERSION.to_string());
+    } else {
+        entries.extend(record("integrator", scene.integrator()));
     }
     entries
 }
 
 /// The construction in the words of scene files.
 pub fn construction_name(construction: Construction) -> &'static str {
-    match construction {
-        Construction::Maximal => "maximal",
-        Construction::Reduced => "reduced",
-    }
+    construction.word()
 }
 
 /// What answers to contact, in the words of scene files.
 pub fn law_name(response: Response) -> &'static str {
-    match response {
-        Response::Laws => "scene",
-        Response::Rapier { .. } => "rapier",
-    }
+    response.word()
 }
 
 /// The stepping in the words of scene files.
 pub fn stepping_name(stepping: Stepping) -> &'static str {
-    match stepping {
-        Stepping::Fixed { .. } => "fixed",
-        Stepping::Adaptive { .. } => "adaptive",
-    }
+    stepping.word()
 }
 
 /// The preset in the words of scene files.
 pub fn preset_name(preset: Preset) -> &'static str {
-    match preset {
-        Preset::Engineering => "engineering",
-        Preset::Reference => "reference",
-    }
+    preset.word()
 }
 
 /// The method in the words of scene files.

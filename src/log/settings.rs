@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::metadata::{construction_name, law_name, method_name, preset_name, stepping_name};
-use crate::scene::{AnyScene, Construction, Engine, Integrator, LogRates, Method, Preset, Response, Stepping};
+use crate::scene::table::{Table, recall};
+use crate::scene::{AnyScene, Engine, Integrator, LogRates};
 use crate::trace::{Model, Numerics};
 
 /// Everything that a run was made with beside its scene file: what the command line had overridden is in it.
@@ -27,14 +27,14 @@ pub enum Solver {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SettingsError {
     #[error("the log does not record `{0}`, without which its run cannot be simulated again")]
-    Missing(&'static str),
+    Missing(String),
     #[error(
         "the log records a setting `{key}` = \"{value}\" that this phalanx does not know; use the phalanx that wrote the log \
          (its metadata says which)"
     )]
     Unknown { key: String, value: String },
     #[error("the log records `{key}` = \"{value}\", but it must be {allowed}; its metadata has been changed")]
-    Wrong { key: &'static str, value: String, allowed: String },
+    Wrong { key: String, value: String, allowed: String },
 }
 
 /// Entries that say what wrote the log, and of what; they set nothing.
@@ -64,119 +64,49 @@ impl Settings {
 /// # Errors
 /// [`SettingsError`] for an entry that is missing, not known, or not one that a run can have.
 pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, SettingsError> {
-    let mut entries = Entries { metadata, used: ABOUT.to_vec() };
-    let duration_s = entries.positive("duration_s")?;
-    let log = LogRates {
-        numeric_hz: entries.positive("log_numeric_hz")?,
-        picture_hz: entries.not_negative("log_picture_hz")?,
+    let mut entries = Entries { metadata, used: ABOUT.map(str::to_string).to_vec() };
+    let duration = entries.text("duration_s")?;
+    let allowed = |duration_s: &f64| duration_s.is_finite() && *duration_s > 0.0;
+    let duration_s = duration.parse().ok().filter(allowed);
+    let duration_s = duration_s.ok_or_else(|| wrong("duration_s".into(), duration, "a number above 0".into()))?;
+    let model = entries.text("model")?;
+    let solver = match model.as_str() {
+        name if name == Model::Analytic.name() => Solver::Analytic(entries.section("integrator")?),
+        name if name == Model::Engine.name() => Solver::Engine(entries.section("engine")?),
+        _ => {
+            let [analytic, engine] = [Model::Analytic, Model::Engine].map(Model::name);
+            return Err(wrong("model".into(), model, format!("\"{analytic}\" or \"{engine}\"")));
+        }
     };
-    let solver = match entries.word("model", [Model::Analytic, Model::Engine], Model::name)? {
-        Model::Analytic => Solver::Analytic(integrator(&mut entries)?),
-        Model::Engine => Solver::Engine(engine(&mut entries)?),
-    };
-    let scene_file = entries.text("scene_file")?.to_string();
+    let log = entries.section("log")?;
+    let scene_file = entries.text("scene_file")?;
     entries.nothing_else()?;
     Ok(Settings { solver, duration_s, log, scene_file })
 }
 
-fn integrator(entries: &mut Entries<'_>) -> Result<Integrator, SettingsError> {
-    Ok(Integrator {
-        preset: entries.word("integrator_preset", [Preset::Engineering, Preset::Reference], preset_name)?,
-        method: entries.word("integrator_method", [Method::Rodas5p, Method::RadauIIa5], method_name)?,
-        rtol: entries.positive("integrator_rtol")?,
-        atol_angle_rad: entries.positive("integrator_atol_angle_rad")?,
-        atol_rate_rad_s: entries.positive("integrator_atol_rate_rad_s")?,
-        max_steps: entries.count("integrator_max_steps")?,
-    })
-}
-
-fn engine(entries: &mut Entries<'_>) -> Result<Engine, SettingsError> {
-    let rigid = Response::Rapier { friction: 0.0, restitution: 0.0 };
-    let response = match entries.word("engine_law", [Response::Laws, rigid], law_name)? {
-        Response::Laws => Response::Laws,
-        Response::Rapier { .. } => Response::Rapier {
-            friction: entries.not_negative("engine_friction")?,
-            restitution: entries.not_negative("engine_restitution")?,
-        },
-    };
-    let (fixed, adaptive) = (Stepping::Fixed { step_s: 0.0 }, Stepping::Adaptive { tolerance_m: 0.0, max_step_s: 0.0 });
-    let stepping = match entries.word("engine_stepping", [fixed, adaptive], stepping_name)? {
-        Stepping::Fixed { .. } => Stepping::Fixed { step_s: entries.positive("engine_step_s")? },
-        Stepping::Adaptive { .. } => Stepping::Adaptive {
-            tolerance_m: entries.positive("engine_tolerance_m")?,
-            max_step_s: entries.positive("engine_max_step_s")?,
-        },
-    };
-    let iterations = entries.count("engine_iterations")?;
-    Ok(Engine {
-        construction: entries.word(
-            "engine_construction",
-            [Construction::Maximal, Construction::Reduced],
-            construction_name,
-        )?,
-        response,
-        stepping,
-        iterations: u32::try_from(iterations).map_err(|_| SettingsError::Wrong {
-            key: "engine_iterations",
-            value: iterations.to_string(),
-            allowed: "a whole number of sweeps within reason".to_string(),
-        })?,
-        max_steps: entries.count("engine_max_steps")?,
-    })
+fn wrong(key: String, value: String, allowed: String) -> SettingsError {
+    SettingsError::Wrong { key, value, allowed }
 }
 
 /// Entries of a record, and which of them have been looked at.
 struct Entries<'a> {
     metadata: &'a BTreeMap<String, String>,
-    used: Vec<&'static str>,
+    used: Vec<String>,
 }
 
-impl<'a> Entries<'a> {
-    fn text(&mut self, key: &'static str) -> Result<&'a str, SettingsError> {
-        self.used.push(key);
-        self.metadata.get(key).map(String::as_str).ok_or(SettingsError::Missing(key))
+impl Entries<'_> {
+    fn text(&mut self, key: &str) -> Result<String, SettingsError> {
+        self.used.push(key.to_string());
+        self.metadata.get(key).cloned().ok_or_else(|| SettingsError::Missing(key.to_string()))
     }
 
-    fn number(&mut self, key: &'static str, allowed: &str, fits: fn(f64) -> bool) -> Result<f64, SettingsError> {
-        let text = self.text(key)?;
-        let wrong = || SettingsError::Wrong { key, value: text.to_string(), allowed: allowed.to_string() };
-        text.parse().ok().filter(|&value: &f64| value.is_finite() && fits(value)).ok_or_else(wrong)
-    }
-
-    fn positive(&mut self, key: &'static str) -> Result<f64, SettingsError> {
-        self.number(key, "a number above 0", |value| value > 0.0)
-    }
-
-    fn not_negative(&mut self, key: &'static str) -> Result<f64, SettingsError> {
-        self.number(key, "a number from 0", |value| value >= 0.0)
-    }
-
-    fn count(&mut self, key: &'static str) -> Result<u64, SettingsError> {
-        let text = self.text(key)?;
-        let allowed = "a whole number from 1".to_string();
-        let wrong = || SettingsError::Wrong { key, value: text.to_string(), allowed };
-        text.parse().ok().filter(|&count: &u64| count >= 1).ok_or_else(wrong)
-    }
-
-    /// A word, by the function that writes it.
-    fn word<T: Copy>(
-        &mut self,
-        key: &'static str,
-        all: [T; 2],
-        name: fn(T) -> &'static str,
-    ) -> Result<T, SettingsError> {
-        let text = self.text(key)?;
-        let wrong = || SettingsError::Wrong {
-            key,
-            value: text.to_string(),
-            allowed: all.map(|value| format!("\"{}\"", name(value))).join(" or "),
-        };
-        all.into_iter().find(|&value| name(value) == text).ok_or_else(wrong)
+    fn section<T: Table>(&mut self, path: &str) -> Result<T, SettingsError> {
+        recall(path, |key| self.text(key), wrong)
     }
 
     /// An entry that nobody has asked for is a setting that would be lost.
     fn nothing_else(&self) -> Result<(), SettingsError> {
-        match self.metadata.iter().find(|(key, _)| !self.used.contains(&key.as_str())) {
+        match self.metadata.iter().find(|(key, _)| !self.used.contains(key)) {
             Some((key, value)) => Err(SettingsError::Unknown { key: key.clone(), value: value.clone() }),
             None => Ok(()),
         }

@@ -259,7 +259,7 @@ fn what_cannot_be_simulated_again_is_bad_input() {
     let with =
         |metadata: &dyn Fn(&mut Entries), parts: &[&str]| refused(&Changes { metadata, ..Changes::default() }, parts);
     with(&set("integrator_zeal", "11"), &["integrator_zeal", "does not know"]);
-    with(&set("integrator_rtol", "lots"), &["integrator_rtol", "lots", "a number above 0"]);
+    with(&set("integrator_rtol", "lots"), &["integrator_rtol", "lots", "a number between 0 and 1"]);
     with(&set("duration_s", "inf"), &["duration_s", "a number above 0"]);
     with(&set("integrator_method", "euler"), &["\"rodas5p\" or \"radau5\""]);
     with(&set("model", "wooden"), &["\"analytic\" or \"engine\""]);

@@ -77,7 +77,7 @@ impl Field {
     /// Name of its column: the path with the unit of its SI value.
     pub fn column(&self) -> String {
         match self.holds {
-            Holds::Quantity(dimension) => format!("{}_{}", self.path, suffix(dimension)),
+            Holds::Quantity(dimension) => format!("{}_{}", self.path, dimension.suffix()),
             _ => self.path.clone(),
         }
     }
@@ -206,26 +206,4 @@ fn paths(schema: &Json, path: &str, found: &mut Vec<String>) {
 
 pub fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
-}
-
-/// The SI unit of a dimension at the end of a name.
-fn suffix(dimension: Dimension) -> &'static str {
-    match dimension {
-        Dimension::Length => "m",
-        Dimension::Angle => "rad",
-        Dimension::Time => "s",
-        Dimension::Mass => "kg",
-        Dimension::Force => "n",
-        Dimension::Torque => "n_m",
-        Dimension::Speed => "m_s",
-        Dimension::AngularRate => "rad_s",
-        Dimension::Acceleration => "m_s2",
-        Dimension::Density => "kg_m3",
-        Dimension::Inertia => "kg_m2",
-        Dimension::Frequency => "hz",
-        Dimension::Pressure => "pa",
-        Dimension::AngularStiffness => "n_m_per_rad",
-        Dimension::LinearDamping => "n_s_per_m",
-        Dimension::AngularDamping => "n_m_s_per_rad",
-    }
 }

@@ -1,6 +1,6 @@
 //! A scene of kind "bodies": discs and a half plane instead of a finger, to see the contact laws by themselves.
 
-use super::{Engine, Integrator, LogRates};
+use super::{BodiesBounds, Engine, Integrator, LogRates};
 use crate::law::ContactLaw;
 
 /// A resolved scene of discs, in SI: everything a model needs. At least one disc moves, and names differ.
@@ -57,21 +57,6 @@ pub enum DiscMotion {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
     pub level_m: f64,
-}
-
-/// How far the engine model may be from the analytic one before `phalanx validate` says no.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodiesBounds {
-    /// Largest difference of a disc's centre over the run.
-    pub position_m: f64,
-    /// Largest difference of a first touch-down.
-    pub contact_time_s: f64,
-    /// Largest relative difference of the normal impulse of a pair over the run.
-    pub impulse: f64,
-    /// Largest relative difference of the largest normal force of a pair.
-    pub peak_force: f64,
-    /// Compared up to here; the run's duration unless said.
-    pub until_s: f64,
 }
 
 /// Two surfaces that may meet; the first is a disc that moves.

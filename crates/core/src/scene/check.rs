@@ -7,7 +7,7 @@ use super::error::Problem;
 use super::kinds::Kind;
 
 /// Which numbers are allowed.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Bound {
     pub allowed: fn(f64) -> bool,
     pub text: &'static str,
@@ -53,6 +53,10 @@ impl<'a> Checker<'a> {
         self.problems.push(Problem { span, message: message.into(), label: label.into(), help: help.into() });
     }
 
+    pub fn extend(&mut self, problems: Vec<Problem>) {
+        self.problems.extend(problems);
+    }
+
     /// The value of a key; `None` if it is left out or (then that is noted) wrong.
     pub fn get<K: Kind>(&mut self, key: &str, entry: &Entry<K>) -> Option<K::Value> {
         let given = entry.given.as_ref()?;
@@ -70,10 +74,14 @@ impl<'a> Checker<'a> {
         if (bound.allowed)(value) {
             return Some(value);
         }
-        let message = format!("`{key}` is {}, but must be {}", self.quoted(entry.span()), bound.text);
-        let help = format!("give a value {}", bound.text);
-        self.push(entry.span(), message, "not allowed", help);
+        self.beyond(key, entry.span(), bound);
         None
+    }
+
+    /// Notes that a number is not within bounds.
+    pub fn beyond(&mut self, key: &str, span: Option<Range<usize>>, bound: Bound) {
+        let message = format!("`{key}` is {}, but must be {}", self.quoted(span.clone()), bound.text);
+        self.push(span, message, "not allowed", format!("give a value {}", bound.text));
     }
 
     /// A number within bounds, or its default.
@@ -109,9 +117,13 @@ impl<'a> Checker<'a> {
     /// Refuses a key that would have no effect.
     pub fn unused<K>(&mut self, key: &str, entry: &Entry<K>, why: &str) {
         if entry.is_given() {
-            let message = format!("`{key}` has no effect {why}");
-            self.push(entry.span(), message, "no effect", "remove it, or change what it depends on");
+            self.unused_at(key, entry.span(), why);
         }
+    }
+
+    /// Notes that a key has no effect.
+    pub fn unused_at(&mut self, key: &str, span: Option<Range<usize>>, why: &str) {
+        self.push(span, format!("`{key}` has no effect {why}"), "no effect", "remove it, or change what it depends on");
     }
 
     /// The text at a place of the file, without quotes.

@@ -1,6 +1,7 @@
 //! What a key may hold: quantities of one dimension, numbers, words of a closed list, pairs and lists.
 
 use std::marker::PhantomData;
+use std::mem::discriminant;
 
 use schemars::{Schema, json_schema};
 use toml::Spanned;
@@ -159,6 +160,11 @@ impl Kind for Number {
 #[derive(Debug)]
 pub struct Count;
 
+impl Count {
+    /// What a scene can say: TOML has no larger numbers.
+    pub const MOST: u64 = i64::MAX as u64;
+}
+
 impl Kind for Count {
     type Value = u64;
     const NAME: &'static str = "Count";
@@ -189,7 +195,7 @@ impl Kind for Count {
 pub struct Sweeps;
 
 impl Sweeps {
-    const MOST: u32 = 10_000;
+    pub const MOST: u32 = 10_000;
 }
 
 impl Kind for Sweeps {
@@ -265,12 +271,12 @@ impl Kind for Text {
 }
 
 /// A type written as one word of a closed list.
-pub trait Words: Copy + PartialEq + 'static {
+pub trait Words: Clone + 'static {
     const WORDS: &'static [(&'static str, Self)];
 
-    /// The word of a value; every value has one.
-    fn word(self) -> &'static str {
-        Self::WORDS.iter().find(|(_, v)| *v == self).map_or("", |(w, _)| w)
+    /// The word of a value, whatever else the value holds; every value has one.
+    fn word(&self) -> &'static str {
+        Self::WORDS.iter().find(|(_, v)| discriminant(v) == discriminant(self)).map_or("", |(w, _)| w)
     }
 }
 
@@ -284,7 +290,7 @@ impl<W: Words> Kind for Choice<W> {
 
     fn read(key: &str, value: &Spanned<Any>) -> Result<W, Vec<Problem>> {
         let words: Vec<&str> = W::WORDS.iter().map(|(word, _)| *word).collect();
-        word(key, value, &words).map(|index| W::WORDS[index].1)
+        word(key, value, &words).map(|index| W::WORDS[index].1.clone())
     }
 
     fn schema() -> Schema {

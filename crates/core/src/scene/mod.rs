@@ -7,6 +7,7 @@
 //! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
 //! | `text`, `keys` | text → raw, unknown keys |
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
+//! | `table` | settings: every key with its kind, default, range and use |
 //! | `resolve`, `defaults` | raw → [`Scene`] or [`BodiesScene`], physics checked |
 //! | `show` | either → a complete scene file |
 //! | `template` | what all designs of a study have in common |
@@ -29,20 +30,24 @@ mod resolve;
 pub mod schema;
 mod show;
 mod suggest;
+pub mod table;
 mod template;
 pub mod text;
 mod torque;
 pub mod words;
 
-pub use bodies::{AnyScene, BodiesBounds, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
+pub use bodies::{AnyScene, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use compose::{Layer, extended, parse_layers};
-pub use defaults::ENGINE_MAX_STEP_S;
 pub use error::{Problem, SceneError};
 pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
 pub use kinds::Words;
 pub use schema::schema;
 pub use show::{show, show_any, show_bodies, show_written};
 pub use suggest::nearest;
+pub use table::bounds::{BodiesBounds, Bounds};
+pub use table::engine::{Construction, ENGINE_MAX_STEP_S, Engine, Response, Stepping};
+pub use table::integrator::{Integrator, Method, Preset};
+pub use table::log::{LogExcess, LogRates};
 pub use template::Template;
 pub use text::{parse, parse_any, parse_template};
 pub use torque::{next_corner, scaled, torque};
@@ -50,7 +55,6 @@ pub use torque::{next_corner, scaled, torque};
 use crate::gripper::{Circle, Finger};
 pub use crate::gripper::{Placement, Spring, SpringKind};
 use crate::law::{ContactLaw, NormalLaw};
-use crate::limits::{MOST_PICTURES, MOST_SAMPLES};
 
 /// A resolved scene: everything a model needs, in SI.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,136 +154,4 @@ pub struct Initial {
     pub q21_rad: f64,
     pub qd11_rad_s: f64,
     pub qd21_rad_s: f64,
-}
-
-/// Integrator of the analytic model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Integrator {
-    pub preset: Preset,
-    pub method: Method,
-    /// Relative tolerance (of rates only: angles have an absolute tolerance).
-    pub rtol: f64,
-    pub atol_angle_rad: f64,
-    pub atol_rate_rad_s: f64,
-    /// Step budget; a run that needs more ends with an error and keeps its log.
-    pub max_steps: u64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Preset {
-    Engineering,
-    Reference,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    Rodas5p,
-    RadauIIa5,
-}
-
-/// How the engine model is built and stepped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Engine {
-    pub construction: Construction,
-    pub response: Response,
-    pub stepping: Stepping,
-    /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
-    pub iterations: u32,
-    /// Step budget; a run that needs more ends with an error and keeps its log.
-    pub max_steps: u64,
-}
-
-/// Coordinates of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Construction {
-    /// Every body moves freely, every joint is a constraint between two of them: second order.
-    Maximal,
-    /// A tree of joints in its own coordinates, closed by one constraint: first order.
-    Reduced,
-}
-
-/// What answers when bodies of the engine model touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Response {
-    /// The scene's contact laws, through the contact-force hook.
-    Laws,
-    /// rapier's own rigid contact, with its Coulomb friction and Newton restitution.
-    Rapier { friction: f64, restitution: f64 },
-}
-
-/// Step sizes of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stepping {
-    Fixed {
-        step_s: f64,
-    },
-    /// Steps in which no joint strays further than `tolerance_m` from its arc; shorter around impacts.
-    Adaptive {
-        tolerance_m: f64,
-        max_step_s: f64,
-    },
-}
-
-/// How far the engine model may be from the analytic one before `phalanx validate` says no.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Largest difference of any joint angle over the run.
-    pub angle_rad: f64,
-    /// Largest difference of a first touch-down.
-    pub contact_time_s: f64,
-    /// Largest relative difference of a normal force at the end.
-    pub final_force: f64,
-    /// Largest relative difference of the normal impulse of an impact.
-    pub impulse: f64,
-    /// Largest opening of a joint of the engine model.
-    pub loop_gap_m: f64,
-    /// Trajectories are compared up to here (rebounds beyond may be chaotic); the run's duration unless said.
-    pub until_s: f64,
-}
-
-/// How often the log gets a sample, besides every integrator step within an impact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LogRates {
-    pub numeric_hz: f64,
-    /// How often it gets a picture for 3-D views; 0 for none.
-    pub picture_hz: f64,
-}
-
-/// A log that would be larger than anybody can use.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "{:.0} {} (a rate of {:e} Hz over {} s) are more than the {:e} that a log takes",
-    .rate_hz * .duration_s, if *.pictures { "pictures" } else { "samples" }, .rate_hz, .duration_s, .most
-)]
-pub struct LogExcess {
-    /// Of pictures, or else of numbers.
-    pub pictures: bool,
-    pub rate_hz: f64,
-    pub duration_s: f64,
-    pub most: f64,
-}
-
-impl LogExcess {
-    /// The largest rate for this run, as a scene says it.
-    pub fn remedy(&self) -> String {
-        let key = if self.pictures { "picture_rate" } else { "numeric_rate" };
-        format!("{key} = \"{}\"", self.remedy_rate())
-    }
-
-    /// The largest rate for this run, rounded down to one digit.
-    pub fn remedy_rate(&self) -> String {
-        let rate_hz = self.most / self.duration_s;
-        let digit = 10f64.powf(rate_hz.log10().floor());
-        format!("{:e} Hz", (rate_hz / digit).floor() * digit)
-    }
-}
-
-impl LogRates {
-    /// What there would be too much of in a run of this length, if anything.
-    pub fn excess(&self, duration_s: f64) -> Option<LogExcess> {
-        let of = |pictures, rate_hz, most| LogExcess { pictures, rate_hz, duration_s, most };
-        [of(false, self.numeric_hz, MOST_SAMPLES), of(true, self.picture_hz, MOST_PICTURES)]
-            .into_iter()
-            .find(|excess| excess.rate_hz * duration_s > excess.most)
-    }
 }

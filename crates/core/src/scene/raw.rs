@@ -5,11 +5,12 @@ use serde::Deserialize;
 
 use super::entry::{Entry, Section};
 use super::kinds::{
-    Acceleration, Angle, AngularDamping, AngularRate, AngularStiffness, Choice, Count, Density, Flag, Frequency,
-    Inertia, Length, LinearDamping, List, Mass, Number, Pair, Pressure, Speed, Sweeps, Text, Time, Torque,
+    Acceleration, Angle, AngularDamping, AngularRate, AngularStiffness, Choice, Density, Flag, Inertia, Length,
+    LinearDamping, List, Mass, Number, Pair, Pressure, Speed, Text, Time, Torque,
 };
-use super::words::{EngineLaw, MotorProfile, SceneKind, SpringType, StepSizes};
-use super::{Construction, Interpolation, Method, Placement, Preset};
+use super::table::keys::Keys;
+use super::words::{MotorProfile, SceneKind, SpringType};
+use super::{Bounds, Engine, Integrator, Interpolation, LogRates, Placement};
 use crate::gripper::Assembly;
 use crate::sizing::Rule;
 
@@ -62,10 +63,10 @@ pub struct RawScene {
     pub limit: Section<RawLimit>,
     pub contact: Section<RawContact>,
     pub initial: Section<RawInitial>,
-    pub integrator: Section<RawIntegrator>,
-    pub engine: Section<RawEngine>,
-    pub validate: Section<RawValidate>,
-    pub log: Section<RawLog>,
+    pub integrator: Section<Keys<Integrator>>,
+    pub engine: Section<Keys<Engine>>,
+    pub validate: Section<Keys<Bounds>>,
+    pub log: Section<Keys<LogRates>>,
 }
 
 /// The finger by the few free numbers of a design, made for the object. Either this or [lengths].
@@ -310,95 +311,4 @@ pub struct RawInitial {
     pub qd11: Entry<AngularRate>,
     #[schemars(extend("default" = "0 rad/s"))]
     pub qd21: Entry<AngularRate>,
-}
-
-/// How the equations of motion are integrated. Keys left out follow the preset.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawIntegrator {
-    /// "engineering" for everyday runs, "reference" for comparisons.
-    #[schemars(extend("default" = "engineering"))]
-    pub preset: Entry<Choice<Preset>>,
-    pub method: Entry<Choice<Method>>,
-    /// Relative tolerance of rates.
-    pub rtol: Entry<Number>,
-    /// Absolute tolerance of angles; of places of discs the same number in m.
-    pub atol_angle: Entry<Angle>,
-    /// Absolute tolerance of rates; of velocities of discs the same number in m/s.
-    pub atol_rate: Entry<AngularRate>,
-    /// Steps after which a run is given up.
-    #[schemars(extend("default" = 10_000_000))]
-    pub max_steps: Entry<Count>,
-}
-
-/// How the engine model is built and stepped.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawEngine {
-    /// "maximal": every body moves freely, every joint is a constraint; "reduced": a tree of joints in its own
-    /// coordinates, closed by one constraint (a scene of discs has no joints: "maximal" only).
-    #[schemars(extend("default" = "maximal"))]
-    pub construction: Entry<Choice<Construction>>,
-    /// What answers when bodies touch: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
-    #[schemars(extend("default" = "scene"))]
-    pub law: Entry<Choice<EngineLaw>>,
-    /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the
-    /// proximal one of a finger).
-    pub friction: Entry<Number>,
-    /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
-    #[schemars(extend("default" = 0.0))]
-    pub restitution: Entry<Number>,
-    /// "adaptive": steps as long as the joints allow, shorter around impacts; "fixed": all of size `step`.
-    #[schemars(extend("default" = "adaptive"))]
-    pub stepping: Entry<Choice<StepSizes>>,
-    /// Size of every step. Required with, and only with, stepping = "fixed".
-    pub step: Entry<Time>,
-    /// How far a joint may stray from its arc in one step, because bodies move straight on (stepping = "adaptive").
-    #[schemars(extend("default" = "1e-4 mm"))]
-    pub tolerance: Entry<Length>,
-    /// Longest step (stepping = "adaptive").
-    #[schemars(extend("default" = "60 us"))]
-    pub max_step: Entry<Time>,
-    /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
-    pub iterations: Entry<Sweeps>,
-    /// Steps after which a run is given up.
-    #[schemars(extend("default" = 10_000_000))]
-    pub max_steps: Entry<Count>,
-}
-
-/// How far the engine model may be from the analytic one before `phalanx validate` says no.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawValidate {
-    /// Difference of any joint angle, over the run up to `until`.
-    #[schemars(extend("default" = "2e-5 rad"))]
-    pub angle: Entry<Angle>,
-    /// Difference of the times a phalanx first touches the object.
-    #[schemars(extend("default" = "0.5 us"))]
-    pub contact_time: Entry<Time>,
-    /// Relative difference of a normal force at the end.
-    #[schemars(extend("default" = 1e-4))]
-    pub final_force: Entry<Number>,
-    /// Relative difference of the normal impulse of an impact.
-    #[schemars(extend("default" = 5e-3))]
-    pub impulse: Entry<Number>,
-    /// Opening of a joint of the engine model.
-    #[schemars(extend("default" = "1e-4 mm"))]
-    pub loop_gap: Entry<Length>,
-    /// End of the comparison of trajectories, at most the duration: rebounds beyond may be chaotic. Default: the
-    /// duration.
-    pub until: Entry<Time>,
-}
-
-/// What is logged.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawLog {
-    /// Samples a second of simulated time; impacts are logged at every step besides.
-    #[schemars(extend("default" = "10 kHz"))]
-    pub numeric_rate: Entry<Frequency>,
-    /// Pictures (frames, force arrows) a second of simulated time for 3-D views; they are drawn at samples, so no more often
-    /// than these. 0: none.
-    #[schemars(extend("default" = "5 kHz"))]
-    pub picture_rate: Entry<Frequency>,
 }

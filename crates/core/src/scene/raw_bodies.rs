@@ -11,8 +11,10 @@ use super::entry::{Entry, Section};
 use super::kinds::{
     Acceleration, AngularRate, Choice, Flag, Inertia, Length, LinearDamping, Mass, Number, Pair, Speed, Text, Time,
 };
-use super::raw::{RawEngine, RawFriction, RawIntegrator, RawLog};
+use super::raw::RawFriction;
+use super::table::keys::Keys;
 use super::words::{Motion, SceneKind};
+use super::{BodiesBounds, Engine, Integrator, LogRates};
 
 /// A scene of kind "bodies": discs that are fixed, driven or free, and a half plane, to see the contact laws by
 /// themselves. A scene says only what differs from the defaults. Quantities are texts with a unit: "15 mm", "0.3 m/s".
@@ -38,10 +40,10 @@ pub struct RawBodiesScene {
     pub discs: Section<RawDiscs>,
     pub half_plane: Section<RawHalfPlane>,
     pub contact: Section<RawBodiesContact>,
-    pub integrator: Section<RawIntegrator>,
-    pub engine: Section<RawEngine>,
-    pub validate: Section<RawBodiesValidate>,
-    pub log: Section<RawLog>,
+    pub integrator: Section<Keys<Integrator>>,
+    pub engine: Section<Keys<Engine>>,
+    pub validate: Section<Keys<BodiesBounds>>,
+    pub log: Section<Keys<LogRates>>,
 }
 
 /// Discs by their names.
@@ -121,24 +123,4 @@ pub struct RawBodiesContact {
     #[schemars(extend("default" = "10 um"))]
     pub transition: Entry<Length>,
     pub friction: Section<RawFriction>,
-}
-
-/// How far the engine model may be from the analytic one before `phalanx validate` says no.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawBodiesValidate {
-    /// Distance between the centres of a disc in both models, over the run up to `until`.
-    #[schemars(extend("default" = "1 um"))]
-    pub position: Entry<Length>,
-    /// Difference of the times two surfaces first touch.
-    #[schemars(extend("default" = "0.5 us"))]
-    pub contact_time: Entry<Time>,
-    /// Relative difference of the normal impulse of a pair, over the run up to `until`.
-    #[schemars(extend("default" = 5e-3))]
-    pub impulse: Entry<Number>,
-    /// Relative difference of the largest normal force of a pair.
-    #[schemars(extend("default" = 1e-2))]
-    pub peak_force: Entry<Number>,
-    /// End of the comparison, at most the duration: rebounds beyond may be chaotic. Default: the duration.
-    pub until: Entry<Time>,
 }

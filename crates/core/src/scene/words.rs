@@ -1,7 +1,7 @@
 //! The words of a scene file and what they stand for.
 
 use super::kinds::Words;
-use super::{Construction, Interpolation, Method, Placement, Preset};
+use super::{Interpolation, Placement};
 use crate::gripper::Assembly;
 use crate::sizing::Rule;
 
@@ -36,20 +36,6 @@ pub enum SpringType {
     Constant,
     Torsional,
     None,
-}
-
-/// What answers when bodies of the engine model touch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EngineLaw {
-    Scene,
-    Rapier,
-}
-
-/// Step sizes of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepSizes {
-    Adaptive,
-    Fixed,
 }
 
 impl Words for SceneKind {
@@ -96,26 +82,4 @@ impl Words for Placement {
         (Placement::GroundLinks.name(), Placement::GroundLinks),
         (Placement::CouplerDistal.name(), Placement::CouplerDistal),
     ];
-}
-
-impl Words for Preset {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("engineering", Preset::Engineering), ("reference", Preset::Reference)];
-}
-
-impl Words for Method {
-    const WORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
-}
-
-impl Words for Construction {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("maximal", Construction::Maximal), ("reduced", Construction::Reduced)];
-}
-
-impl Words for EngineLaw {
-    const WORDS: &'static [(&'static str, Self)] = &[("scene", EngineLaw::Scene), ("rapier", EngineLaw::Rapier)];
-}
-
-impl Words for StepSizes {
-    const WORDS: &'static [(&'static str, Self)] = &[("adaptive", StepSizes::Adaptive), ("fixed", StepSizes::Fixed)];
 }

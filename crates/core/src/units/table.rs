@@ -134,6 +134,28 @@ impl Dimension {
         }
     }
 
+    /// The SI unit at the end of a name.
+    pub const fn suffix(self) -> &'static str {
+        match self {
+            Dimension::Length => "m",
+            Dimension::Angle => "rad",
+            Dimension::Time => "s",
+            Dimension::Mass => "kg",
+            Dimension::Force => "n",
+            Dimension::Torque => "n_m",
+            Dimension::Speed => "m_s",
+            Dimension::AngularRate => "rad_s",
+            Dimension::Acceleration => "m_s2",
+            Dimension::Density => "kg_m3",
+            Dimension::Inertia => "kg_m2",
+            Dimension::Frequency => "hz",
+            Dimension::Pressure => "pa",
+            Dimension::AngularStiffness => "n_m_per_rad",
+            Dimension::LinearDamping => "n_s_per_m",
+            Dimension::AngularDamping => "n_m_s_per_rad",
+        }
+    }
+
     /// Accepted units; the first is the SI one.
     pub const fn units(self) -> &'static [Unit] {
         match self {

@@ -1,12 +1,14 @@
 //! A scene of discs.
 
 use super::super::check::{ANY, Checker};
+use super::super::entry::Section;
 use super::super::error::Problem;
-use super::super::raw::RawEngine;
 use super::super::raw_bodies::RawBodiesScene;
-use super::super::{BodiesScene, Construction, DiscMotion, Engine, HalfPlane};
+use super::super::table::keys::Keys;
+use super::super::table::{Table, read};
+use super::super::{BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator};
 use super::disc::{Placed, disc, judge_starts};
-use super::{Heading, contact, engine, heading, log, run};
+use super::{Heading, contact, heading, run};
 use crate::limits::MOST_DISCS;
 
 const NO_GRAVITY_M_S2: [f64; 2] = [0.0, 0.0];
@@ -22,18 +24,18 @@ pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Resu
         .is_given()
         .then(|| HalfPlane { level_m: c.number_or("half_plane.level", &raw.half_plane.level, ANY, 0.0) });
     let contact = contact::contact(&mut c, &raw.contact);
-    let integrator = run::integrator(&mut c, &raw.integrator);
+    let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
     let mu_static = contact.map(|law| law.friction.map_or(0.0, |law| law.mu_static));
-    let engine = engine::engine(&mut c, &raw.engine, mu_static);
+    let engine = run::engine(&mut c, &raw.engine, mu_static);
     refuse_joints(&mut c, &raw.engine, engine);
-    let bounds = engine::bodies_bounds(&mut c, &raw.validate, duration);
-    let log = log(&mut c, &raw.log, duration);
+    let bounds = run::bodies_bounds(&mut c, &raw.validate, duration);
+    let log = run::log(&mut c, &raw.log, duration);
     // Starts are judged only if everything they stand on is sound.
     if let (Some(discs), true) = (&discs, c.is_clean()) {
         judge_starts(&mut c, discs, half_plane);
     }
-    match (discs, contact, duration.zip(engine)) {
-        (Some(discs), Some(contact), Some((duration_s, engine))) if c.is_clean() => Ok(BodiesScene {
+    match (discs, contact, duration) {
+        (Some(discs), Some(contact), Some(duration_s)) if c.is_clean() => Ok(BodiesScene {
             name,
             description,
             source: c.text.to_string(),
@@ -87,10 +89,10 @@ fn discs(c: &mut Checker<'_>, raw: &RawBodiesScene, gravity_m_s2: [f64; 2]) -> O
 }
 
 /// The other construction is one of joints.
-fn refuse_joints(c: &mut Checker<'_>, raw: &RawEngine, engine: Option<Engine>) {
-    if engine.is_some_and(|engine| engine.construction == Construction::Reduced) {
+fn refuse_joints(c: &mut Checker<'_>, raw: &Section<Keys<Engine>>, engine: Engine) {
+    if engine.construction == Construction::Reduced {
         c.push(
-            raw.construction.span(),
+            raw.span("construction"),
             "`engine.construction` is \"reduced\", but a scene of discs has no joints to make coordinates of",
             "no joints",
             "leave it out: every disc moves freely in the engine",

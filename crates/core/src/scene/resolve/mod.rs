@@ -6,7 +6,6 @@ mod bodies;
 mod contact;
 mod disc;
 mod drive;
-mod engine;
 mod finger;
 mod object;
 mod run;
@@ -19,14 +18,15 @@ pub use template::template;
 
 use std::path::Path;
 
-use super::check::{Checker, NOT_NEGATIVE, POSITIVE};
+use super::check::{Checker, POSITIVE};
 use super::defaults;
 use super::entry::Entry;
 use super::error::Problem;
 use super::kinds::{Choice, Text, Time};
-use super::raw::{RawLog, RawScene};
+use super::raw::RawScene;
+use super::table::{Table, read};
 use super::words::SceneKind;
-use super::{LogRates, Scene};
+use super::{Integrator, Scene};
 
 /// Resolves the scene of a finger; `file_name` gives its default name.
 pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
@@ -44,23 +44,23 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let spring = drive::spring(&mut c, raw, sized);
     let limit = contact::limit(&mut c, &raw.limit);
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
-    let integrator = run::integrator(&mut c, &raw.integrator);
+    let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
     let mu_static = contact.map(|contacts| contacts.proximal.friction.map_or(0.0, |law| law.mu_static));
-    let engine = engine::engine(&mut c, &raw.engine, mu_static);
-    let bounds = engine::bounds(&mut c, &raw.validate, duration);
-    let log = log(&mut c, &raw.log, duration);
+    let engine = run::engine(&mut c, &raw.engine, mu_static);
+    let bounds = run::bounds(&mut c, &raw.validate, duration);
+    let log = run::log(&mut c, &raw.log, duration);
     // The start is judged only if what it stands on is sound.
     let sound = finger.zip(object).zip(limit);
     let initial = start::initial(&mut c, raw, &plan, sound);
 
-    let run = duration.zip(engine).zip(initial);
+    let run = duration.zip(initial);
     match (sound, actuation, spring, contact, run) {
         (
             Some(((finger, object), limit)),
             Some(actuation),
             Some(spring),
             Some(contact),
-            Some(((duration_s, engine), initial)),
+            Some((duration_s, initial)),
         ) if c.is_clean() => Ok(Scene {
             name,
             description,
@@ -118,18 +118,6 @@ fn heading(
             false => Some(defaults::DURATION_S),
         },
     }
-}
-
-fn log(c: &mut Checker<'_>, raw: &RawLog, duration_s: Option<f64>) -> LogRates {
-    let numeric_hz = c.number_or("log.numeric_rate", &raw.numeric_rate, POSITIVE, defaults::NUMERIC_RATE_HZ);
-    let picture_hz = c.number_or("log.picture_rate", &raw.picture_rate, NOT_NEGATIVE, defaults::PICTURE_RATE_HZ);
-    let rates = LogRates { numeric_hz, picture_hz };
-    if let Some(excess) = duration_s.and_then(|duration_s| rates.excess(duration_s)) {
-        let span = if excess.pictures { raw.picture_rate.span() } else { raw.numeric_rate.span() };
-        let help = format!("say `{}` in [log], or shorten the run", excess.remedy());
-        c.push(span, excess.to_string(), "too many", help);
-    }
-    rates
 }
 
 /// The file's name without its extension.

@@ -1,22 +1,59 @@
-//! How the simulation is run.
+//! How a scene is run: what its settings have to do with the rest of it.
 
-use super::super::check::{Bound, Checker, POSITIVE};
-use super::super::raw::RawIntegrator;
-use super::super::{Integrator, Preset};
+use std::ops::Range;
 
-const RTOL: Bound = Bound { allowed: |x| x > 0.0 && x < 1.0, text: "between 0 and 1, both excluded" };
+use super::super::check::Checker;
+use super::super::entry::Section;
+use super::super::table::Table;
+use super::super::table::keys::Keys;
+use super::super::table::read;
+use super::super::{BodiesBounds, Bounds, Engine, LogRates, Response, defaults};
+use crate::units::{Dimension, format};
 
-/// Integrator: the preset, and what the scene sets otherwise.
-pub fn integrator(c: &mut Checker<'_>, raw: &RawIntegrator) -> Integrator {
-    let preset = c.or("integrator.preset", &raw.preset, Preset::Engineering);
-    let base = Integrator::preset(preset);
-    // Absolute tolerances that are not given follow the relative one.
-    let base = base.with_rtol(c.number_or("integrator.rtol", &raw.rtol, RTOL, base.rtol));
-    Integrator {
-        method: c.or("integrator.method", &raw.method, base.method),
-        atol_angle_rad: c.number_or("integrator.atol_angle", &raw.atol_angle, POSITIVE, base.atol_angle_rad),
-        atol_rate_rad_s: c.number_or("integrator.atol_rate", &raw.atol_rate, POSITIVE, base.atol_rate_rad_s),
-        max_steps: c.or("integrator.max_steps", &raw.max_steps, base.max_steps),
-        ..base
+/// The engine model; rapier's friction is `mu_static`, that of the scene's contact, unless given.
+pub fn engine(c: &mut Checker<'_>, raw: &Section<Keys<Engine>>, mu_static: Option<f64>) -> Engine {
+    let mut engine = read(c, "engine", raw, Engine::DEFAULT);
+    if let (Response::Rapier { friction, .. }, Some(mu_static), None) =
+        (&mut engine.response, mu_static, raw.get("friction"))
+    {
+        *friction = mu_static;
     }
+    engine
+}
+
+/// Bounds of the validation, judged even where the duration is wrong (`None`): only the end of the comparison needs it.
+pub fn bounds(c: &mut Checker<'_>, raw: &Section<Keys<Bounds>>, duration_s: Option<f64>) -> Bounds {
+    let bounds = read(c, "validate", raw, Bounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
+    judge_until(c, raw.span("until"), bounds.until_s, duration_s);
+    bounds
+}
+
+/// The same for a scene of discs.
+pub fn bodies_bounds(c: &mut Checker<'_>, raw: &Section<Keys<BodiesBounds>>, duration_s: Option<f64>) -> BodiesBounds {
+    let bounds = read(c, "validate", raw, BodiesBounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
+    judge_until(c, raw.span("until"), bounds.until_s, duration_s);
+    bounds
+}
+
+/// End of the comparison.
+fn judge_until(c: &mut Checker<'_>, span: Option<Range<usize>>, until_s: f64, duration_s: Option<f64>) {
+    let Some(duration_s) = duration_s.filter(|duration_s| until_s > *duration_s) else { return };
+    let (until, duration) = (format(until_s, Dimension::Time), format(duration_s, Dimension::Time));
+    c.push(
+        span,
+        format!("`validate.until` is {until}, but must be at most the duration of {duration}"),
+        "after the end",
+        "lower it, raise `duration`, or leave it out: it is the duration then",
+    );
+}
+
+/// What is logged, and whether a log takes it.
+pub fn log(c: &mut Checker<'_>, raw: &Section<Keys<LogRates>>, duration_s: Option<f64>) -> LogRates {
+    let rates = read(c, "log", raw, LogRates::usual());
+    if let Some(excess) = duration_s.and_then(|duration_s| rates.excess(duration_s)) {
+        let span = raw.span(if excess.pictures { "picture_rate" } else { "numeric_rate" });
+        let help = format!("say `{}` in [log], or shorten the run", excess.remedy());
+        c.push(span, excess.to_string(), "too many", help);
+    }
+    rates
 }

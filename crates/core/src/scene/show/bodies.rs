@@ -1,10 +1,11 @@
 //! A scene of discs.
 
 use super::super::kinds::Words;
+use super::super::table::show as show_table;
 use super::super::words::{Motion, SceneKind};
 use super::super::{BodiesBounds, BodiesScene, DiscMotion, NamedDisc};
 use super::out::Out;
-use super::parts::{contact, engine, heading, integrator, log};
+use super::parts::{contact, heading};
 use crate::units::Dimension;
 
 /// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
@@ -24,10 +25,12 @@ pub(super) fn shown(scene: &BodiesScene, mut out: Out) -> String {
         out.quantity("level", plane.level_m, Dimension::Length);
     }
     contact(&mut out, "contact", &scene.contact);
-    integrator(&mut out, &scene.integrator);
-    engine(&mut out, &scene.engine);
-    validate(&mut out, &scene.bounds, scene.duration_s);
-    log(&mut out, scene.log);
+    show_table(&mut out, "integrator", &scene.integrator);
+    show_table(&mut out, "engine", &scene.engine);
+    // A program may have shortened the run.
+    let until_s = scene.bounds.until_s.min(scene.duration_s);
+    show_table(&mut out, "validate", &BodiesBounds { until_s, ..scene.bounds });
+    show_table(&mut out, "log", &scene.log);
     out.text
 }
 
@@ -54,14 +57,4 @@ fn disc(out: &mut Out, NamedDisc { name, radius_m, centre_m, motion }: &NamedDis
             }
         }
     }
-}
-
-fn validate(out: &mut Out, bounds: &BodiesBounds, duration_s: f64) {
-    out.section("validate");
-    out.quantity("position", bounds.position_m, Dimension::Length);
-    out.quantity("contact_time", bounds.contact_time_s, Dimension::Time);
-    out.float("impulse", bounds.impulse);
-    out.float("peak_force", bounds.peak_force);
-    // A program may have shortened the run.
-    out.quantity("until", bounds.until_s.min(duration_s), Dimension::Time);
 }

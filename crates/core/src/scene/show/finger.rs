@@ -1,10 +1,11 @@
 //! The scene of a finger.
 
 use super::super::kinds::Words;
+use super::super::table::show as show_table;
 use super::super::words::SceneKind;
 use super::super::{Actuation, Bounds, Scene, SpringKind};
 use super::out::Out;
-use super::parts::{contact, engine, heading, integrator, log};
+use super::parts::{contact, heading};
 use crate::gripper::Body;
 use crate::units::Dimension;
 
@@ -135,19 +136,10 @@ fn run(out: &mut Out, scene: &Scene) {
     out.quantity("q21", start.q21_rad, Dimension::Angle);
     out.quantity("qd11", start.qd11_rad_s, Dimension::AngularRate);
     out.quantity("qd21", start.qd21_rad_s, Dimension::AngularRate);
-    integrator(out, &scene.integrator);
-    engine(out, &scene.engine);
-    validate(out, &scene.bounds, scene.duration_s);
-    log(out, scene.log);
-}
-
-fn validate(out: &mut Out, bounds: &Bounds, duration_s: f64) {
-    out.section("validate");
-    out.quantity("angle", bounds.angle_rad, Dimension::Angle);
-    out.quantity("contact_time", bounds.contact_time_s, Dimension::Time);
-    out.float("final_force", bounds.final_force);
-    out.float("impulse", bounds.impulse);
-    out.quantity("loop_gap", bounds.loop_gap_m, Dimension::Length);
+    show_table(out, "integrator", &scene.integrator);
+    show_table(out, "engine", &scene.engine);
     // A program may have shortened the run.
-    out.quantity("until", bounds.until_s.min(duration_s), Dimension::Time);
+    let until_s = scene.bounds.until_s.min(scene.duration_s);
+    show_table(out, "validate", &Bounds { until_s, ..scene.bounds });
+    show_table(out, "log", &scene.log);
 }

@@ -9,6 +9,7 @@ mod written;
 
 pub use bodies::show_bodies;
 pub use finger::show;
+pub use out::Out;
 pub use written::show_written;
 
 use super::AnyScene;

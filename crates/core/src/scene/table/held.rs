@@ -1,0 +1,139 @@
+//! Kinds of values that a line may hold, and values as they are written.
+
+use serde_json::{Value, json};
+
+use crate::scene::kinds::{Choice, Count, Flag, Kind, Measured, Number, Sweeps, Words};
+use crate::scene::show::Out;
+use crate::units::{self, Dimension};
+
+/// A value of any kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Written {
+    Quantity(f64, Dimension),
+    Number(f64),
+    Whole(u64),
+    Flag(bool),
+    Word(&'static str),
+}
+
+/// A kind of value in the table.
+pub trait Held: Kind {
+    fn written(value: &Self::Value) -> Written;
+
+    /// The value that was [recorded](Written::record) so.
+    fn recall(text: &str) -> Option<Self::Value>;
+
+    /// All values there are, if they are few.
+    fn all() -> Vec<Self::Value> {
+        Vec::new()
+    }
+}
+
+impl Written {
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Written::Quantity(number, _) | Written::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// The SI unit at the end of a name.
+    pub fn suffix(self) -> Option<&'static str> {
+        if let Written::Quantity(_, dimension) = self { Some(dimension.suffix()) } else { None }
+    }
+
+    /// As it would stand in a scene.
+    pub fn json(self) -> Value {
+        match self {
+            Written::Quantity(value, dimension) => units::format(value, dimension).into(),
+            Written::Number(value) => json!(value),
+            Written::Whole(count) => json!(count),
+            Written::Flag(flag) => json!(flag),
+            Written::Word(word) => json!(word),
+        }
+    }
+
+    /// Text that reads back to the same bits.
+    pub fn record(self) -> String {
+        match self {
+            Written::Quantity(value, _) | Written::Number(value) => format!("{value:?}"),
+            Written::Whole(count) => count.to_string(),
+            Written::Flag(flag) => flag.to_string(),
+            Written::Word(word) => word.to_string(),
+        }
+    }
+
+    pub fn show(self, out: &mut Out, key: &str) {
+        match self {
+            Written::Quantity(value, dimension) => out.quantity(key, value, dimension),
+            Written::Number(value) => out.float(key, value),
+            Written::Whole(count) => out.raw(key, count),
+            Written::Flag(flag) => out.raw(key, flag),
+            Written::Word(word) => out.text(key, word),
+        }
+    }
+}
+
+impl<M: Measured> Held for M {
+    fn written(value: &f64) -> Written {
+        Written::Quantity(*value, M::DIMENSION)
+    }
+
+    fn recall(text: &str) -> Option<f64> {
+        Number::recall(text)
+    }
+}
+
+impl Held for Number {
+    fn written(value: &f64) -> Written {
+        Written::Number(*value)
+    }
+
+    fn recall(text: &str) -> Option<f64> {
+        text.parse().ok().filter(|value: &f64| value.is_finite())
+    }
+}
+
+impl Held for Count {
+    fn written(value: &u64) -> Written {
+        Written::Whole(*value)
+    }
+
+    fn recall(text: &str) -> Option<u64> {
+        text.parse().ok().filter(|count| *count >= 1)
+    }
+}
+
+impl Held for Sweeps {
+    fn written(value: &u32) -> Written {
+        Written::Whole((*value).into())
+    }
+
+    fn recall(text: &str) -> Option<u32> {
+        text.parse().ok().filter(|count| (1..=Sweeps::MOST).contains(count))
+    }
+}
+
+impl Held for Flag {
+    fn written(value: &bool) -> Written {
+        Written::Flag(*value)
+    }
+
+    fn recall(text: &str) -> Option<bool> {
+        text.parse().ok()
+    }
+}
+
+impl<W: Words> Held for Choice<W> {
+    fn written(value: &W) -> Written {
+        Written::Word(value.word())
+    }
+
+    fn recall(text: &str) -> Option<W> {
+        W::WORDS.iter().find(|(word, _)| *word == text).map(|(_, value)| value.clone())
+    }
+
+    fn all() -> Vec<W> {
+        W::WORDS.iter().map(|(_, value)| value.clone()).collect()
+    }
+}

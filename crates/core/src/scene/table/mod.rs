@@ -1,0 +1,179 @@
+//! The table of settings: every key of these sections with its kind, its default, what is allowed, and what it is for.
+//!
+//! A section of a scene is a struct, and each of its keys a [`Line`] that says where in the struct its value stands. From the
+//! lines come the JSON Schema, the defaults, the checks with their messages, `scene show`, the log's record of a run, the flags
+//! of the command line and the tables of the documentation. To add a setting is to add a field, its default and a line, in one
+//! file.
+//!
+//! | file | job |
+//! |---|---|
+//! | `line` | a line, and what is done with one |
+//! | `held` | kinds of values: as they are shown, recorded, and read back |
+//! | `keys` | a section as it is written, and its JSON Schema |
+//! | `document` | the whole table as Markdown |
+//! | all others | a section each |
+
+pub mod bounds;
+mod document;
+pub mod engine;
+pub mod held;
+pub mod integrator;
+pub mod keys;
+mod line;
+pub mod log;
+
+use serde_json::Value;
+
+pub use document::markdown;
+pub use line::{About, Field, Line};
+
+use super::check::Checker;
+use super::entry::Section;
+use super::show::Out;
+use held::Written;
+use keys::Keys;
+
+/// A section whose keys are fields of a struct.
+pub trait Table: Clone + 'static {
+    /// What the section is for.
+    const DOC: &'static str;
+    /// Its keys in the order in which they are read and shown: a choice before what has a meaning beside it only.
+    const LINES: &'static [&'static dyn Field<Self>];
+
+    /// The section of a scene that does not have it; not a number where no number is usual.
+    fn usual() -> Self;
+}
+
+/// Makes a struct a [`Table`]: what its section is for and is usually, then its lines: what a key is for, its name, the kind of its
+/// value, where that stands in the struct, and what else is to be said of it.
+macro_rules! lines {
+    (
+        $(#[doc = $doc:literal])+
+        $section:ident = $usual:expr, $s:ident;
+        $($(#[doc = $about:literal])* $key:literal: $kind:ty = $place:expr $(, $and:ident($($with:expr),*))*;)*
+    ) => {
+        impl $crate::scene::table::Table for $section {
+            const DOC: &'static str = concat!($($doc),+);
+            const LINES: &'static [&'static dyn $crate::scene::table::Field<Self>] = &[$(
+                &$crate::scene::table::Line::<Self, $kind>::new($key, concat!("" $(, $about)*), |$s| $place)
+                    $(.$and($($with),*))*
+            ),*];
+
+            fn usual() -> Self {
+                $usual
+            }
+        }
+    };
+}
+
+/// The place of a field of one variant of an enum.
+macro_rules! of {
+    ($value:expr, $kind:ident::$variant:ident, $field:ident) => {
+        match &mut $value {
+            $kind::$variant { $field, .. } => Some($field),
+            _ => None,
+        }
+    };
+}
+
+use {lines, of};
+
+/// A section with what the scene says put in place of `base`; `path` is its own, such as `engine`. What is wrong is noted.
+pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<T>>, mut base: T) -> T {
+    let mut unknown: Vec<&str> = Vec::new();
+    for line in T::LINES {
+        let About { key, beside, needed, allowed, .. } = *line.about();
+        // A choice that cannot be read says nothing about the keys beside it.
+        if beside.is_some_and(|(choice, _)| unknown.contains(&choice)) {
+            continue;
+        }
+        let whole = format!("{path}.{key}");
+        match (raw.get(key), line.get(&mut base).is_some()) {
+            (None, true) => needed.into_iter().for_each(|help| c.missing(&whole, raw, help)),
+            (None, false) => {}
+            (Some(given), false) => {
+                beside.into_iter().for_each(|(_, why)| c.unused_at(&whole, Some(given.span()), why));
+            }
+            (Some(given), true) => match line.read(&whole, given, &mut base) {
+                Ok(true) => {}
+                Ok(false) => c.beyond(&whole, Some(given.span()), allowed),
+                Err(problems) => {
+                    c.extend(problems);
+                    unknown.push(key);
+                }
+            },
+        }
+    }
+    base
+}
+
+/// Writes a section with everything it has.
+pub fn show<T: Table>(out: &mut Out, path: &str, section: &T) {
+    out.section(path);
+    values(section).for_each(|(about, value)| value.show(out, about.key));
+}
+
+/// What a log keeps of a section: keys with their units, and values that read back to the same bits.
+pub fn record<T: Table>(path: &str, section: &T) -> Vec<(String, String)> {
+    values(section).map(|(about, value)| (column(path, about, value), value.record())).collect()
+}
+
+/// The section that a log has kept; `entry` gives what is recorded under a name.
+///
+/// # Errors
+/// That of `entry`; what `refuse` makes of a name, a value that the section cannot have, and what is allowed.
+pub fn recall<T: Table, E>(
+    path: &str,
+    mut entry: impl FnMut(&str) -> Result<String, E>,
+    refuse: impl Fn(String, String, String) -> E,
+) -> Result<T, E> {
+    let mut section = T::usual();
+    for line in T::LINES {
+        let Some(usual) = line.get(&mut section) else { continue };
+        let name = column(path, line.about(), usual);
+        let value = entry(&name)?;
+        if !line.recall(&value, &mut section) {
+            return Err(refuse(name, value, range(*line)));
+        }
+    }
+    Ok(section)
+}
+
+/// All values that a section has.
+fn values<T: Table>(section: &T) -> impl Iterator<Item = (&'static About, Written)> {
+    let mut section = section.clone();
+    T::LINES.iter().filter_map(move |line| Some((line.about(), line.get(&mut section)?)))
+}
+
+/// The name of a value in records: with its unit in SI.
+fn column(path: &str, about: &About, value: Written) -> String {
+    match (about.column, value.suffix()) {
+        (Some(name), _) => format!("{path}_{name}"),
+        (None, Some(unit)) => format!("{path}_{}_{unit}", about.key),
+        (None, None) => format!("{path}_{}", about.key),
+    }
+}
+
+/// Which values are allowed, in words.
+pub fn range<T>(line: &dyn Field<T>) -> String {
+    let kind = line.kind();
+    match (kind["enum"].as_array(), kind["type"].as_str(), &kind["maximum"]) {
+        (Some(words), ..) => words.iter().map(Value::to_string).collect::<Vec<_>>().join(" or "),
+        (_, Some("integer"), Value::Null) => "a whole number from 1".to_string(),
+        (_, Some("integer"), most) => format!("a whole number from 1 to {most}"),
+        (_, Some("boolean"), _) => "true or false".to_string(),
+        _ => format!("a number {}", line.about().allowed.text),
+    }
+}
+
+/// The value of a section that says nothing, as it would be written; `None` where it is required or follows from something else.
+pub fn default<T: Table>(line: &dyn Field<T>) -> Option<Value> {
+    let About { follows, said, .. } = *line.about();
+    if follows || said.is_some() {
+        return said.map(Value::from);
+    }
+    // What has a meaning beside a choice only is looked for where that is made.
+    let chosen = T::LINES.iter().flat_map(|choice| choice.variants());
+    let value = std::iter::once(T::usual()).chain(chosen).find_map(|mut section| line.get(&mut section))?;
+    value.number().is_none_or(f64::is_finite).then(|| value.json())
+}
