@@ -11,5 +11,6 @@ mod engine;
 mod fuzz_corpus;
 mod resolve;
 mod run;
+mod settings;
 mod ship;
 mod show;

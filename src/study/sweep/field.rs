@@ -175,7 +175,7 @@ fn toml(value: &Any) -> String {
             let items: Vec<String> = items.iter().map(|item| toml(item.get_ref())).collect();
             format!("[{}]", items.join(", "))
         }
-        Any::Table => "{}".to_string(),
+        Any::Table(_) => "{}".to_string(),
     }
 }
 

@@ -32,6 +32,11 @@ impl<'a> Checker<'a> {
         Checker { text, problems, mistyped }
     }
 
+    /// How many problems there are.
+    pub fn count(&self) -> usize {
+        self.problems.len()
+    }
+
     pub fn is_clean(&self) -> bool {
         self.problems.is_empty()
     }
@@ -116,14 +121,15 @@ impl<'a> Checker<'a> {
 
     /// Refuses a key that would have no effect.
     pub fn unused<K>(&mut self, key: &str, entry: &Entry<K>, why: &str) {
-        if entry.is_given() {
-            self.unused_at(key, entry.span(), why);
-        }
+        self.unused_at(key, entry.span(), why);
     }
 
-    /// Notes that a key has no effect.
+    /// Refuses a key that is given at a place, and would have no effect.
     pub fn unused_at(&mut self, key: &str, span: Option<Range<usize>>, why: &str) {
-        self.push(span, format!("`{key}` has no effect {why}"), "no effect", "remove it, or change what it depends on");
+        if span.is_some() {
+            let message = format!("`{key}` has no effect {why}");
+            self.push(span, message, "no effect", "remove it, or change what it depends on");
+        }
     }
 
     /// The text at a place of the file, without quotes.

@@ -1,6 +1,7 @@
 //! Values as they stand in the file: read leniently with their place, judged later, so that every mistake is reported.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Deref, Range};
@@ -19,7 +20,8 @@ pub enum Any {
     Float(f64),
     Flag(bool),
     List(Vec<Spanned<Any>>),
-    Table,
+    /// A table; of a date nothing is kept.
+    Table(BTreeMap<String, Spanned<Any>>),
 }
 
 impl Any {
@@ -30,7 +32,7 @@ impl Any {
             Any::Integer(_) | Any::Float(_) => "a bare number",
             Any::Flag(_) => "a truth value",
             Any::List(_) => "a list",
-            Any::Table => "a table or date",
+            Any::Table(_) => "a table or date",
         }
     }
 }
@@ -87,8 +89,24 @@ impl<'de> Visitor<'de> for AnyVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Any, A::Error> {
-        while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
-        Ok(Any::Table)
+        let mut table = BTreeMap::new();
+        while let Some(key) = map.next_key::<String>()? {
+            // A date comes as a table with a key that no file can have.
+            if key.starts_with('$') {
+                map.next_value::<IgnoredAny>()?;
+            } else {
+                table.insert(key, map.next_value()?);
+            }
+        }
+        Ok(Any::Table(table))
+    }
+}
+
+/// Place of one item of a list; of the whole value where there is no such item.
+pub fn item_span(value: &Spanned<Any>, index: usize) -> Range<usize> {
+    match value.get_ref() {
+        Any::List(items) => items.get(index).map_or(value.span(), Spanned::span),
+        _ => value.span(),
     }
 }
 
@@ -109,10 +127,7 @@ impl<K> Entry<K> {
 
     /// Place of one item of a list; of the whole value where there is no such item.
     pub fn item_span(&self, index: usize) -> Option<Range<usize>> {
-        match self.given.as_ref()?.get_ref() {
-            Any::List(items) => items.get(index).map(Spanned::span).or(self.span()),
-            _ => self.span(),
-        }
+        self.given.as_ref().map(|given| item_span(given, index))
     }
 }
 
@@ -156,6 +171,10 @@ pub struct Section<T> {
 }
 
 impl<T> Section<T> {
+    pub fn of(span: Range<usize>, body: T) -> Self {
+        Section { span: Some(span), body }
+    }
+
     pub fn is_given(&self) -> bool {
         self.span.is_some()
     }

@@ -8,13 +8,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::entry::{Entry, Section};
-use super::kinds::{
-    Acceleration, AngularRate, Choice, Flag, Inertia, Length, LinearDamping, Mass, Number, Pair, Speed, Text, Time,
-};
-use super::raw::RawFriction;
+use super::kinds::{Acceleration, AngularRate, Choice, Flag, Inertia, Length, Mass, Pair, Speed, Text, Time};
 use super::table::keys::Keys;
+use super::table::law::BodiesContact;
 use super::words::{Motion, SceneKind};
-use super::{BodiesBounds, Engine, Integrator, LogRates};
+use super::{BodiesBounds, Engine, HalfPlane, Integrator, LogRates};
 
 /// A scene of kind "bodies": discs that are fixed, driven or free, and a half plane, to see the contact laws by
 /// themselves. A scene says only what differs from the defaults. Quantities are texts with a unit: "15 mm", "0.3 m/s".
@@ -38,8 +36,8 @@ pub struct RawBodiesScene {
     #[schemars(extend("default" = ["0 m/s^2", "0 m/s^2"]))]
     pub gravity: Entry<Pair<Acceleration>>,
     pub discs: Section<RawDiscs>,
-    pub half_plane: Section<RawHalfPlane>,
-    pub contact: Section<RawBodiesContact>,
+    pub half_plane: Section<Keys<HalfPlane>>,
+    pub contact: Section<Keys<BodiesContact>>,
     pub integrator: Section<Keys<Integrator>>,
     pub engine: Section<Keys<Engine>>,
     pub validate: Section<Keys<BodiesBounds>>,
@@ -95,32 +93,4 @@ pub struct RawDisc {
     /// Whether contact can turn it (motion = "free").
     #[schemars(extend("default" = true))]
     pub rotates: Entry<Flag>,
-}
-
-/// The half plane: everything below a level is solid and fixed. The section alone puts one there.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawHalfPlane {
-    /// Height y of its surface.
-    #[schemars(extend("default" = "0 mm"))]
-    pub level: Entry<Length>,
-}
-
-/// Law of every contact.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct RawBodiesContact {
-    /// Stiffness k in N/m^e, a plain number because its unit depends on the exponent e; 0 leaves the damper alone.
-    #[schemars(extend("default" = 1e8))]
-    pub stiffness_si: Entry<Number>,
-    /// Exponent e, at least 1; give it together with stiffness_si.
-    #[schemars(extend("default" = 2.2))]
-    pub exponent: Entry<Number>,
-    /// Damping c_max, fully engaged beyond the transition; 0 leaves the spring alone.
-    #[schemars(extend("default" = "1e6 N*s/m"))]
-    pub damping: Entry<LinearDamping>,
-    /// Penetration over which the damper engages.
-    #[schemars(extend("default" = "10 um"))]
-    pub transition: Entry<Length>,
-    pub friction: Section<RawFriction>,
 }

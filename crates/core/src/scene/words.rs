@@ -20,24 +20,6 @@ pub enum Motion {
     Fixed,
 }
 
-/// How the motor torque goes over time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MotorProfile {
-    Constant,
-    Ramp,
-    HalfSine,
-    Reversal,
-    Table,
-}
-
-/// Type of the spring.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SpringType {
-    Constant,
-    Torsional,
-    None,
-}
-
 impl Words for SceneKind {
     const WORDS: &'static [(&'static str, Self)] = &[("finger", SceneKind::Finger), ("bodies", SceneKind::Bodies)];
 }
@@ -45,21 +27,6 @@ impl Words for SceneKind {
 impl Words for Motion {
     const WORDS: &'static [(&'static str, Self)] =
         &[("free", Motion::Free), ("driven", Motion::Driven), ("fixed", Motion::Fixed)];
-}
-
-impl Words for MotorProfile {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        ("constant", MotorProfile::Constant),
-        ("ramp", MotorProfile::Ramp),
-        ("half-sine", MotorProfile::HalfSine),
-        ("reversal", MotorProfile::Reversal),
-        ("table", MotorProfile::Table),
-    ];
-}
-
-impl Words for SpringType {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("constant", SpringType::Constant), ("torsional", SpringType::Torsional), ("none", SpringType::None)];
 }
 
 impl Words for Assembly {

@@ -1,6 +1,6 @@
 //! A scene of discs.
 
-use super::super::check::{ANY, Checker};
+use super::super::check::Checker;
 use super::super::entry::Section;
 use super::super::error::Problem;
 use super::super::raw_bodies::RawBodiesScene;
@@ -19,10 +19,7 @@ pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Resu
         heading(&mut c, &raw.kind, [&raw.name, &raw.description, &raw.extends], &raw.duration, file_name);
     let gravity_m_s2 = c.or("gravity", &raw.gravity, NO_GRAVITY_M_S2);
     let discs = discs(&mut c, raw, gravity_m_s2);
-    let half_plane = raw
-        .half_plane
-        .is_given()
-        .then(|| HalfPlane { level_m: c.number_or("half_plane.level", &raw.half_plane.level, ANY, 0.0) });
+    let half_plane = raw.half_plane.is_given().then(|| read(&mut c, "half_plane", &raw.half_plane, HalfPlane::usual()));
     let contact = contact::contact(&mut c, &raw.contact);
     let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
     let mu_static = contact.map(|law| law.friction.map_or(0.0, |law| law.mu_static));

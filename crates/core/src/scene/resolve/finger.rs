@@ -1,18 +1,20 @@
 //! The finger: lengths from a design or as given, and bodies from outlines, material and overrides.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use super::super::check::{Bound, Checker, POSITIVE};
 use super::super::defaults;
 use super::super::entry::Section;
-use super::super::raw::{RawBody, RawDesign, RawLengths, RawScene};
+use super::super::raw::{RawBody, RawDesign, RawScene};
+use super::super::table::finger::{Material, PHI22};
+use super::super::table::keys::Keys;
+use super::super::table::{Table, read};
 use crate::gripper::{
     self, Assembly, BodyOverride, Design, DesignError, Finger, HEIGHT_RATIO, Lengths, MassError, ProximalLength,
     TIP_CONTACT_MIN_RAD,
 };
 
-const PHI22: Bound = Bound { allowed: |x| x > 0.0 && x < PI, text: "between 0 and 180 deg, both excluded" };
 const FRACTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
 const TIP_CONTACT: Bound = Bound { allowed: |x| x.abs() < FRAC_PI_2, text: "between -90 and 90 deg, both excluded" };
 
@@ -121,26 +123,21 @@ fn refuse_design(c: &mut Checker<'_>, raw: &Section<RawDesign>, error: &DesignEr
     geometry(c, place.or(raw.span.clone()), "no finger has this design", &error.to_string());
 }
 
-fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f64) -> Option<Lengths> {
-    let l11_m = c.number_or("lengths.l11", &raw.l11, POSITIVE, defaults::L11_M);
-    let l12_m = c.number("lengths.l12", &raw.l12, POSITIVE);
-    let l21_m = c.required("lengths.l21", &raw.l21, POSITIVE, raw, "add the proximal phalanx: l21 = \"24 mm\"");
-    let l22_m = c.required("lengths.l22", &raw.l22, POSITIVE, raw, "add the arm of the distal body: l22 = \"7.5 mm\"");
-    let t22_m = c.required("lengths.t22", &raw.t22, POSITIVE, raw, "add the distal phalanx: t22 = \"13 mm\"");
-    let phi22_rad =
-        c.required("lengths.phi22", &raw.phi22, PHI22, raw, "add the angle of the distal phalanx: phi22 = \"120 deg\"");
-    let (l21_m, l22_m, t22_m, phi22_rad) = (l21_m?, l22_m?, t22_m?, phi22_rad?);
-    let l12_m = match raw.l12.is_given() {
-        true => l12_m?,
+fn given_lengths(c: &mut Checker<'_>, raw: &Section<Keys<Lengths>>, half_width_m: f64) -> Option<Lengths> {
+    let mut lengths = read(c, "lengths", raw, Lengths { half_width_m, ..Lengths::usual() });
+    let Lengths { l11_m, l21_m, l22_m, t22_m, phi22_rad, .. } = lengths;
+    if !raw.has("l12") {
         // Thesis (B.7): straight with l11 on the palm and l21 upright.
-        false => (l11_m - l22_m * phi22_rad.sin()).hypot(l21_m + l22_m * phi22_rad.cos()),
-    };
-    let lengths = Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m };
+        lengths.l12_m = (l11_m - l22_m * phi22_rad.sin()).hypot(l21_m + l22_m * phi22_rad.cos());
+    }
+    if [lengths.l12_m, l21_m, l22_m, t22_m, phi22_rad].iter().any(|length| length.is_nan()) {
+        return None;
+    }
     // Either assembly mode: both exist where one does.
     match gripper::gamma(&lengths, Assembly::Reference) {
         Ok(_) => Some(lengths),
         Err(e) => {
-            let place = raw.l12.span().or(raw.span.clone());
+            let place = raw.span("l12").or(raw.span.clone());
             geometry(c, place, "these lengths make no finger", &e.to_string());
             None
         }
@@ -149,13 +146,13 @@ fn given_lengths(c: &mut Checker<'_>, raw: &Section<RawLengths>, half_width_m: f
 
 /// Bodies from the outlines, with the scene's overrides.
 pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger> {
-    let Matter { density_kg_m3, depth_m, overrides } = matter(c, raw);
+    let Matter { material: Material { density_kg_m3, depth_m }, overrides } = matter(c, raw);
     let lengths = plan.lengths?;
     match gripper::bodies_with(&lengths, density_kg_m3, depth_m, &overrides) {
         Ok(bodies) => Some(Finger { lengths, bodies, assembly: plan.assembly }),
         Err(e) => {
             let place = match e {
-                MassError::DegenerateTriangle { .. } => raw.lengths.phi22.span().or(raw.design.phi22.span()),
+                MassError::DegenerateTriangle { .. } => raw.lengths.span("phi22").or(raw.design.phi22.span()),
                 _ => raw.material.span.clone(),
             };
             geometry(c, place, "the links have no mass", &e.to_string());
@@ -166,15 +163,13 @@ pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger
 
 /// What the bodies are made of, and what is given of each of l11, l12, l21, l22.
 pub struct Matter {
-    pub density_kg_m3: f64,
-    pub depth_m: f64,
+    pub material: Material,
     pub overrides: [BodyOverride; 4],
 }
 
 pub fn matter(c: &mut Checker<'_>, raw: &RawScene) -> Matter {
     Matter {
-        density_kg_m3: c.number_or("material.density", &raw.material.density, POSITIVE, defaults::DENSITY_KG_M3),
-        depth_m: c.number_or("material.depth", &raw.material.depth, POSITIVE, defaults::DEPTH_M),
+        material: read(c, "material", &raw.material, Material::usual()),
         overrides: [
             body(c, "bodies.l11", &raw.bodies.l11),
             body(c, "bodies.l12", &raw.bodies.l12),

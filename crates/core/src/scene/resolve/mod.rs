@@ -40,8 +40,8 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let finger = finger::finger(&mut c, raw, &plan);
     let object = object::object(&mut c, raw, radius_m, plan.base_m);
     let sized = sizing::sizing(&mut c, raw, finger.as_ref().zip(object.as_ref()), gravity_m_s2);
-    let actuation = drive::motor(&mut c, raw, sized);
-    let spring = drive::spring(&mut c, raw, sized);
+    let actuation = drive::motor(&mut c, &raw.motor, sized);
+    let spring = drive::spring(&mut c, &raw.spring, sized);
     let limit = contact::limit(&mut c, &raw.limit);
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
     let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
@@ -50,7 +50,7 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let bounds = run::bounds(&mut c, &raw.validate, duration);
     let log = run::log(&mut c, &raw.log, duration);
     // The start is judged only if what it stands on is sound.
-    let sound = finger.zip(object).zip(limit);
+    let sound = finger.zip(object).map(|sound| (sound, limit));
     let initial = start::initial(&mut c, raw, &plan, sound);
 
     let run = duration.zip(initial);

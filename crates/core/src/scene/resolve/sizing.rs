@@ -1,9 +1,9 @@
 //! Motor and spring sized to the finger, where the scene says so.
 
-use super::super::check::{ANY, Checker, POSITIVE};
+use super::super::check::{Checker, POSITIVE};
+use super::super::kinds::Choice;
 use super::super::raw::RawScene;
-use super::super::words::{MotorProfile, SpringType};
-use super::super::{Disc, Placement, defaults};
+use super::super::{Actuation, Disc, Placement, SpringKind};
 use super::finger::geometry;
 use crate::gripper::{Circle, Finger, contact_angle_proximal};
 use crate::sizing::{CLOSING_S, INTERVALS, Sizing, SizingError, Task, size_with};
@@ -41,7 +41,7 @@ pub fn sizing(
     refuse_given(c, raw);
     let closing_s = c.number_or("closing_time", &raw.closing_time, POSITIVE, CLOSING_S);
     let rule = c.get("sizing", &raw.sizing);
-    let placement = c.or("spring.placement", &raw.spring.placement, Placement::Phalanges);
+    let placement = raw.spring.value::<Choice<Placement>>("placement").unwrap_or(Placement::Phalanges);
     let (Some((finger, object)), Some(rule)) = (sound, rule) else {
         return Sized::Wrong;
     };
@@ -71,9 +71,9 @@ pub fn sizing(
 /// What would be given twice.
 fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
     let given = [
-        ("motor.torque", raw.motor.torque.span()),
-        ("spring.torque", raw.spring.torque.span()),
-        ("spring.stiffness", raw.spring.stiffness.span()),
+        ("motor.torque", raw.motor.span("torque")),
+        ("spring.torque", raw.spring.span("torque")),
+        ("spring.stiffness", raw.spring.span("stiffness")),
     ];
     for (key, span) in given {
         if span.is_some() {
@@ -81,17 +81,17 @@ fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
             c.push(span, message, "and here again", "keep one of them: remove this, or remove `sizing`");
         }
     }
-    if raw.motor.profile.is_given() && c.get("motor.profile", &raw.motor.profile) == Some(MotorProfile::Table) {
+    if let Some(Actuation::Table { .. }) = raw.motor.value::<Choice<Actuation>>("profile") {
         c.push(
-            raw.motor.profile.span(),
+            raw.motor.span("profile"),
             "`sizing` sizes the motor, but the torques of a table are all given",
             "has its own torques",
             "remove `sizing` and give [spring] torque, or choose another profile",
         );
     }
-    if raw.spring.kind.is_given() && c.get("spring.type", &raw.spring.kind) == Some(SpringType::None) {
+    if raw.spring.value::<Choice<Option<SpringKind>>>("type") == Some(None) {
         c.push(
-            raw.spring.kind.span(),
+            raw.spring.span("type"),
             "`sizing` sizes motor and spring together, but this scene has no spring",
             "no spring",
             "remove `sizing` and give [motor] torque, or let the scene have a spring",
@@ -102,20 +102,21 @@ fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
 /// q_0: how far before the proximal contact the finger starts.
 fn opening(c: &mut Checker<'_>, raw: &RawScene, finger: &Finger, disc: Circle) -> Option<f64> {
     let start = &raw.initial;
-    if start.q11.is_given() {
+    if start.has("q11") {
         c.push(
-            start.q11.span(),
+            start.span("q11"),
             "`sizing` stands on a test trajectory that starts straight, but this start need not be",
             "leave it out",
             "give `q21` or `offset` alone for a straight start, or give [motor] torque and [spring] torque instead of `sizing`",
         );
         return None;
     }
-    if !start.q21.is_given() {
+    let (offset, joints) = super::start::start(c, raw);
+    if !start.has("q21") {
         // Whether it is above 0 is for the sizing to say.
-        return Some(c.number_or("initial.offset", &start.offset, ANY, defaults::OFFSET_DEG.to_radians()));
+        return Some(offset);
     }
-    let q21_rad = c.number("initial.q21", &start.q21, ANY)?;
+    let q21_rad = Some(joints.q21_rad).filter(|angle| !angle.is_nan())?;
     let contact = contact_angle_proximal(finger.lengths.half_width_m, disc);
     contact.map_err(|error| refuse(c, raw, &SizingError::from(error))).ok().map(|contact| contact - q21_rad)
 }

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use super::super::check::{ANY, Checker, POSITIVE};
-use super::super::raw::{RawInitial, RawScene};
+use super::super::check::{Checker, POSITIVE};
+use super::super::raw::RawScene;
+use super::super::table::finger::Start;
+use super::super::table::{Table, read};
 use super::super::{Disc, Initial, defaults};
 use super::finger::{Plan, geometry};
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
@@ -18,31 +20,34 @@ const LIMIT_SLACK_RAD: f64 = 1e-6;
 /// Object and limit a start is judged by.
 type Sound = ((Finger, Option<Disc>), Option<NormalLaw>);
 
+/// How far before the contact a start is unless angles are given, and these: not a number where they are not.
+pub fn start(c: &mut Checker<'_>, raw: &RawScene) -> (f64, Initial) {
+    let Start { offset_rad, joints } = read(c, "initial", &raw.initial, Start::usual());
+    (offset_rad.unwrap_or(f64::NAN), joints)
+}
+
 /// Initial angles and rates; checked as far as the rest of the scene is `sound`.
 pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<Sound>) -> Option<Initial> {
+    let (offset, Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s }) = start(c, raw);
+    let [q11, q21] = [q11_rad, q21_rad].map(|angle| Some(angle).filter(|angle| !angle.is_nan()));
     let start = &raw.initial;
-    let q11 = c.number("initial.q11", &start.q11, ANY);
-    let q21 = c.number("initial.q21", &start.q21, ANY);
-    let offset = c.number_or("initial.offset", &start.offset, ANY, defaults::OFFSET_DEG.to_radians());
-    let qd11_rad_s = c.number_or("initial.qd11", &start.qd11, ANY, 0.0);
-    let qd21_rad_s = c.number_or("initial.qd21", &start.qd21, ANY, 0.0);
 
     let ((finger, object), limit) = sound?;
     let lengths = &finger.lengths;
-    let (q11_rad, q21_rad) = match (start.q11.is_given(), start.q21.is_given()) {
+    let (q11_rad, q21_rad) = match (start.has("q11"), start.has("q21")) {
         (true, false) => {
             let help = "add the proximal phalanx: q21 = \"40 deg\"; or leave both out for a straight start";
             c.missing("initial.q21", &raw.initial, help);
             return None;
         }
         (true, true) => {
-            c.unused("initial.offset", &start.offset, "beside q11 and q21");
+            c.unused_at("initial.offset", start.span("offset"), "beside q11 and q21");
             (q11?, q21?)
         }
         (false, given) => {
             let q21_rad = match given {
                 true => {
-                    c.unused("initial.offset", &start.offset, "beside q21");
+                    c.unused_at("initial.offset", start.span("offset"), "beside q21");
                     q21?
                 }
                 false => before_contact(c, raw, plan, object, offset)?,
@@ -51,7 +56,7 @@ pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<S
         }
     };
 
-    let place = place(raw, start);
+    let place = place(raw);
     let posture = match gripper::close(lengths, plan.assembly, q11_rad, q21_rad) {
         Ok(posture) => posture,
         Err(e) => {
@@ -69,8 +74,8 @@ pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<S
 }
 
 /// What stands for the start in messages.
-fn place(raw: &RawScene, start: &RawInitial) -> Option<Range<usize>> {
-    let given = start.q11.span().or(start.q21.span()).or(start.offset.span());
+fn place(raw: &RawScene) -> Option<Range<usize>> {
+    let given = ["q11", "q21", "offset"].into_iter().find_map(|key| raw.initial.span(key));
     given.or(raw.initial.span.clone()).or(raw.object.centre.span()).or(raw.design.base.span())
 }
 
@@ -92,7 +97,7 @@ fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Opti
     match gripper::contact_angle_proximal(lengths.half_width_m, circle) {
         Ok(contact) => Some(contact - offset),
         Err(e) => {
-            let place = raw.object.centre.span().or(place(raw, &raw.initial));
+            let place = raw.object.centre.span().or(place(raw));
             geometry(c, place, "leaves no place to start from", &e.to_string());
             None
         }
@@ -113,7 +118,7 @@ fn straight(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, lengths: &Lengths,
     match gripper::straight(lengths, q21_rad) {
         Ok(posture) => Some(posture.q11_rad),
         Err(e) => {
-            geometry(c, place(raw, &raw.initial), "cannot be straight", &e.to_string());
+            geometry(c, place(raw), "cannot be straight", &e.to_string());
             None
         }
     }

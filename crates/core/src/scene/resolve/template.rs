@@ -1,10 +1,10 @@
 //! A sound scene as the template of many designs.
 
-use super::super::check::{ANY, Checker, POSITIVE};
+use super::super::check::{Checker, POSITIVE};
 use super::super::error::Problem;
 use super::super::raw::RawScene;
-use super::super::{Scene, Template, defaults};
-use super::{finger, object};
+use super::super::{Scene, Template};
+use super::{finger, object, start};
 use crate::gripper::Design;
 use crate::law::ContactLaw;
 use crate::sizing::CLOSING_S;
@@ -20,10 +20,10 @@ pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Tem
             "leave the centre out: the base places the object",
         );
     }
-    for (key, entry) in [("q11", &raw.initial.q11), ("q21", &raw.initial.q21)] {
-        if entry.is_given() {
+    for key in ["q11", "q21"] {
+        if raw.initial.has(key) {
             c.push(
-                entry.span(),
+                raw.initial.span(key),
                 format!(
                     "`initial.{key}` is the start of one finger, but the contact it closes to moves with the design"
                 ),
@@ -32,8 +32,8 @@ pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Tem
             );
         }
     }
-    let finger::Matter { density_kg_m3, depth_m, overrides } = finger::matter(&mut c, raw);
-    let opening_rad = c.number_or("initial.offset", &raw.initial.offset, ANY, defaults::OFFSET_DEG.to_radians());
+    let finger::Matter { material, overrides } = finger::matter(&mut c, raw);
+    let opening_rad = start::start(&mut c, raw).0;
     let closing_s = c.number_or("closing_time", &raw.closing_time, POSITIVE, CLOSING_S);
     let rule = c.get("sizing", &raw.sizing);
     let mu = |law: &ContactLaw| law.friction.map_or(0.0, |friction| friction.mu_static);
@@ -41,8 +41,8 @@ pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Tem
         Some(design) if c.is_clean() => Ok(Template {
             name: scene.name.clone(),
             design,
-            density_kg_m3,
-            depth_m,
+            density_kg_m3: material.density_kg_m3,
+            depth_m: material.depth_m,
             overrides,
             assembly: scene.finger.assembly,
             opening_rad,

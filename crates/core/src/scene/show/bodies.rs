@@ -21,8 +21,7 @@ pub(super) fn shown(scene: &BodiesScene, mut out: Out) -> String {
         disc(&mut out, named);
     }
     if let Some(plane) = scene.half_plane {
-        out.section("half_plane");
-        out.quantity("level", plane.level_m, Dimension::Length);
+        show_table(&mut out, "half_plane", &plane);
     }
     contact(&mut out, "contact", &scene.contact);
     show_table(&mut out, "integrator", &scene.integrator);

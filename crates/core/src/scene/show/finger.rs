@@ -1,9 +1,12 @@
 //! The scene of a finger.
 
 use super::super::kinds::Words;
+use super::super::table::drive::{Motor, Springs};
+use super::super::table::finger::Start;
+use super::super::table::law::Limit;
 use super::super::table::show as show_table;
 use super::super::words::SceneKind;
-use super::super::{Actuation, Bounds, Scene, SpringKind};
+use super::super::{Bounds, Scene};
 use super::out::Out;
 use super::parts::{contact, heading};
 use crate::gripper::Body;
@@ -30,18 +33,7 @@ pub(super) fn shown(scene: &Scene, mut out: Out) -> String {
 }
 
 fn finger(out: &mut Out, scene: &Scene) {
-    let lengths = &scene.finger.lengths;
-    out.section("lengths");
-    for (key, value) in [
-        ("l11", lengths.l11_m),
-        ("l12", lengths.l12_m),
-        ("l21", lengths.l21_m),
-        ("l22", lengths.l22_m),
-        ("t22", lengths.t22_m),
-    ] {
-        out.quantity(key, value, Dimension::Length);
-    }
-    out.quantity("phi22", lengths.phi22_rad, Dimension::Angle);
+    show_table(out, "lengths", &scene.finger.lengths);
     let bodies = &scene.finger.bodies;
     for (key, body) in [
         ("bodies.l11", &bodies.l11),
@@ -67,75 +59,19 @@ fn object(out: &mut Out, scene: &Scene) {
 }
 
 fn drive(out: &mut Out, scene: &Scene) {
-    out.section("motor");
-    match &scene.actuation {
-        Actuation::Constant { torque_n_m } => {
-            out.text("profile", "constant");
-            out.quantity("torque", *torque_n_m, Dimension::Torque);
-        }
-        Actuation::Ramp { torque_n_m, rise_s } => {
-            out.text("profile", "ramp");
-            out.quantity("torque", *torque_n_m, Dimension::Torque);
-            out.quantity("rise", *rise_s, Dimension::Time);
-        }
-        Actuation::HalfSine { torque_n_m, length_s } => {
-            out.text("profile", "half-sine");
-            out.quantity("torque", *torque_n_m, Dimension::Torque);
-            out.quantity("pulse", *length_s, Dimension::Time);
-        }
-        Actuation::Reversal { torque_n_m, at_s } => {
-            out.text("profile", "reversal");
-            out.quantity("torque", *torque_n_m, Dimension::Torque);
-            out.quantity("reverse_at", *at_s, Dimension::Time);
-        }
-        Actuation::Table { points, interpolation } => {
-            let (times, torques): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
-            out.text("profile", "table");
-            out.quantities("times", &times, Dimension::Time);
-            out.quantities("torques", &torques, Dimension::Torque);
-            out.text("interpolation", interpolation.word());
-        }
-    }
-    out.section("spring");
-    match scene.spring {
-        None => out.text("type", "none"),
-        Some(spring) => {
-            match spring.kind {
-                SpringKind::Constant { torque_n_m } => {
-                    out.text("type", "constant");
-                    out.quantity("torque", torque_n_m, Dimension::Torque);
-                }
-                SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
-                    out.text("type", "torsional");
-                    out.quantity("stiffness", stiffness_n_m_per_rad, Dimension::AngularStiffness);
-                    out.quantity("preload", preload_rad, Dimension::Angle);
-                }
-            }
-            out.text("placement", spring.placement.word());
-        }
-    }
+    show_table(out, "motor", &Motor::of(&scene.actuation));
+    show_table(out, "spring", &Springs::of(scene.spring));
 }
 
 fn laws(out: &mut Out, scene: &Scene) {
-    out.section("limit");
-    out.raw("enabled", scene.limit.is_some());
-    if let Some(law) = &scene.limit {
-        out.float("stiffness_si", law.stiffness_n_per_m_e);
-        out.float("exponent", law.exponent);
-        out.quantity("damping", law.damping_max_n_s_per_m, Dimension::AngularDamping);
-        out.quantity("transition", law.transition_m, Dimension::Angle);
-    }
+    let limit = scene.limit.map_or(Limit::OFF, |law| Limit { enabled: true, law });
+    show_table(out, "limit", &limit);
     contact(out, "contact.proximal", &scene.contact.proximal);
     contact(out, "contact.distal", &scene.contact.distal);
 }
 
 fn run(out: &mut Out, scene: &Scene) {
-    let start = &scene.initial;
-    out.section("initial");
-    out.quantity("q11", start.q11_rad, Dimension::Angle);
-    out.quantity("q21", start.q21_rad, Dimension::Angle);
-    out.quantity("qd11", start.qd11_rad_s, Dimension::AngularRate);
-    out.quantity("qd21", start.qd21_rad_s, Dimension::AngularRate);
+    show_table(out, "initial", &Start { offset_rad: None, joints: scene.initial });
     show_table(out, "integrator", &scene.integrator);
     show_table(out, "engine", &scene.engine);
     // A program may have shortened the run.

@@ -60,22 +60,16 @@ impl BodiesBounds {
 lines! {
     /// How far the engine model may be from the analytic one before `phalanx validate` says no.
     Bounds = Self::over(f64::NAN), b;
-
     /// Difference of any joint angle, over the run up to `until`.
     "angle": Angle = Some(&mut b.angle_rad), allowed(POSITIVE);
-
     /// Difference of the times a phalanx first touches the object.
     "contact_time": Time = Some(&mut b.contact_time_s), allowed(POSITIVE);
-
     /// Relative difference of a normal force at the end.
     "final_force": Number = Some(&mut b.final_force), allowed(POSITIVE);
-
     /// Relative difference of the normal impulse of an impact.
     "impulse": Number = Some(&mut b.impulse), allowed(POSITIVE);
-
     /// Opening of a joint of the engine model.
     "loop_gap": Length = Some(&mut b.loop_gap_m), allowed(POSITIVE), said("1e-4 mm");
-
     /// End of the comparison of trajectories, at most the duration: rebounds beyond may be chaotic. Default: the
     /// duration.
     "until": Time = Some(&mut b.until_s), allowed(POSITIVE);
@@ -84,19 +78,14 @@ lines! {
 lines! {
     /// How far the engine model may be from the analytic one before `phalanx validate` says no.
     BodiesBounds = Self::over(f64::NAN), b;
-
     /// Distance between the centres of a disc in both models, over the run up to `until`.
     "position": Length = Some(&mut b.position_m), allowed(POSITIVE);
-
     /// Difference of the times two surfaces first touch.
     "contact_time": Time = Some(&mut b.contact_time_s), allowed(POSITIVE);
-
     /// Relative difference of the normal impulse of a pair, over the run up to `until`.
     "impulse": Number = Some(&mut b.impulse), allowed(POSITIVE);
-
     /// Relative difference of the largest normal force of a pair.
     "peak_force": Number = Some(&mut b.peak_force), allowed(POSITIVE);
-
     /// End of the comparison, at most the duration: rebounds beyond may be chaotic. Default: the duration.
     "until": Time = Some(&mut b.until_s), allowed(POSITIVE);
 }

@@ -3,26 +3,45 @@
 use serde_json::Value;
 
 use super::bounds::{BodiesBounds, Bounds};
+use super::drive::{Motor, Springs};
 use super::engine::Engine;
+use super::finger::{Material, Start};
 use super::integrator::Integrator;
+use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
 use super::{Field, Table, default, range};
+use crate::gripper::Lengths;
+use crate::law::FrictionLaw;
+use crate::scene::HalfPlane;
+use crate::scene::check::ANY;
+use crate::units::Dimension;
 
 /// Every section of the table with its keys.
 pub fn markdown() -> String {
     [
+        section::<Lengths>("`[lengths]`"),
+        section::<Material>("`[material]`"),
+        section::<Motor>("`[motor]`"),
+        section::<Springs>("`[spring]`"),
+        section::<Start>("`[initial]`"),
+        section::<HalfPlane>("`[half_plane]` of a scene of discs"),
         section::<Integrator>("`[integrator]`"),
         section::<Engine>("`[engine]`"),
         section::<Bounds>("`[validate]`"),
         section::<BodiesBounds>("`[validate]` of a scene of discs"),
         section::<LogRates>("`[log]`"),
+        section::<Contact>("`[contact]`"),
+        section::<FrictionLaw>("`[contact.friction]`"),
+        section::<Elastic>("`[contact.materials.object]` and `.phalanx`"),
+        section::<Limit>("`[limit]`"),
     ]
     .join("\n")
 }
 
 fn section<T: Table>(title: &str) -> String {
     let rows: String = T::LINES.iter().map(|line| row(*line)).collect();
-    format!("{title}:{}\n\n| key | default | allowed | what it is |\n|---|---|---|---|\n{rows}", T::DOC)
+    let doc = escaped(T::DOC);
+    format!("{title}: {doc}\n\n| key | default | allowed | what it is |\n|---|---|---|---|\n{rows}")
 }
 
 fn row<T: Table>(line: &dyn Field<T>) -> String {
@@ -32,5 +51,19 @@ fn row<T: Table>(line: &dyn Field<T>) -> String {
         Some(value) => value.to_string(),
         None => about.needed.map_or("", |_| "required").to_string(),
     };
-    format!("| `{}` | {default} | {} | {} |\n", about.key, range(line), about.doc.trim_start())
+    // Quantities are said by their unit.
+    let kind = line.kind();
+    let quantity = kind["items"].get("x-units").or(kind.get("x-units")).and_then(|units| units[0].as_str());
+    let dimension = Dimension::ALL.into_iter().find(|dimension| Some(dimension.units()[0].name) == quantity);
+    let allowed = match dimension {
+        Some(dimension) if about.allowed.text == ANY.text => dimension.name().to_string(),
+        Some(dimension) => format!("{} {}", dimension.name(), about.allowed.text),
+        None => range(line),
+    };
+    format!("| `{}` | {default} | {allowed} | {} |\n", about.key, escaped(about.doc))
+}
+
+/// Sections are no links.
+fn escaped(doc: &str) -> String {
+    doc.trim_start().replace('[', "\\[")
 }

@@ -88,48 +88,38 @@ impl Engine {
     }
 }
 
-const RESTITUTION: Bound = Bound { allowed: |x| x >= 0.0 && x <= 1.0, text: "from 0 to 1" };
+const RESTITUTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
 
 lines! {
     /// How the engine model is built and stepped.
     Engine = Self::DEFAULT, e;
-
     /// "maximal": every body moves freely, every joint is a constraint; "reduced": a tree of joints in its own
     /// coordinates, closed by one constraint (a scene of discs has no joints: "maximal" only).
     "construction": Choice<Construction> = Some(&mut e.construction);
-
     /// What answers when bodies touch: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
     "law": Choice<Response> = Some(&mut e.response),
         put(|e, response| (e.response, e.iterations) = (response, Self::usual_iterations(response)));
-
     /// Coefficient of rapier's Coulomb friction (law = "rapier"). Default: mu_static of the contact (of the
     /// proximal one of a finger).
     "friction": Number = of!(e.response, Response::Rapier, friction),
         allowed(NOT_NEGATIVE), beside("law", "without law = \"rapier\"");
-
     /// Coefficient of rapier's Newton restitution, 0 to 1 (law = "rapier").
     "restitution": Number = of!(e.response, Response::Rapier, restitution),
         allowed(RESTITUTION), beside("law", "without law = \"rapier\"");
-
     /// "adaptive": steps as long as the joints allow, shorter around impacts; "fixed": all of size `step`.
     "stepping": Choice<Stepping> = Some(&mut e.stepping);
-
     /// Size of every step. Required with, and only with, stepping = "fixed".
     "step": Time = of!(e.stepping, Stepping::Fixed, step_s),
         allowed(POSITIVE), beside("stepping", "without stepping = \"fixed\""),
         needed("add the size of the steps: step = \"10 us\"; or leave it to the engine: stepping = \"adaptive\"");
-
     /// How far a joint may stray from its arc in one step, because bodies move straight on (stepping = "adaptive").
     "tolerance": Length = of!(e.stepping, Stepping::Adaptive, tolerance_m),
         allowed(POSITIVE), beside("stepping", "with stepping = \"fixed\""), said("1e-4 mm");
-
     /// Longest step (stepping = "adaptive").
     "max_step": Time = of!(e.stepping, Stepping::Adaptive, max_step_s),
         allowed(POSITIVE), beside("stepping", "with stepping = \"fixed\"");
-
     /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
     "iterations": Sweeps = Some(&mut e.iterations), follows();
-
     /// Steps after which a run is given up.
     "max_steps": Count = Some(&mut e.max_steps);
 }

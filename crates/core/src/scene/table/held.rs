@@ -2,14 +2,15 @@
 
 use serde_json::{Value, json};
 
-use crate::scene::kinds::{Choice, Count, Flag, Kind, Measured, Number, Sweeps, Words};
+use crate::scene::kinds::{Choice, Count, Flag, Kind, List, Measured, Number, Sweeps, Words};
 use crate::scene::show::Out;
 use crate::units::{self, Dimension};
 
 /// A value of any kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Written {
     Quantity(f64, Dimension),
+    Quantities(Vec<f64>, Dimension),
     Number(f64),
     Whole(u64),
     Flag(bool),
@@ -30,22 +31,36 @@ pub trait Held: Kind {
 }
 
 impl Written {
-    pub fn number(self) -> Option<f64> {
+    pub fn number(&self) -> Option<f64> {
         match self {
-            Written::Quantity(number, _) | Written::Number(number) => Some(number),
+            Written::Quantity(number, _) | Written::Number(number) => Some(*number),
             _ => None,
         }
     }
 
+    /// Whether it is a value, and not a place for one.
+    pub fn is_given(&self) -> bool {
+        match self {
+            Written::Quantities(values, _) => !values.is_empty(),
+            other => other.number().is_none_or(f64::is_finite),
+        }
+    }
+
     /// The SI unit at the end of a name.
-    pub fn suffix(self) -> Option<&'static str> {
-        if let Written::Quantity(_, dimension) = self { Some(dimension.suffix()) } else { None }
+    pub fn suffix(&self) -> Option<&'static str> {
+        match self {
+            Written::Quantity(_, dimension) | Written::Quantities(_, dimension) => Some(dimension.suffix()),
+            _ => None,
+        }
     }
 
     /// As it would stand in a scene.
     pub fn json(self) -> Value {
         match self {
             Written::Quantity(value, dimension) => units::format(value, dimension).into(),
+            Written::Quantities(values, dimension) => {
+                values.into_iter().map(|value| units::format(value, dimension)).collect()
+            }
             Written::Number(value) => json!(value),
             Written::Whole(count) => json!(count),
             Written::Flag(flag) => json!(flag),
@@ -57,6 +72,9 @@ impl Written {
     pub fn record(self) -> String {
         match self {
             Written::Quantity(value, _) | Written::Number(value) => format!("{value:?}"),
+            Written::Quantities(values, _) => {
+                values.iter().map(|value| format!("{value:?}")).collect::<Vec<_>>().join(" ")
+            }
             Written::Whole(count) => count.to_string(),
             Written::Flag(flag) => flag.to_string(),
             Written::Word(word) => word.to_string(),
@@ -66,6 +84,7 @@ impl Written {
     pub fn show(self, out: &mut Out, key: &str) {
         match self {
             Written::Quantity(value, dimension) => out.quantity(key, value, dimension),
+            Written::Quantities(values, dimension) => out.quantities(key, &values, dimension),
             Written::Number(value) => out.float(key, value),
             Written::Whole(count) => out.raw(key, count),
             Written::Flag(flag) => out.raw(key, flag),
@@ -81,6 +100,16 @@ impl<M: Measured> Held for M {
 
     fn recall(text: &str) -> Option<f64> {
         Number::recall(text)
+    }
+}
+
+impl<M: Measured> Held for List<M> {
+    fn written(value: &Vec<f64>) -> Written {
+        Written::Quantities(value.clone(), M::DIMENSION)
+    }
+
+    fn recall(text: &str) -> Option<Vec<f64>> {
+        text.split(' ').map(Number::recall).collect()
     }
 }
 

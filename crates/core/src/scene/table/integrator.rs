@@ -92,21 +92,15 @@ const RTOL: Bound = Bound { allowed: |x| x > 0.0 && x < 1.0, text: "between 0 an
 lines! {
     /// How the equations of motion are integrated. Keys left out follow the preset.
     Integrator = Self::preset(Preset::Engineering), i;
-
     /// "engineering" for everyday runs, "reference" for comparisons.
     "preset": Choice<Preset> = Some(&mut i.preset), put(|i, preset| *i = i.with_preset(preset));
-
     "method": Choice<Method> = Some(&mut i.method), follows();
-
     /// Relative tolerance of rates.
     "rtol": Number = Some(&mut i.rtol), put(|i, rtol| *i = i.with_rtol(rtol)), allowed(RTOL), follows();
-
     /// Absolute tolerance of angles; of places of discs the same number in m.
     "atol_angle": Angle = Some(&mut i.atol_angle_rad), allowed(POSITIVE), follows();
-
     /// Absolute tolerance of rates; of velocities of discs the same number in m/s.
     "atol_rate": AngularRate = Some(&mut i.atol_rate_rad_s), allowed(POSITIVE), follows();
-
     /// Steps after which a run is given up.
     "max_steps": Count = Some(&mut i.max_steps);
 }

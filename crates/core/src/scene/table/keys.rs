@@ -11,7 +11,8 @@ use serde_json::Value;
 use toml::Spanned;
 
 use super::{Field, Table, default};
-use crate::scene::entry::Any;
+use crate::scene::entry::{Any, Section};
+use crate::scene::kinds::Kind;
 
 /// What a scene says in the section of `T`.
 #[derive(Debug, Deserialize)]
@@ -25,6 +26,28 @@ pub struct Keys<T> {
 impl<T> Keys<T> {
     pub fn get(&self, key: &str) -> Option<&Spanned<Any>> {
         self.given.get(key)
+    }
+
+    pub fn has(&self, key: &str) -> bool {
+        self.given.contains_key(key)
+    }
+
+    /// The value of a key, if it is there and of that kind.
+    pub fn value<K: Kind>(&self, key: &str) -> Option<K::Value> {
+        K::read(key, self.get(key)?).ok()
+    }
+
+    /// Whether the value of a key is of that kind, if it is there at all.
+    pub fn is_known<K: Kind>(&self, key: &str) -> bool {
+        !self.has(key) || self.value::<K>(key).is_some()
+    }
+
+    /// The section under a key.
+    pub fn inner<U>(&self, key: &str) -> Section<Keys<U>> {
+        match self.get(key).map(|given| (given.span(), given.get_ref())) {
+            Some((span, Any::Table(given))) => Section::of(span, Keys { given: given.clone(), table: PhantomData }),
+            _ => Section::default(),
+        }
     }
 
     /// The place of a key's value.
@@ -45,15 +68,21 @@ impl<T: Table> JsonSchema for Keys<T> {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let property = |line: &&dyn Field<T>| (line.about().key.to_string(), property(*line));
-        let properties: serde_json::Map<_, _> = T::LINES.iter().map(property).collect();
-        let doc = T::DOC.trim_start();
-        json_schema!({ "description": doc, "type": "object", "properties": properties, "additionalProperties": false })
+        schema::<T>()
     }
 
     fn inline_schema() -> bool {
         true
     }
+}
+
+/// JSON Schema of a section.
+pub fn schema<T: Table>() -> Schema {
+    let lines = T::LINES.iter().map(|line| (line.about().key.to_string(), property(*line)));
+    let inner = T::INNER.iter().map(|(key, schema)| (key.to_string(), schema().to_value()));
+    let properties: serde_json::Map<_, _> = lines.chain(inner).collect();
+    let doc = T::DOC.trim_start();
+    json_schema!({ "description": doc, "type": "object", "properties": properties, "additionalProperties": false })
 }
 
 fn property<T: Table>(line: &dyn Field<T>) -> Value {

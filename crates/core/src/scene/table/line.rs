@@ -9,6 +9,16 @@ use crate::scene::check::{ANY, Bound};
 use crate::scene::entry::Any;
 use crate::scene::error::Problem;
 
+/// Puts a text that few keys have into what is said of this one.
+macro_rules! said {
+    ($($what:ident)*) => {$(
+        pub const fn $what(mut self, text: &'static str) -> Self {
+            self.about.$what = Some(text);
+            self
+        }
+    )*};
+}
+
 /// A key of the section `T`, which holds a value of kind `K`.
 pub struct Line<T, K: Held> {
     about: About,
@@ -55,30 +65,17 @@ impl<T, K: Held> Line<T, K> {
         self
     }
 
-    pub const fn beside(mut self, choice: &'static str, why: &'static str) -> Self {
-        self.about.beside = Some((choice, why));
-        self
-    }
-
-    pub const fn needed(mut self, help: &'static str) -> Self {
-        self.about.needed = Some(help);
-        self
-    }
-
     pub const fn follows(mut self) -> Self {
         self.about.follows = true;
         self
     }
 
-    pub const fn said(mut self, text: &'static str) -> Self {
-        self.about.said = Some(text);
+    pub const fn beside(mut self, choice: &'static str, why: &'static str) -> Self {
+        self.about.beside = Some((choice, why));
         self
     }
 
-    pub const fn column(mut self, name: &'static str) -> Self {
-        self.about.column = Some(name);
-        self
-    }
+    said!(needed said column);
 
     fn set(&self, section: &mut T, value: K::Value) {
         match (self.put, (self.place)(section)) {

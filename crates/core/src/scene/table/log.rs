@@ -55,10 +55,8 @@ impl LogRates {
 lines! {
     /// What is logged.
     LogRates = Self { numeric_hz: 10e3, picture_hz: 5e3 }, log;
-
     /// Samples a second of simulated time; impacts are logged at every step besides.
     "numeric_rate": Frequency = Some(&mut log.numeric_hz), allowed(POSITIVE), column("numeric_hz");
-
     /// Pictures (frames, force arrows) a second of simulated time for 3-D views; they are drawn at samples, so no more often
     /// than these. 0: none.
     "picture_rate": Frequency = Some(&mut log.picture_hz), allowed(NOT_NEGATIVE), column("picture_hz");

@@ -15,23 +15,32 @@
 
 pub mod bounds;
 mod document;
+pub mod drive;
 pub mod engine;
+pub mod finger;
+mod half_plane;
 pub mod held;
 pub mod integrator;
 pub mod keys;
+pub mod law;
 mod line;
 pub mod log;
 
+use schemars::Schema;
 use serde_json::Value;
+use toml::Spanned;
 
 pub use document::markdown;
 pub use line::{About, Field, Line};
 
-use super::check::Checker;
-use super::entry::Section;
+use super::check::{ANY, Checker};
+use super::entry::{Any, Section};
 use super::show::Out;
 use held::Written;
 use keys::Keys;
+
+/// Sections by their keys, with their schemas.
+pub type Inner = &'static [(&'static str, fn() -> Schema)];
 
 /// A section whose keys are fields of a struct.
 pub trait Table: Clone + 'static {
@@ -39,6 +48,8 @@ pub trait Table: Clone + 'static {
     const DOC: &'static str;
     /// Its keys in the order in which they are read and shown: a choice before what has a meaning beside it only.
     const LINES: &'static [&'static dyn Field<Self>];
+    /// Sections in it, with their schemas.
+    const INNER: Inner = &[];
 
     /// The section of a scene that does not have it; not a number where no number is usual.
     fn usual() -> Self;
@@ -49,11 +60,12 @@ pub trait Table: Clone + 'static {
 macro_rules! lines {
     (
         $(#[doc = $doc:literal])+
-        $section:ident = $usual:expr, $s:ident;
+        $section:ident = $usual:expr, $s:ident $(, $inner:literal: $table:ty)*;
         $($(#[doc = $about:literal])* $key:literal: $kind:ty = $place:expr $(, $and:ident($($with:expr),*))*;)*
     ) => {
         impl $crate::scene::table::Table for $section {
             const DOC: &'static str = concat!($($doc),+);
+            const INNER: $crate::scene::table::Inner = &[$(($inner, $crate::scene::table::keys::schema::<$table>)),*];
             const LINES: &'static [&'static dyn $crate::scene::table::Field<Self>] = &[$(
                 &$crate::scene::table::Line::<Self, $kind>::new($key, concat!("" $(, $about)*), |$s| $place)
                     $(.$and($($with),*))*
@@ -107,6 +119,30 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<T>>, m
     base
 }
 
+/// Puts the text of one value into a section, together with the choice beside which alone it has a meaning. Texts are read as in
+/// a scene, but need no quotes. Whether it is within bounds; if not, nothing is put there.
+///
+/// # Errors
+/// Why it is no such value.
+pub fn set<T: Table>(section: &mut T, path: &str, key: &str, text: &str) -> Result<bool, String> {
+    let find = |key: &str| T::LINES.iter().find(|line| line.about().key == key).copied();
+    let line = find(key).ok_or_else(|| format!("[{path}] has no `{key}`"))?;
+    let About { beside, .. } = *line.about();
+    if let (None, Some(choice)) = (line.get(section), beside.and_then(|(choice, _)| find(choice))) {
+        let chosen = choice.variants().into_iter().find(|other| line.get(&mut other.clone()).is_some());
+        let word = chosen.and_then(|mut other| choice.get(&mut other));
+        word.into_iter().for_each(|word| _ = choice.recall(&word.record(), section));
+    }
+    let value = match (line.kind()["type"].as_str(), text.parse(), text.parse()) {
+        (Some("integer" | "number"), Ok(whole), _) => Any::Integer(whole),
+        (Some("number"), _, Ok(number)) => Any::Float(number),
+        (Some("boolean"), ..) => text.parse().map_or_else(|_| Any::Text(text.to_string()), Any::Flag),
+        _ => Any::Text(text.to_string()),
+    };
+    let found = line.read(&format!("{path}.{key}"), &Spanned::new(0..text.len(), value), section);
+    found.map_err(|problems| problems.into_iter().map(|problem| problem.message).collect::<Vec<_>>().join("; "))
+}
+
 /// Writes a section with everything it has.
 pub fn show<T: Table>(out: &mut Out, path: &str, section: &T) {
     out.section(path);
@@ -115,7 +151,7 @@ pub fn show<T: Table>(out: &mut Out, path: &str, section: &T) {
 
 /// What a log keeps of a section: keys with their units, and values that read back to the same bits.
 pub fn record<T: Table>(path: &str, section: &T) -> Vec<(String, String)> {
-    values(section).map(|(about, value)| (column(path, about, value), value.record())).collect()
+    values(section).map(|(about, value)| (column(path, about, &value), value.record())).collect()
 }
 
 /// The section that a log has kept; `entry` gives what is recorded under a name.
@@ -130,7 +166,7 @@ pub fn recall<T: Table, E>(
     let mut section = T::usual();
     for line in T::LINES {
         let Some(usual) = line.get(&mut section) else { continue };
-        let name = column(path, line.about(), usual);
+        let name = column(path, line.about(), &usual);
         let value = entry(&name)?;
         if !line.recall(&value, &mut section) {
             return Err(refuse(name, value, range(*line)));
@@ -146,7 +182,7 @@ fn values<T: Table>(section: &T) -> impl Iterator<Item = (&'static About, Writte
 }
 
 /// The name of a value in records: with its unit in SI.
-fn column(path: &str, about: &About, value: Written) -> String {
+fn column(path: &str, about: &About, value: &Written) -> String {
     match (about.column, value.suffix()) {
         (Some(name), _) => format!("{path}_{name}"),
         (None, Some(unit)) => format!("{path}_{}_{unit}", about.key),
@@ -162,6 +198,7 @@ pub fn range<T>(line: &dyn Field<T>) -> String {
         (_, Some("integer"), Value::Null) => "a whole number from 1".to_string(),
         (_, Some("integer"), most) => format!("a whole number from 1 to {most}"),
         (_, Some("boolean"), _) => "true or false".to_string(),
+        _ if line.about().allowed.text == ANY.text => ANY.text.to_string(),
         _ => format!("a number {}", line.about().allowed.text),
     }
 }
@@ -175,5 +212,5 @@ pub fn default<T: Table>(line: &dyn Field<T>) -> Option<Value> {
     // What has a meaning beside a choice only is looked for where that is made.
     let chosen = T::LINES.iter().flat_map(|choice| choice.variants());
     let value = std::iter::once(T::usual()).chain(chosen).find_map(|mut section| line.get(&mut section))?;
-    value.number().is_none_or(f64::is_finite).then(|| value.json())
+    value.is_given().then(|| value.json())
 }

@@ -1,0 +1,142 @@
+//! `[motor]` and `[spring]` of a finger.
+
+use super::{lines, of};
+use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
+use crate::scene::kinds::{Angle, AngularStiffness, Choice, List, Time, Torque, Words};
+use crate::scene::{Actuation, Interpolation, Placement, Spring, SpringKind};
+
+const GIVEN: f64 = f64::NAN;
+
+impl Words for Actuation {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("constant", Actuation::Constant { torque_n_m: GIVEN }),
+        ("ramp", Actuation::Ramp { torque_n_m: GIVEN, rise_s: GIVEN }),
+        ("half-sine", Actuation::HalfSine { torque_n_m: GIVEN, length_s: GIVEN }),
+        ("reversal", Actuation::Reversal { torque_n_m: GIVEN, at_s: GIVEN }),
+        ("table", Actuation::Table { points: Vec::new(), interpolation: Interpolation::Linear }),
+    ];
+}
+
+/// The motor, with the points of a table apart.
+#[derive(Clone, Debug)]
+pub struct Motor {
+    pub actuation: Actuation,
+    times_s: Vec<f64>,
+    torques_n_m: Vec<f64>,
+}
+
+impl Motor {
+    pub fn of(actuation: &Actuation) -> Self {
+        let (times_s, torques_n_m) = match actuation {
+            Actuation::Table { points, .. } => points.iter().copied().unzip(),
+            _ => Default::default(),
+        };
+        Motor { actuation: actuation.clone(), times_s, torques_n_m }
+    }
+
+    /// The full torque; a table has none.
+    pub fn torque_n_m(&mut self) -> Option<&mut f64> {
+        match &mut self.actuation {
+            Actuation::Constant { torque_n_m }
+            | Actuation::Ramp { torque_n_m, .. }
+            | Actuation::HalfSine { torque_n_m, .. }
+            | Actuation::Reversal { torque_n_m, .. } => Some(torque_n_m),
+            Actuation::Table { .. } => None,
+        }
+    }
+
+    fn is_table(&self) -> bool {
+        matches!(self.actuation, Actuation::Table { .. })
+    }
+}
+
+lines! {
+    /// Torque of the motor on the driven link; counter-clockwise (closing) is positive.
+    Motor = Self::of(&Actuation::Constant { torque_n_m: GIVEN }), m;
+    /// How the torque goes over time: "constant"; "ramp": rises smoothly over `rise`; "half-sine": one pulse;
+    /// "reversal": changes sign at `reverse_at`; "table": `times` and `torques`.
+    "profile": Choice<Actuation> = Some(&mut m.actuation);
+    /// Full torque. Required, except with profile = "table" or `sizing`.
+    "torque": Torque = m.torque_n_m(), beside("profile", "with profile = \"table\"");
+    /// Time of the smooth rise from 0 (profile = "ramp").
+    "rise": Time = of!(m.actuation, Actuation::Ramp, rise_s), allowed(POSITIVE),
+        beside("profile", "without profile = \"ramp\""), needed("add the time of the rise: rise = \"2 ms\"");
+    /// Length of the pulse, after which the torque is 0 (profile = "half-sine").
+    "pulse": Time = of!(m.actuation, Actuation::HalfSine, length_s), allowed(POSITIVE),
+        beside("profile", "without profile = \"half-sine\""), needed("add the length of the pulse: pulse = \"10 ms\"");
+    /// When the torque changes sign (profile = "reversal").
+    "reverse_at": Time = of!(m.actuation, Actuation::Reversal, at_s), allowed(NOT_NEGATIVE),
+        beside("profile", "without profile = \"reversal\""),
+        needed("add when the torque changes sign: reverse_at = \"10 ms\"");
+    /// Times of the table, increasing; the first torque holds before, the last one after (profile = "table").
+    "times": List<Time> = m.is_table().then_some(&mut m.times_s), beside("profile", "without profile = \"table\"");
+    /// Torques of the table, one for each time (profile = "table").
+    "torques": List<Torque> = m.is_table().then_some(&mut m.torques_n_m),
+        beside("profile", "without profile = \"table\"");
+    /// Between the times of the table: "linear", or "step", where each torque holds until the next time.
+    "interpolation": Choice<Interpolation> = of!(m.actuation, Actuation::Table, interpolation),
+        beside("profile", "without profile = \"table\"");
+}
+
+impl Words for Option<SpringKind> {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("constant", Some(SpringKind::Constant { torque_n_m: GIVEN })),
+        ("torsional", Some(SpringKind::Torsional { stiffness_n_m_per_rad: GIVEN, preload_rad: 0.0 })),
+        ("none", None),
+    ];
+
+    fn word(&self) -> &'static str {
+        match self {
+            Some(SpringKind::Constant { .. }) => "constant",
+            Some(SpringKind::Torsional { .. }) => "torsional",
+            None => "none",
+        }
+    }
+}
+
+/// The spring, if there is one.
+#[derive(Clone, Copy, Debug)]
+pub struct Springs {
+    pub kind: Option<SpringKind>,
+    pub placement: Placement,
+}
+
+impl Springs {
+    pub fn of(spring: Option<Spring>) -> Self {
+        let placement = spring.map_or(Placement::Phalanges, |spring| spring.placement);
+        Springs { kind: spring.map(|spring| spring.kind), placement }
+    }
+
+    pub fn spring(self) -> Option<Spring> {
+        self.kind.map(|kind| Spring { kind, placement: self.placement })
+    }
+}
+
+/// The place of a number of one kind of spring.
+macro_rules! spring {
+    ($value:expr, $variant:ident, $field:ident) => {
+        match &mut $value {
+            Some(SpringKind::$variant { $field, .. }) => Some($field),
+            _ => None,
+        }
+    };
+}
+
+lines! {
+    /// The spring that pulls the finger straight.
+    Springs = Self { kind: Some(SpringKind::Constant { torque_n_m: GIVEN }), placement: Placement::Phalanges }, s;
+    /// "constant": a constant torque; "torsional": stiffness × (preload + deflection); "none".
+    "type": Choice<Option<SpringKind>> = Some(&mut s.kind);
+    /// Torque of the constant spring. Required with type = "constant", except with `sizing`.
+    "torque": Torque = spring!(s.kind, Constant, torque_n_m), allowed(NOT_NEGATIVE),
+        beside("type", "without type = \"constant\"");
+    /// Stiffness of the torsional spring. Required with type = "torsional", except with `sizing`.
+    "stiffness": AngularStiffness = spring!(s.kind, Torsional, stiffness_n_m_per_rad), allowed(POSITIVE),
+        beside("type", "without type = \"torsional\"");
+    /// Deflection of the torsional spring in the straight configuration.
+    "preload": Angle = spring!(s.kind, Torsional, preload_rad), allowed(NOT_NEGATIVE),
+        beside("type", "without type = \"torsional\""), said("0 deg");
+    /// Joint angle the spring acts on.
+    "placement": Choice<Placement> = s.kind.is_some().then_some(&mut s.placement),
+        beside("type", "with type = \"none\"");
+}

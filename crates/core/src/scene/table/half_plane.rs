@@ -1,0 +1,12 @@
+//! `[half_plane]` of a scene of discs.
+
+use super::lines;
+use crate::scene::HalfPlane;
+use crate::scene::kinds::Length;
+
+lines! {
+    /// The half plane: everything below a level is solid and fixed. The section alone puts one there.
+    HalfPlane = Self { level_m: 0.0 }, p;
+    /// Height y of its surface.
+    "level": Length = Some(&mut p.level_m), said("0 mm");
+}
