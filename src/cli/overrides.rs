@@ -1,9 +1,10 @@
-//! Flags of `phalanx run` that stand in for what the scene says, and refusals of those that would do nothing.
+//! Flags of `phalanx run` that are names for fields of the scene, and refusals of those that would do nothing.
 
 use clap::{Args, ValueEnum};
 
 use super::Failure;
-use crate::scene::{AnyScene, Construction, Engine, Preset, Stepping};
+use crate::scene::table::{self, Table};
+use crate::scene::{AnyScene, Construction, Engine, Integrator, LogRates, Preset};
 use crate::trace::{Model, Numerics};
 use crate::units::{self, Dimension};
 
@@ -23,6 +24,12 @@ enum ConstructionArg {
     Reduced,
 }
 
+const RTOL: &str = "expected a number between 0 and 1, such as 1e-6";
+const STEP: &str = "a step must be longer than 0; expected a time such as \"1 us\"";
+const TOLERANCE: &str = "a tolerance must be more than 0; expected a length such as \"0.02 um\"";
+const NUMERIC_RATE: &str = "a rate must be more than 0; expected a frequency such as \"10 kHz\"";
+const PICTURE_RATE: &str = "a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none";
+
 /// Settings given on the command line.
 #[derive(Debug, Args)]
 pub struct Overrides {
@@ -31,21 +38,21 @@ pub struct Overrides {
     preset: Option<PresetArg>,
 
     /// Relative tolerance of the analytic model, instead of that of the scene or preset; absolute ones are scaled along
-    #[arg(long, value_name = "X", value_parser = relative)]
-    rtol: Option<f64>,
+    #[arg(long, value_name = "X", value_parser = field::<Integrator>("integrator", "rtol", RTOL))]
+    rtol: Option<String>,
 
     /// Coordinates of the engine model, instead of those of the scene
     #[arg(long, value_enum)]
     construction: Option<ConstructionArg>,
 
     /// Fixed step of the engine model with its unit, such as "1 us", instead of the stepping of the scene
-    #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
-    step: Option<f64>,
+    #[arg(long, value_name = "TIME", value_parser = field::<Engine>("engine", "step", STEP), conflicts_with = "tolerance")]
+    step: Option<String>,
 
     /// Adaptive steps of the engine model: how far a joint may open in one, such as "0.02 um", instead of the stepping
     /// of the scene
-    #[arg(long, value_name = "LENGTH", value_parser = opening)]
-    tolerance: Option<f64>,
+    #[arg(long, value_name = "LENGTH", value_parser = field::<Engine>("engine", "tolerance", TOLERANCE))]
+    tolerance: Option<String>,
 
     /// Length of the run with its unit, such as "30 ms", instead of that of the scene
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -53,12 +60,12 @@ pub struct Overrides {
 
     /// Samples a second of simulated time in the log, such as "20 kHz", instead of that of the scene; impacts are logged
     /// at every step besides
-    #[arg(long, value_name = "FREQUENCY", value_parser = numeric_rate)]
-    numeric_rate: Option<f64>,
+    #[arg(long, value_name = "FREQUENCY", value_parser = field::<LogRates>("log", "numeric_rate", NUMERIC_RATE))]
+    numeric_rate: Option<String>,
 
     /// Pictures a second of simulated time in the log, such as "1 kHz" ("0 Hz": none), instead of that of the scene
-    #[arg(long, value_name = "FREQUENCY", value_parser = picture_rate)]
-    picture_rate: Option<f64>,
+    #[arg(long, value_name = "FREQUENCY", value_parser = field::<LogRates>("log", "picture_rate", PICTURE_RATE))]
+    picture_rate: Option<String>,
 }
 
 impl Overrides {
@@ -82,30 +89,17 @@ impl Overrides {
             };
             *integrator = integrator.with_preset(preset);
         }
-        if let Some(rtol) = self.rtol {
-            *integrator = integrator.with_rtol(rtol);
-        }
         if let Some(construction) = self.construction {
             engine.construction = match construction {
                 ConstructionArg::Maximal => Construction::Maximal,
                 ConstructionArg::Reduced => Construction::Reduced,
             };
         }
-        if let Some(step_s) = self.step {
-            engine.stepping = Stepping::Fixed { step_s };
-        }
-        if let Some(tolerance_m) = self.tolerance {
-            let max_step_s = longest_step(engine);
-            engine.stepping = Stepping::Adaptive { tolerance_m, max_step_s };
-        }
+        put(integrator, "integrator", [("rtol", &self.rtol)])?;
+        put(engine, "engine", [("step", &self.step), ("tolerance", &self.tolerance)])?;
+        put(log, "log", [("numeric_rate", &self.numeric_rate), ("picture_rate", &self.picture_rate)])?;
         if let Some(duration_s) = self.duration {
             *scene_duration_s = duration_s;
-        }
-        if let Some(numeric_hz) = self.numeric_rate {
-            log.numeric_hz = numeric_hz;
-        }
-        if let Some(picture_hz) = self.picture_rate {
-            log.picture_hz = picture_hz;
         }
         match log.excess(*scene_duration_s) {
             None => Ok(()),
@@ -147,45 +141,31 @@ impl Overrides {
     }
 }
 
-/// The longest adaptive step of the scene; the default where its steps are fixed.
-fn longest_step(engine: &Engine) -> f64 {
-    match (engine.stepping, Engine::DEFAULT.stepping) {
-        (Stepping::Adaptive { max_step_s, .. }, _) | (_, Stepping::Adaptive { max_step_s, .. }) => max_step_s,
-        (Stepping::Fixed { step_s }, Stepping::Fixed { .. }) => step_s,
+/// A value of a field, read as a scene reads it; `wanted` says what is allowed.
+fn field<T: Table>(
+    path: &'static str,
+    key: &'static str,
+    wanted: &'static str,
+) -> impl Fn(&str) -> Result<String, String> + Clone {
+    move |text| match table::set(&mut T::usual(), path, key, text) {
+        Ok(true) => Ok(text.to_string()),
+        Ok(false) => Err(wanted.to_string()),
+        Err(error) => Err(format!("{error}; {wanted}")),
     }
 }
 
-fn relative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
-        _ => Err("expected a number between 0 and 1, such as 1e-6".to_string()),
-    }
+/// Puts what is given in place of what the scene says.
+fn put<T: Table, const N: usize>(
+    section: &mut T,
+    path: &str,
+    given: [(&str, &Option<String>); N],
+) -> Result<(), Failure> {
+    let mut given = given.into_iter().filter_map(|(key, text)| Some((key, text.as_ref()?)));
+    given.try_for_each(|(key, text)| table::set(section, path, key, text).map(drop)).map_err(Failure::bad_input)
 }
 
 fn duration(text: &str) -> Result<f64, String> {
     positive(text, Dimension::Time, "a run must be longer than 0; expected a time such as \"30 ms\"")
-}
-
-fn step(text: &str) -> Result<f64, String> {
-    positive(text, Dimension::Time, "a step must be longer than 0; expected a time such as \"1 us\"")
-}
-
-fn numeric_rate(text: &str) -> Result<f64, String> {
-    positive(text, Dimension::Frequency, "a rate must be more than 0; expected a frequency such as \"10 kHz\"")
-}
-
-fn picture_rate(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Frequency) {
-        Ok(value) if value >= 0.0 => Ok(value),
-        Ok(_) => {
-            Err("a rate must be at least 0; expected a frequency such as \"5 kHz\", or \"0 Hz\" for none".to_string())
-        }
-        Err(error) => Err(error.to_string()),
-    }
-}
-
-fn opening(text: &str) -> Result<f64, String> {
-    positive(text, Dimension::Length, "a tolerance must be more than 0; expected a length such as \"0.02 um\"")
 }
 
 /// A quantity above 0.
