@@ -194,7 +194,7 @@ fn engine(scene: Simulated<'_>, construction: Construction, response: Response, 
     let own = scene.engine();
     let same = matches!(response, Response::Laws) == matches!(own.response, Response::Laws);
     let iterations = if same { own.iterations } else { Engine::usual_iterations(response) };
-    Engine { construction, response, stepping, iterations, max_steps: own.max_steps }
+    Engine { construction, response, stepping, iterations, ..*own }
 }
 
 /// The everyday preset loosened and tightened as a whole, and two of the method of the reference.

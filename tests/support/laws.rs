@@ -3,8 +3,7 @@
 use super::held;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    BodiesBounds, BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset,
-    Response, Stepping,
+    BodiesBounds, BodiesScene, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset, Stepping,
 };
 use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
 
@@ -47,13 +46,7 @@ pub fn scene(discs: Vec<NamedDisc>, normal: NormalLaw, friction: Option<Friction
         gravity_m_s2: [0.0; 2],
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
-        engine: Engine {
-            construction: Construction::Maximal,
-            response: Response::Laws,
-            stepping: Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: 6e-5 },
-            iterations: 2,
-            max_steps: 10_000_000,
-        },
+        engine: Engine::DEFAULT,
         bounds: BodiesBounds {
             position_m: 1e-6,
             contact_time_s: 1e-6,
