@@ -164,7 +164,11 @@ fn the_engine_uses_nothing_of_the_analytic_model() {
 /// The five-bar belongs to the analytic model, for all that sizing and statics stand on it too.
 #[test]
 fn the_analytic_model_uses_nothing_of_the_engine() {
-    check("analytic", &["scene", "gripper", "fivebar", "law", "numeric", "integrator"], &["rapier", "parry", "engine"]);
+    check(
+        "analytic",
+        &["analytic", "scene", "gripper", "fivebar", "law", "numeric", "integrator"],
+        &["rapier", "parry", "engine"],
+    );
     check("fivebar", &["gripper", "numeric"], &["rapier", "parry", "engine"]);
     check("sizing", &["gripper", "fivebar", "numeric", "sizing"], &["rapier", "parry", "engine", "scene"]);
     check("integrator", &["numeric"], &["rapier", "parry", "engine", "gripper", "scene"]);

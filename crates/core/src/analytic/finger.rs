@@ -1,7 +1,6 @@
 //! One finger of the analytic model, wherever it is: its links, its spring, its laws. What moves the object is not its business.
 
 use super::contact::{self, Distal, Geometry};
-use super::model::Passive;
 use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_rates, reference_gamma};
 use crate::fivebar::spring::SpringModel;
@@ -132,4 +131,14 @@ impl FingerModel {
         let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
         Passive { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
     }
+}
+
+/// Passive joint angles and rates; q13 is the absolute orientation of l22.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passive {
+    pub q12: f64,
+    pub q22: f64,
+    pub q13: f64,
+    pub qd12: f64,
+    pub qd22: f64,
 }

@@ -11,5 +11,6 @@ mod mode;
 mod model;
 mod modes;
 
+pub use finger::Passive;
 pub use mode::SiteState;
-pub use model::{Energies, GUARDS, Mode, Model, Passive, QUADRATURES, SiteReading, Snapshot};
+pub use model::{Energies, GUARDS, Mode, Model, QUADRATURES, SiteReading, Snapshot};

@@ -1,7 +1,7 @@
 //! The analytic model of one scene: accelerations, their exact Jacobian, and the state of every contact.
 
 use super::contact::Geometry;
-use super::finger::FingerModel;
+use super::finger::{FingerModel, Passive};
 use super::mode::SiteState;
 use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
@@ -38,16 +38,6 @@ pub struct Energies {
     pub gravity: f64,
     pub spring: f64,
     pub elastic: f64,
-}
-
-/// Passive joint angles and rates; q13 is the absolute orientation of l22.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passive {
-    pub q12: f64,
-    pub q22: f64,
-    pub q13: f64,
-    pub qd12: f64,
-    pub qd22: f64,
 }
 
 /// Everything about one state.

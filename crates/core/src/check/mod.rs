@@ -14,12 +14,12 @@
 mod path;
 mod runs;
 
+pub use path::Errors;
 use path::Path;
 use runs::{Way, is_comparable, run, words};
 pub use runs::{pushed, pushed_bodies};
 
 use crate::integrator::Reason;
-use crate::scene::Stepping;
 use crate::trace::{Model, Simulated};
 
 /// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
@@ -60,19 +60,6 @@ impl Verdict {
             Verdict::Unknown => "unknown",
         }
     }
-}
-
-/// Estimated errors of the main figures of a run. What only one of the runs has is `None`, as is what neither has.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Errors {
-    /// Largest of any coordinate along the path, rad (discs: m).
-    pub path: f64,
-    /// Of the coordinates at the end: q11, q21, q22, or x and y of every disc.
-    pub last: Vec<f64>,
-    /// Of the first touch-downs of the contacts, s.
-    pub first_s: Vec<Option<f64>>,
-    /// Of their normal forces at the end, N.
-    pub normal_n: Vec<f64>,
 }
 
 /// What a check found.
@@ -138,14 +125,4 @@ fn verdict(
         return (Verdict::Uncertain, Some(reason));
     }
     (if error > bar { Verdict::Uncertain } else { Verdict::Sure }, None)
-}
-
-/// A step a quarter as long, or a tolerance a tenth as large.
-fn finer_stepping(stepping: Stepping) -> Stepping {
-    match stepping {
-        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: 0.25 * step_s },
-        Stepping::Adaptive { tolerance_m, max_step_s } => {
-            Stepping::Adaptive { tolerance_m: 0.1 * tolerance_m, max_step_s }
-        }
-    }
 }

@@ -1,6 +1,5 @@
 //! A run kept as its path on an even grid.
 
-use super::Errors;
 use crate::integrator::Reason;
 use crate::numeric::plane::near_turn;
 use crate::trace::{Event, Sample, Sink, SinkError};
@@ -95,4 +94,17 @@ pub fn errors(run: &Path, right: &Path) -> Errors {
         first_s: first.collect(),
         normal_n: if both_end { off(&run.normal_n, &right.normal_n) } else { Vec::new() },
     }
+}
+
+/// Estimated errors of the main figures of a run. What only one of the runs has is `None`, as is what neither has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Largest of any coordinate along the path, rad (discs: m).
+    pub path: f64,
+    /// Of the coordinates at the end: q11, q21, q22, or x and y of every disc.
+    pub last: Vec<f64>,
+    /// Of the first touch-downs of the contacts, s.
+    pub first_s: Vec<Option<f64>>,
+    /// Of their normal forces at the end, N.
+    pub normal_n: Vec<f64>,
 }

@@ -1,9 +1,8 @@
 //! The runs that a check compares.
 
-use super::finer_stepping;
 use super::path::{Keep, POINTS, Path, coordinates};
 use crate::analytic::discs::moving_discs;
-use crate::scene::{AnyScene, BodiesScene, DiscMotion, Engine, Integrator, Method, Scene, Words, scaled};
+use crate::scene::{AnyScene, BodiesScene, DiscMotion, Engine, Integrator, Method, Scene, Stepping, Words, scaled};
 use crate::trace::{self, Model, Numerics, Outcome, RunError, Simulated};
 
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
@@ -118,5 +117,15 @@ pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
         end_s: outcome.last.time_s,
         failure,
         steps: outcome.work.steps,
+    }
+}
+
+/// A step a quarter as long, or a tolerance a tenth as large.
+fn finer_stepping(stepping: Stepping) -> Stepping {
+    match stepping {
+        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: 0.25 * step_s },
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
+            Stepping::Adaptive { tolerance_m: 0.1 * tolerance_m, max_step_s }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Discs and the half plane.
 
-use super::{Body, Drawing, Part, Pose, Shape, extent};
+use super::parts::{Body, Drawing, Part, Pose, Shape, extent};
 use crate::scene::{BodiesScene, DiscMotion, Pair, Partner};
 use crate::trace::BodyState;
 

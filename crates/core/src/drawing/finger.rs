@@ -1,6 +1,6 @@
 //! The finger, its object and its palm.
 
-use super::{Body, Drawing, Part, Pose, Shape, extent};
+use super::parts::{Body, Drawing, Part, Pose, Shape, extent};
 use crate::gripper::{Lengths, Posture, close, final_posture, link_outline, tip_outline};
 use crate::scene::{Actuation, Scene};
 use crate::trace::FingerState;

@@ -3,25 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::outline::{outlines, polygon_moments};
-use super::{Bodies, Body, Lengths};
-
-/// Why lengths have no bodies.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum MassError {
-    #[error("{name} is {value}, but must be a finite number above 0: give another value")]
-    NotPositive { name: &'static str, value: f64 },
-    #[error(
-        "the distal body is no triangle: l22 = {:.4} mm and t22 = {:.4} mm at phi22 = {:.4} deg lie in line, but phi22 \
-         must keep away from 0 and 180 deg, or the scene must give its mass, centre and inertia",
-        .l22_m * 1e3, .t22_m * 1e3, .phi22_rad.to_degrees()
-    )]
-    DegenerateTriangle { phi22_rad: f64, l22_m: f64, t22_m: f64 },
-    #[error(
-        "body {name} comes out with mass {mass_kg} kg and inertia {inertia_kg_m2} kg m², but both must be finite and \
-         above 0: check lengths, density and depth"
-    )]
-    OutOfRange { name: &'static str, mass_kg: f64, inertia_kg_m2: f64 },
-}
+use super::{Bodies, Body, Lengths, MassError};
 
 /// Mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid (1-model §1.3).
 ///

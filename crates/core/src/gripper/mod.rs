@@ -15,6 +15,7 @@
 mod design;
 mod grasp;
 mod mass;
+mod mass_error;
 mod outline;
 mod posture;
 mod site;
@@ -27,7 +28,8 @@ pub use grasp::{
     Circle, FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture,
     start_posture,
 };
-pub use mass::{BodyOverride, MassError, bodies, bodies_with, total_mass};
+pub use mass::{BodyOverride, bodies, bodies_with, total_mass};
+pub use mass_error::MassError;
 pub use outline::{Outlines, PolygonMoments, link_outline, outlines, polygon_moments, tip_outline};
 pub use posture::{Joints, Posture, PostureError, close, gamma, joint_a13, joints, posture_at, straight};
 pub use site::Site;

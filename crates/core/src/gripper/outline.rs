@@ -4,7 +4,7 @@
 //! (along the arm A22 → A13 for the distal body). Corners are counter-clockwise.
 
 use super::Lengths;
-use super::mass::MassError;
+use super::MassError;
 
 /// Inradius of the distal triangle over its longest side below which it counts as no triangle.
 const DEGENERATE: f64 = 1e-6;

@@ -7,7 +7,7 @@ use super::landing::{Crossing, first_crossing, may_have_passed};
 use super::method::{Attempt, Method, Origin};
 use super::observer::{Observer, Step, StepTools};
 use super::pace::Pace;
-use super::{Hybrid, Linearised, State, Tolerances, Watch, strain};
+use super::{Counters, Hybrid, Linearised, State, Tolerances, Watch, strain};
 
 /// How to integrate.
 #[derive(Clone, Copy, Debug)]
@@ -15,18 +15,6 @@ pub struct Options {
     pub tolerances: Tolerances,
     /// Budget of accepted steps.
     pub max_steps: u64,
-}
-
-/// What an integration cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
-    pub steps: u64,
-    /// Attempts refused by the error, made to land on an event, or cut before a fold.
-    pub rejected: u64,
-    /// Right-hand sides, without those an observer asked for.
-    pub rhs: u64,
-    pub jacobians: u64,
-    pub events: u64,
 }
 
 /// Why an integration ended early.

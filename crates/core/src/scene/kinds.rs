@@ -6,7 +6,7 @@ use std::mem::discriminant;
 use schemars::{Schema, json_schema};
 use toml::Spanned;
 
-use super::entry::Any;
+use super::any::Any;
 use super::error::Problem;
 use super::suggest::nearest;
 use crate::units::{self, Dimension};

@@ -15,6 +15,7 @@
 //! | `bodies` | scenes of discs instead of a finger |
 //! | `gripper` | scenes of two fingers and what they grasp |
 
+mod any;
 mod bodies;
 pub mod check;
 mod compose;

@@ -2,6 +2,7 @@
 
 use super::engine_reading::{EngineReader, FingerReader};
 use super::engine_recorder::EngineRecorder;
+use super::follow::Follow;
 use super::grid::Span;
 use super::{Outcome, RunError, Simulated, Sink, SinkError, Site};
 use crate::engine::{Motion, Tolerance, build, next, plan, plan_discs, plan_gripper};
@@ -92,13 +93,6 @@ fn simulate<R: EngineReader>(
         None => Ok(outcome),
         Some(reason) => Err(RunError::Simulation { failure: Failure { time_s, reason }, so_far: Box::new(outcome) }),
     }
-}
-
-/// Who follows an engine run.
-pub(super) trait Follow {
-    fn step(&mut self, motion: &Motion) -> Result<(), SinkError>;
-    /// Whether the run may go on: asked after every step, and at every sub-step of the contacts in it.
-    fn proceed(&self) -> bool;
 }
 
 /// Steps to the end of the run, and shows every step to `follow`; says why where it does not get there.

@@ -1,7 +1,7 @@
 //! Turns the steps of the engine model into samples, events and summary figures.
 
-use super::engine::Follow;
 use super::engine_reading::{EngineReader, contact, stored};
+use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::tracked::{Told, Tracked};

@@ -18,6 +18,7 @@ mod engine;
 mod engine_reading;
 mod engine_recorder;
 mod error;
+mod follow;
 mod grid;
 mod layout;
 mod model;

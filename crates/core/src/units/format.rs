@@ -1,7 +1,7 @@
 //! SI to text that parses back to the same bits.
 
 use super::parse::parse;
-use super::{Dimension, Unit};
+use super::{Dimension, Unit, number};
 
 /// Units in the last place tried around the quotient before a unit is given up.
 const NEIGHBOURS: i64 = 4;
@@ -18,12 +18,6 @@ pub fn format(value_si: f64, dimension: Dimension) -> String {
         .min_by_key(|(text, handy)| (!handy, text.len()))
         .map(|(text, _)| text)
         .unwrap_or_else(|| format!("{} {}", number(value_si), dimension.units()[0].name))
-}
-
-/// The shortest decimal of a number that parses back to it: plain or with exponent.
-pub fn number(value: f64) -> String {
-    let (plain, exponent) = (format!("{value}"), format!("{value:e}"));
-    if plain.len() <= exponent.len() + 2 { plain } else { exponent }
 }
 
 /// Text of `value_si` in `unit`, if some decimal there gives back its bits, and whether that is a handy number.

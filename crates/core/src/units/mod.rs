@@ -7,11 +7,12 @@
 //! | `format` | 0.48 → `"480 N*mm"`, such that it parses back to the same bits |
 
 mod format;
+mod number;
 mod parse;
 mod table;
 
 pub use format::format;
-pub use format::number;
+pub use number::number;
 pub use parse::split;
 pub use parse::{QuantityError, parse};
 pub use table::{Dimension, LONGEST_S, Unit};

@@ -10,8 +10,9 @@ use serde::Deserialize;
 use serde_json::Value;
 use toml::Spanned;
 
-use super::{Field, Table, default};
-use crate::scene::entry::{Any, Section};
+use super::section::{Field, Table, default};
+use crate::scene::any::Any;
+use crate::scene::entry::Section;
 use crate::scene::kinds::Kind;
 
 /// What a scene says in the section of `T`.

@@ -3,10 +3,10 @@
 use serde_json::Value;
 use toml::Spanned;
 
-use super::Table;
 use super::held::{Held, Written};
+use super::section::{About, Field, Table};
+use crate::scene::any::Any;
 use crate::scene::check::{ANY, Bound};
-use crate::scene::entry::Any;
 use crate::scene::error::Problem;
 
 /// Puts a text that few keys have into what is said of this one.
@@ -26,25 +26,6 @@ pub struct Line<T, K: Held> {
     place: fn(&mut T) -> Option<&mut K::Value>,
     /// How the value is put there, if more follows from it.
     put: Option<fn(&mut T, K::Value)>,
-}
-
-/// What is said of a key.
-#[derive(Clone, Copy, Debug)]
-pub struct About {
-    pub key: &'static str,
-    pub doc: &'static str,
-    /// Which numbers are allowed.
-    pub allowed: Bound,
-    /// The key that decides whether the section has a place for this one, and why there is none.
-    pub beside: Option<(&'static str, &'static str)>,
-    /// What to do where it is lacking, if it must be given.
-    pub needed: Option<&'static str>,
-    /// Its default follows from something else.
-    pub follows: bool,
-    /// The default as people say it, where that is not the shortest text.
-    pub said: Option<&'static str>,
-    /// Its name in records, where that is not the key and its unit.
-    pub column: Option<&'static str>,
 }
 
 impl<T, K: Held> Line<T, K> {
@@ -88,29 +69,6 @@ impl<T, K: Held> Line<T, K> {
     fn fits(&self, value: &K::Value) -> bool {
         K::written(value).number().is_none_or(self.about.allowed.allowed)
     }
-}
-
-/// A line, whatever kind of value it holds.
-pub trait Field<T>: Sync {
-    fn about(&self) -> &About;
-
-    /// JSON Schema of its kind of value.
-    fn kind(&self) -> Value;
-
-    /// The value, if the section has it.
-    fn get(&self, section: &mut T) -> Option<Written>;
-
-    /// Sections in which a choice has each of its values; none of what is no choice.
-    fn variants(&self) -> Vec<T>;
-
-    /// Puts a value of a scene into a section; whether it is within bounds.
-    ///
-    /// # Errors
-    /// Why it is no such value; `key` is for messages.
-    fn read(&self, key: &str, given: &Spanned<Any>, into: &mut T) -> Result<bool, Vec<Problem>>;
-
-    /// Puts a recorded value into a section; whether there is such a value.
-    fn recall(&self, text: &str, into: &mut T) -> bool;
 }
 
 impl<T: Table, K: Held> Field<T> for Line<T, K> {

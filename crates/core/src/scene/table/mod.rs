@@ -7,6 +7,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `section` | a section as a table of lines, and what is said of each |
 //! | `line` | a line, and what is done with one |
 //! | `held` | kinds of values: as they are shown, recorded, and read back |
 //! | `keys` | a section as it is written, and its JSON Schema |
@@ -25,35 +26,21 @@ pub mod keys;
 pub mod law;
 mod line;
 pub mod log;
+mod section;
 
-use schemars::Schema;
 use serde_json::Value;
 use toml::Spanned;
 
 pub use document::markdown;
-pub use line::{About, Field, Line};
+pub use line::Line;
+pub use section::{About, Field, Inner, Table, default};
 
+use super::any::Any;
 use super::check::{ANY, Checker};
-use super::entry::{Any, Section};
+use super::entry::Section;
 use super::show::Out;
 use held::Written;
 use keys::Keys;
-
-/// Sections by their keys, with their schemas.
-pub type Inner = &'static [(&'static str, fn() -> Schema)];
-
-/// A section whose keys are fields of a struct.
-pub trait Table: Clone + 'static {
-    /// What the section is for.
-    const DOC: &'static str;
-    /// Its keys in the order in which they are read and shown: a choice before what has a meaning beside it only.
-    const LINES: &'static [&'static dyn Field<Self>];
-    /// Sections in it, with their schemas.
-    const INNER: Inner = &[];
-
-    /// The section of a scene that does not have it; not a number where no number is usual.
-    fn usual() -> Self;
-}
 
 /// Makes a struct a [`Table`]: what its section is for and is usually, then its lines: what a key is for, its name, the kind of its
 /// value, where that stands in the struct, and what else is to be said of it.
@@ -201,16 +188,4 @@ pub fn range<T>(line: &dyn Field<T>) -> String {
         _ if line.about().allowed.text == ANY.text => ANY.text.to_string(),
         _ => format!("a number {}", line.about().allowed.text),
     }
-}
-
-/// The value of a section that says nothing, as it would be written; `None` where it is required or follows from something else.
-pub fn default<T: Table>(line: &dyn Field<T>) -> Option<Value> {
-    let About { follows, said, .. } = *line.about();
-    if follows || said.is_some() {
-        return said.map(Value::from);
-    }
-    // What has a meaning beside a choice only is looked for where that is made.
-    let chosen = T::LINES.iter().flat_map(|choice| choice.variants());
-    let value = std::iter::once(T::usual()).chain(chosen).find_map(|mut section| line.get(&mut section))?;
-    value.is_given().then(|| value.json())
 }

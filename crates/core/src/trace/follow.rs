@@ -1,0 +1,11 @@
+//! Who follows an engine run.
+
+use super::SinkError;
+use crate::engine::Motion;
+
+/// Who follows an engine run.
+pub(super) trait Follow {
+    fn step(&mut self, motion: &Motion) -> Result<(), SinkError>;
+    /// Whether the run may go on: asked after every step, and at every sub-step of the contacts in it.
+    fn proceed(&self) -> bool;
+}
