@@ -8,8 +8,9 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::Failure;
 use super::own::Form;
-use super::{Failure, validate_files::broken, validate_files::save};
+use super::saved::{broken, save};
 use crate::files::replace;
 
 /// Checksums of what was written, by name.

@@ -7,6 +7,7 @@
 //! | 2 | bad input: arguments, scene, or a path that cannot be written |
 //! | 3 | the simulation could not be completed, or was interrupted, or its results could not be written; the log up to there is kept and readable |
 
+mod answer;
 mod browser;
 mod completions;
 mod folder;
@@ -25,14 +26,17 @@ mod own;
 mod progress;
 mod replay;
 mod replay_against;
+mod replay_args;
 mod replay_page;
 mod replay_pair;
 mod replay_read;
 mod replay_recover;
+mod replay_side;
 mod replay_verify;
 mod reproduce;
 mod run;
 mod run_page;
+mod saved;
 pub mod scene;
 mod scene_figure;
 mod select;
@@ -46,6 +50,7 @@ mod sweep;
 mod sweep_store;
 mod terminal;
 mod validate;
+mod validate_args;
 mod validate_files;
 mod volume;
 mod volume_args;
@@ -101,8 +106,8 @@ struct Cli {
 enum Command {
     New(new::NewArgs),
     Run(run::RunArgs),
-    Validate(validate::ValidateArgs),
-    Replay(replay::ReplayArgs),
+    Validate(validate_args::ValidateArgs),
+    Replay(replay_args::ReplayArgs),
     /// Show and check scene files, and print their schema
     #[command(
         subcommand,

@@ -1,38 +1,26 @@
 //! `phalanx replay --against`: two logs side by side, with differences and pictures.
 
-use std::io;
 use std::path::Path;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
 use super::own::{Form, writable};
-use super::replay::{ReplayArgs, head, losses, refuse_the_log};
-use super::replay_page::{Reels, Tee};
+use super::replay_args::{ReplayArgs, losses, refuse_the_log};
+use super::replay_page::Reels;
 use super::replay_pair::{common, notes};
-use super::replay_read::{Listeners, bad_log};
-use super::validate_files::{PAGE, broken, save};
+use super::replay_read::head;
+use super::replay_side::Side;
+use super::saved::{PAGE, broken, save};
 use super::{Failure, Status};
-use crate::limits::MOST_COMPARED_FIGURES;
-use crate::log::{self, LogSink, Reading};
+use crate::log::Reading;
 use crate::page::{Note, Page, page};
 use crate::plot::{self, Differences};
 use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
-use crate::validate::{Angle, Recording, compare};
+use crate::validate::{Angle, compare};
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
-
-/// A log that is held whole.
-pub(super) struct Side<'a> {
-    pub listeners: Listeners<'a>,
-    pub reading: Reading,
-    pub recording: Recording,
-    pub layout: Layout,
-    figures: usize,
-    too_long: bool,
-}
 
 /// Runs the command.
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
@@ -128,66 +116,6 @@ fn both(films: [Reels; 2], paths: [&Path; 2], report: &AgainstReport) -> Result<
     }
     let notes = vec![Note { title: "Side by side".to_string(), text: against_text(report) }];
     Ok(page(&Page { title, description, runs, notes, pictures: Vec::new() }))
-}
-
-impl<'a> Side<'a> {
-    /// Reads a log; `film` gets all of it too.
-    fn read(path: &Path, interrupt: &'a Interrupt, film: &mut impl LogSink) -> Result<Self, Failure> {
-        let finger = !head(path)?.is_of_discs();
-        let mut side = Side {
-            listeners: Listeners::new(path, interrupt)?,
-            reading: Reading::default(),
-            recording: Recording::default(),
-            layout: if finger { Layout::finger() } else { Layout::default() },
-            figures: 0,
-            too_long: false,
-        };
-        let reading = log::read_any_file(path, &mut Tee(&mut side, film));
-        side.listeners.done();
-        side.reading = match reading {
-            Err(_) if side.too_long => {
-                return Err(Failure::bad_input(format!(
-                    "{} is too long to be compared: both logs are held in memory, {MOST_COMPARED_FIGURES} figures of each (476,000 \
-                     samples of a finger); log at a lower rate, or compare the tables that --csv writes",
-                    path.display()
-                )));
-            }
-            reading => reading.map_err(|error| bad_log(path, &error))?,
-        };
-        if let Some(outcome) = side.listeners.summary().outcome() {
-            side.recording.outcome = outcome.clone();
-        }
-        Ok(side)
-    }
-
-    fn hold(&mut self, figures: usize) -> Result<(), SinkError> {
-        self.figures += figures;
-        self.too_long = self.figures > MOST_COMPARED_FIGURES;
-        match self.too_long {
-            true => Err(SinkError { what: "so long a log to memory".to_string(), source: io::ErrorKind::Other.into() }),
-            false => Ok(()),
-        }
-    }
-}
-
-impl LogSink for Side<'_> {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.layout = layout.clone();
-        self.listeners.layout(layout)
-    }
-
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let Sample { fingers, bodies, contacts, .. } = sample;
-        self.hold(8 + 10 * fingers.len() + 6 * bodies.len() + 10 * contacts.len())?;
-        self.recording.sample(sample)?;
-        self.listeners.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.hold(8)?;
-        self.recording.event(event)?;
-        self.listeners.event(event)
-    }
 }
 
 /// What the logs are called: by their models, or else their files, as far as that tells them apart.

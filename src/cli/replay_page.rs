@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::interrupt::Interrupt;
 use super::own::{Form, writable};
-use super::replay::{ReplayArgs, head, losses, refuse_the_log, say};
-use super::replay_read::{Listeners, attached, bad_log};
-use super::validate_files::save;
+use super::replay_args::{ReplayArgs, losses, refuse_the_log, say};
+use super::replay_read::{Listeners, attached, bad_log, head};
+use super::saved::save;
 use super::{Failure, Status};
 
 use crate::log::{self, LogSink, Reading};

@@ -1,6 +1,6 @@
 //! What two logs have in common, and what is to be borne in mind where they do not.
 
-use super::replay_against::Side;
+use super::replay_side::Side;
 use crate::report::duration;
 use crate::trace::{Layout, Sample, Site};
 

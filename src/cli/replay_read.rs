@@ -4,11 +4,11 @@ use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::Failure;
 use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
 use super::simulate::grasp;
-use super::{Failure, replay};
 use crate::criteria::{AtRest, Criteria, Tracker};
 use crate::log::{self, LARGEST_RECORD, LogSink, ReadError, Reading};
 use crate::report::{ReplayReport, Summary, csv_head, csv_sample};
@@ -30,7 +30,7 @@ pub(super) struct Listeners<'a> {
 impl<'a> Listeners<'a> {
     /// Looks at the head of the log: the criteria need its scene before the first sample.
     pub fn new(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
-        let head = replay::head(path)?;
+        let head = head(path)?;
         let duration_s = head.metadata.get("duration_s").and_then(|text| text.parse().ok());
         let mut listeners = Listeners {
             summary: Summary::default(),
@@ -216,4 +216,9 @@ pub(super) fn bad_log(path: &Path, error: &ReadError) -> Failure {
         ReadError::Sink(error) => Failure::incomplete(error),
         _ => Failure::bad_input(format!("{}: {error}", path.display())),
     }
+}
+
+/// The head of a log: its metadata and its scene.
+pub(super) fn head(log: &Path) -> Result<Reading, Failure> {
+    crate::log::read_head(log).map_err(|error| bad_log(log, &error))
 }

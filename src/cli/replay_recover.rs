@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::interrupt::Interrupt;
 use super::output::{print, show};
-use super::replay::{ReplayArgs, head, losses, refuse_the_log};
-use super::replay_read::{Watch, bad_log};
+use super::replay_args::{ReplayArgs, losses, refuse_the_log};
+use super::replay_read::{Watch, bad_log, head};
 use super::run::unstarted;
 use super::{Failure, Status};
 use crate::files::{probe, replace};

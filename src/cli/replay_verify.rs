@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use super::interrupt::Interrupt;
 use super::output::complain;
-use super::replay::{ReplayArgs, head, losses, say};
-use super::replay_read::{Listeners, Watch, attached, bad_log, read};
+use super::replay_args::{ReplayArgs, losses, say};
+use super::replay_read::{Listeners, Watch, attached, bad_log, head, read};
 use super::simulate::{Broken, Checking, Finished, Limits, simulate};
 use super::{Failure, Status};
 use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, gaps, settings, stamp_ns};

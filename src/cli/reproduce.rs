@@ -10,7 +10,7 @@ use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
 use super::output::{note, print, show};
 use super::progress::Count;
-use super::validate_files::{broken, save};
+use super::saved::{broken, save};
 use super::volume_args::threads_or_all;
 use super::{Failure, Status};
 use crate::report::{

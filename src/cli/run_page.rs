@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::browser::Browser;
 use super::own::{Form, writable};
-use super::validate_files::save;
+use super::saved::save;
 use super::{Failure, Status};
 use crate::page::{Film, Page, page};
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
+pub use super::answer::Answer;
 use super::output::{complain, print, show};
 use super::set::SetArgs;
 use super::{Failure, Status, scene_figure};
@@ -46,15 +47,6 @@ pub enum SceneCommand {
     /// Print the JSON Schema of scene files, for editors
     #[command(after_help = "Examples:\n  phalanx scene schema > scene.schema.json")]
     Schema,
-}
-
-/// What a command has to say.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Answer {
-    pub stdout: String,
-    pub stderr: String,
-    /// Whether all input was good.
-    pub good: bool,
 }
 
 /// Runs a command and prints its answer.

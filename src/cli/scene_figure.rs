@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use super::answer::Answer;
 use super::own::{Form, writable};
-use super::scene::Answer;
 use super::set::SetArgs;
 use crate::files::replace;
 use crate::plot::linkage;

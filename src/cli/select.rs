@@ -7,7 +7,7 @@ use clap::Args;
 use super::folder::Folder;
 use super::output::{print, show};
 use super::own::{Form, writable};
-use super::validate_files::{broken, save};
+use super::saved::{broken, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::plot;

@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::output::{print, show};
 use super::own::{Form, writable};
+use super::saved::{broken, save};
 use super::set::SetArgs;
-use super::validate_files::{broken, save};
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{StaticsReport, statics_json, statics_text};

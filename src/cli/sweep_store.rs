@@ -13,7 +13,7 @@ use fs4::{FileExt, TryLockError};
 use serde::{Deserialize, Serialize};
 
 use super::Failure;
-use super::validate_files::save;
+use super::saved::save;
 use crate::study::sweep::{Study, columns, sorted};
 use crate::table::{self, Column, Table, Value};
 

@@ -1,14 +1,10 @@
 //! `phalanx validate`: the engine model against the analytic one, and speed against error.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
 use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
 use super::progress::Count;
-use super::set::SetArgs;
+use super::validate_args::ValidateArgs;
 use super::validate_files::{files, write};
 use super::{Failure, Status};
 use crate::integrator;
@@ -16,35 +12,6 @@ use crate::limits::MOST_VALIDATED_SAMPLES;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
 use crate::trace::{Model, RunError, Simulated};
 use crate::validate::{Progress, StudyError, Validation, validate};
-
-/// Compare the engine with the analytic model, judge it by the scene's bounds, and weigh speed against error.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  phalanx validate scenes/experiment-95.toml\n  phalanx validate scenes/experiment-95.toml --out \
-                  report\n  phalanx validate scenes/experiment-95.toml --quick --json > validation.json\n\nThe section \
-                  [validate] of a scene sets its bounds. Exit status: 0 within bounds; 1 out of bounds; 2 bad input; 3 a \
-                  simulation could not be completed."
-)]
-pub struct ValidateArgs {
-    /// Scene file (TOML); `phalanx scene schema` describes it
-    pub(super) scene: PathBuf,
-
-    #[command(flatten)]
-    pub(super) set: SetArgs,
-
-    /// Write everything there: reports, a page to look at in a browser, series of both models, pictures, both logs; the
-    /// directory is made if need be, and an older file is replaced only when the new one is whole
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: Option<PathBuf>,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long)]
-    pub(super) json: bool,
-
-    /// Leave out the settings that take long: fixed steps below 1e-5 s and reduced coordinates
-    #[arg(long)]
-    pub(super) quick: bool,
-}
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {

@@ -1,6 +1,5 @@
 //! The files of `phalanx validate --out`: reports, series, pictures, logs.
 
-use std::fmt::Display;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -8,8 +7,9 @@ use std::path::Path;
 use super::Failure;
 use super::interrupt::Interrupt;
 use super::run::{info, unstarted};
+use super::saved::{PAGE, broken, save};
 use super::simulate::{Broken, Checking, Limits, simulate};
-use super::validate::ValidateArgs;
+use super::validate_args::ValidateArgs;
 use crate::files::replace;
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
@@ -21,9 +21,6 @@ use crate::validate::Validation;
 
 /// The file that says what the others are; written last.
 const REPORT: &str = "report.txt";
-
-/// Both models in motion, laid over each other.
-pub(super) const PAGE: &str = "page.html";
 
 /// Everything that is in the directory in the end, of a finger and of discs.
 const FINGER: [&str; 9] = [
@@ -115,10 +112,6 @@ fn show_page(
     save(&out.join(PAGE), &text)
 }
 
-pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
-    replace(path, |out| out.write_all(text.as_bytes())).map_err(|error| broken(path, error))
-}
-
 /// Both models side by side, as `rows` writes them.
 fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let written = replace(path, rows);
@@ -170,8 +163,4 @@ fn finished(
         }
         (Err(Broken { error, .. }), None) => Err(broken(path, error.reason)),
     }
-}
-
-pub(super) fn broken(path: &Path, error: impl Display) -> Failure {
-    Failure::incomplete(format!("cannot write {}: {error}", path.display()))
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::validate_files::{broken, save};
+use super::saved::{broken, save};
 use super::volume_args::DataArg;
 use crate::page::{Note, VolumePage, volume_page};
 use crate::plot::{self, DrawError};

@@ -11,7 +11,6 @@ use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant as Clock};
 
 use super::core::{Feed, Severity};
-use super::file::LogFile;
 use super::metadata::RunInfo;
 use super::writer::Writer;
 use crate::trace::{Event, Sample, Sink, SinkError};
@@ -22,9 +21,6 @@ const BATCH: usize = 64;
 const PATIENCE: Duration = Duration::from_millis(100);
 /// Batches that may wait; then the simulation does.
 const WAITING: usize = 32;
-
-/// A log that goes to a file.
-pub type FileWriter = Beside<LogFile>;
 
 /// A log that is written on a thread of its own.
 ///
@@ -174,13 +170,6 @@ impl<W: Write + Send + 'static> Beside<W> {
                 source: io::Error::other("an earlier part of it could not be written"),
             }),
         }
-    }
-}
-
-impl FileWriter {
-    /// Finishes the log and puts it in its place.
-    pub fn keep(self) -> Result<(), SinkError> {
-        self.finish()?.keep()
     }
 }
 

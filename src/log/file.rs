@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
-use super::beside::FileWriter;
+use super::beside::Beside;
 use super::core::Feed;
 use super::metadata::{METADATA_NAME, RunInfo};
 use crate::trace::SinkError;
@@ -253,4 +253,14 @@ fn sync_directory(path: &Path) -> io::Result<()> {
         let _ = File::open(directory).and_then(|directory| directory.sync_all());
     }
     Ok(())
+}
+
+/// A log that goes to a file.
+pub type FileWriter = Beside<LogFile>;
+
+impl FileWriter {
+    /// Finishes the log and puts it in its place.
+    pub fn keep(self) -> Result<(), SinkError> {
+        self.finish()?.keep()
+    }
 }

@@ -152,3 +152,6 @@ pub fn preset_name(preset: Preset) -> &'static str {
 pub fn method_name(method: Method) -> &'static str {
     method.word()
 }
+
+/// Name of the metadata record that says what a recovered log is made from.
+pub const RECOVERED_NAME: &str = "phalanx_recovered";

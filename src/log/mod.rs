@@ -73,11 +73,12 @@ mod settings;
 mod verify;
 mod writer;
 
-pub use beside::{Beside, FileWriter};
+pub use beside::Beside;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
-pub use file::{LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
+pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
 pub(crate) use listeners::{Ran, simulate};
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
+pub use metadata::RECOVERED_NAME;
 pub use metadata::{
     ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, construction_name, law_name, metadata,
     method_name, preset_name, scene_text, stepping_name,
@@ -86,7 +87,7 @@ pub use reader::{
     AttachmentRecord, Behind, ChannelRecord, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, ReadError, Reading,
     Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
 };
-pub use recovered::{Gap, RECOVERED_NAME, Recovery, gaps, recover};
+pub use recovered::{Gap, Recovery, gaps, recover};
 pub use run::{LoggedRun, LoggedRunError, run_into, run_to};
 pub use settings::{Settings, SettingsError, Solver, settings};
 pub use verify::{Difference, Expected, FieldTally, Leaf, Lockstep, Verification};

@@ -24,12 +24,10 @@ use mcap::{Attachment, McapError};
 
 use super::core::{CHUNK_BYTES, RECORD_OVERHEAD, options};
 use super::metadata::METADATA_NAME;
+use super::metadata::RECOVERED_NAME;
 use super::reader::{LogSink, MessageRecord, ReadError, Reading, Record, read_pieces};
 use super::writer::sink_error;
 use crate::trace::SinkError;
-
-/// Name of the metadata record that says what a recovered log is made from.
-pub const RECOVERED_NAME: &str = "phalanx_recovered";
 
 /// The last message of every sample, of fingers and of discs.
 const REGULAR: &str = "/energy";

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Terminator, Writer, WriterBuilder};
 
+use super::formula::{FORMULA, is_kept, meant};
 use super::value::{self, kind_of};
 use super::{Column, Kind, Origin, Table, TableError, Value};
 use crate::files::read_at_most;
@@ -162,25 +163,12 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// Spreadsheets compute what begins with one of these.
-const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
-
 /// A text that no spreadsheet takes for a formula, with an apostrophe before it; [`meant`] takes that away again.
 fn harmless(text: &str) -> Cow<'_, str> {
     match text.starts_with(FORMULA) || is_kept(text) {
         true => Cow::Owned(format!("'{text}")),
         false => Cow::Borrowed(text),
     }
-}
-
-/// The text of a cell.
-pub(super) fn meant(cell: &str) -> &str {
-    if is_kept(cell) { &cell[1..] } else { cell }
-}
-
-/// Whether an apostrophe stands before what has one for this reason.
-fn is_kept(cell: &str) -> bool {
-    cell.strip_prefix('\'').is_some_and(|rest| rest.starts_with(FORMULA) || rest.starts_with('\''))
 }
 
 fn writer<W: Write>(out: W) -> Writer<W> {

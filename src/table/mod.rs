@@ -13,6 +13,7 @@
 
 mod csv_file;
 mod error;
+mod formula;
 mod get;
 mod parquet_file;
 mod value;

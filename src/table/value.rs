@@ -116,7 +116,7 @@ pub(super) fn read(cell: &str, kind: Kind) -> Option<Value> {
         Kind::Integer => bare.parse().ok().map(Value::Integer),
         Kind::Number => number(bare).map(Value::Number),
         Kind::Flag => flag(bare).map(Value::Flag),
-        Kind::Text => Some(Value::Text(super::csv_file::meant(cell).to_string())),
+        Kind::Text => Some(Value::Text(super::formula::meant(cell).to_string())),
     }
 }
 

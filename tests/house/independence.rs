@@ -8,7 +8,7 @@ fn sources(directory: &str) -> Vec<PathBuf> {
 }
 
 /// All sources of a room, which is a directory or a single file.
-fn sources_of(root: &str, room: &str) -> Vec<PathBuf> {
+pub fn sources_of(root: &str, room: &str) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(root);
     let single = root.join(format!("{room}.rs"));
     if single.is_file() {
@@ -30,7 +30,7 @@ fn sources_of(root: &str, room: &str) -> Vec<PathBuf> {
 }
 
 /// Code without comments, so that documentation may speak of the other model.
-fn code(path: &Path) -> String {
+pub fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
     text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }

@@ -1,4 +1,5 @@
-//! Tests of the house itself, read from its sources: which rooms use which, where the thesis's equations are.
+//! Tests of the house itself, read from its sources: which rooms use which, files in circles, where the thesis's equations are.
 
+mod circles;
 mod equations;
 mod independence;

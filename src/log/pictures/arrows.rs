@@ -2,7 +2,7 @@
 
 use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneEntity, SceneUpdate, SpherePrimitive, Timestamp, Vector3};
 
-use super::{WORLD, about_z};
+use super::frame::{WORLD, about_z};
 use crate::drawing::Drawing;
 use crate::trace::ContactSample;
 

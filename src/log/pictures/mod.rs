@@ -9,20 +9,20 @@
 //! twentieth of the longest one. Where nothing has moved since the last picture there is none: viewers keep what they have.
 
 mod arrows;
+mod frame;
 mod shapes;
 
+pub use frame::WORLD;
+use frame::about_z;
 use std::io::Write;
 
-use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Timestamp, Vector3};
+use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate, Timestamp, Vector3};
 use mcap::McapError;
 
 use self::arrows::Arrows;
 use super::core::{ChannelId, Core, stamp};
 use crate::drawing::{Drawing, Pose};
 use crate::trace::ContactSample;
-
-/// The frame that every other one hangs from.
-pub const WORLD: &str = "world";
 
 /// Part of the longest arrow by which one changes before it is drawn anew within an impact.
 const ARROW_CHANGE: f64 = 0.05;
@@ -158,10 +158,4 @@ fn set(transform: &mut FrameTransform, pose: &Pose) {
 fn stamped(mut frames: FrameTransforms, stamp: Timestamp) -> FrameTransforms {
     frames.transforms.iter_mut().for_each(|transform| transform.timestamp = Some(stamp));
     frames
-}
-
-/// A turn in the plane.
-fn about_z(angle_rad: f64) -> Quaternion {
-    let (sin, cos) = (0.5 * angle_rad).sin_cos();
-    Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }
 }

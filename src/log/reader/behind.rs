@@ -5,7 +5,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::records::op;
 
-use super::LARGEST_RECORD;
+use super::bytes::LARGEST_RECORD;
 use super::bytes::{Chunk, Cursor};
 
 /// What lies behind a damage and is whole.

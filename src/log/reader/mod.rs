@@ -38,6 +38,7 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use self::assemble::{Assembler, Found};
 pub use self::behind::Behind;
+pub use self::bytes::LARGEST_RECORD;
 use self::bytes::{Chunk, Cursor, Malformed};
 pub(super) use self::bytes::{channel, message, metadata, schema};
 use self::reading::is_of_discs;
@@ -45,12 +46,9 @@ pub use self::reading::{Ended, Loss, ReadError, Reading};
 use self::record::Fingers;
 pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Record, SchemaRecord};
 use super::file::partial_name;
+use super::metadata::RECOVERED_NAME;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
-use super::recovered::RECOVERED_NAME;
 use crate::trace::{Sink, SinkError};
-
-/// No record or chunk of a log is larger, compressed or not: sixty times what phalanx writes.
-pub const LARGEST_RECORD: usize = 16 << 20;
 
 /// Reads the log file of a finger into a sink.
 ///

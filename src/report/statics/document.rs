@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::closure::ClosureReport;
 use crate::gripper::{Placement, Site, SpringKind};
 use crate::statics::{Ejection, Equilibrium};
-use crate::study::grasp::{Contact, Drive, Forces, Grasp, Palm};
+use crate::study::grasp::{Contact, Drive, Forces, Grasp};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticsReport {
@@ -165,15 +165,5 @@ fn forces(forces: &Forces) -> ForcesReport {
             forces_n: birglen.forces_n,
             difference_n: [birglen.forces_n[0] - f21_n, birglen.forces_n[1] - f22_n],
         },
-    }
-}
-
-/// What the report says of the palm.
-pub(super) fn palm(palm: &Palm) -> &'static str {
-    match palm {
-        Palm::Rests => "rests",
-        Palm::None => "none",
-        Palm::Apart { .. } => "apart",
-        Palm::Within { .. } => "within",
     }
 }

@@ -9,13 +9,15 @@
 
 mod closure;
 mod document;
+mod motion;
 mod text;
 mod words;
 
-pub use closure::{ClosureReport, FingerMotionReport, MotionReport, MultiplierReport, NecessaryReport, RateReport};
+pub use closure::{ClosureReport, MultiplierReport, NecessaryReport};
 pub use document::{
     BirglenReport, ContactPlaceReport, DriveReport, FinalPostureReport, ForcesReport, SpringReport, StaticsReport,
 };
+pub use motion::{FingerMotionReport, MotionReport, RateReport};
 pub use text::statics_text;
 
 use super::document_text;

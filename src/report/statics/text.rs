@@ -1,7 +1,8 @@
 //! Statics for people: short tables with units.
 
-use super::closure::{ClosureReport, MotionReport, MultiplierReport};
+use super::closure::{ClosureReport, MultiplierReport};
 use super::document::{BirglenReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport};
+use super::motion::MotionReport;
 use crate::wording::figures::{figure, row};
 use crate::wording::sheet::{Sheet, list, table};
 

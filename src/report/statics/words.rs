@@ -1,6 +1,7 @@
 //! A free motion in words.
 
-use super::closure::{FingerMotionReport, MotionReport};
+use super::motion::{FingerMotionReport, MotionReport};
+use crate::study::grasp::Palm;
 use crate::wording::figures::figure;
 
 /// One sentence for the object, one for each finger (one for both if they move alike), one for contacts.
@@ -66,4 +67,14 @@ fn alike(a: &FingerMotionReport, b: &FingerMotionReport) -> bool {
 fn capital(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// What the report says of the palm.
+pub(super) fn palm(palm: &Palm) -> &'static str {
+    match palm {
+        Palm::Rests => "rests",
+        Palm::None => "none",
+        Palm::Apart { .. } => "apart",
+        Palm::Within { .. } => "within",
+    }
 }

@@ -3,6 +3,7 @@
 
 mod differences;
 mod document;
+mod figures;
 mod invariants;
 mod series;
 mod side_by_side;

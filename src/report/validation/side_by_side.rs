@@ -8,7 +8,7 @@ use super::super::discs::DiscReport;
 use super::super::document::Final;
 use super::differences::{DifferencesReport, DiscDifferences, JointDifferences, PairDifference};
 use super::document::ValidationReport;
-use super::text::{number, percent};
+use super::figures::{number, percent};
 use crate::validate::turned;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};

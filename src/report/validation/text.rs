@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::differences::{Errors, JointDifferences, JointErrors};
 use super::document::{CheckReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport};
+use super::figures::{number, percent};
 use super::invariants::FindingReport;
 use super::side_by_side::{differences, side_by_side};
 use super::statistics::statistics_text;
@@ -123,16 +124,6 @@ fn impacts(impacts: &[ImpactReport]) -> Sheet {
         let _ = writeln!(text, "and {} more", impacts.len() - MOST_IMPACTS);
     }
     text
-}
-
-/// A figure where there is one.
-pub(super) fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or("–".to_string(), |value| figure(value, digits))
-}
-
-/// A ratio in percent.
-pub(super) fn percent(value: Option<f64>) -> String {
-    number(value.map(|value| 100.0 * value), 2)
 }
 
 /// Heads of the columns of errors, in two lines.

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::SelectError;
-use super::criteria::CLASSES;
+use super::classes::CLASSES;
 use crate::criteria::Class;
 use crate::table::{Table, Value};
 

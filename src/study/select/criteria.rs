@@ -5,9 +5,6 @@ use super::{SelectError, Weights};
 use crate::criteria::Class;
 use crate::table::Table;
 
-/// From best to worst.
-pub const CLASSES: [Class; 4] = [Class::Stable, Class::SemiStable, Class::SemiUnstable, Class::Unstable];
-
 /// What is asked of a design. The default is the thesis's §4.3: form-closed, statically stable, stable or semi-stable, and
 /// a palm force ≥ 0 from the final simulated forces.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,13 +14,15 @@
 //! in each of them.
 
 mod candidates;
+mod classes;
 mod criteria;
 mod error;
 mod ranking;
 mod tally;
 
 pub use candidates::{Axis, Candidate, Condition, RunStatus, class_named};
-pub use criteria::{Bound, CLASSES, Criterion, SelectionCriteria, Side, Verdict};
+pub use classes::CLASSES;
+pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
 pub use error::SelectError;
 pub use ranking::{Figures, Parts, Ranked, Weights, rank};
 pub use tally::{Classes, Tally};

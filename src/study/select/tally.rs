@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use super::criteria::{CLASSES, Criterion, Verdict};
+use super::classes::CLASSES;
+use super::criteria::{Criterion, Verdict};
 use super::{Candidate, RunStatus};
 
 /// What one criterion did.

@@ -10,8 +10,8 @@ use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 use toml::{Spanned, Table};
 
 use super::field::{Holds, join};
-use super::read::problem;
-use crate::scene::entry::Any;
+use super::problem::problem;
+use crate::scene::any::Any;
 use crate::scene::kinds::Words;
 use crate::scene::schema::schema_of;
 use crate::scene::text::syntax;

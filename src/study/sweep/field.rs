@@ -3,7 +3,7 @@
 use serde_json::Value as Json;
 use toml::Spanned;
 
-use crate::scene::entry::Any;
+use crate::scene::any::Any;
 use crate::scene::kinds::{at, quantity, word};
 use crate::scene::{Problem, nearest};
 use crate::table::{Kind, Value};

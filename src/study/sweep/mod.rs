@@ -24,6 +24,7 @@ mod base;
 mod error;
 mod field;
 mod one;
+mod problem;
 mod raw;
 mod read;
 mod read_axis;

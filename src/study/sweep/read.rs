@@ -23,7 +23,7 @@ use crate::scene::entry::Section;
 use crate::scene::error::line_column;
 use crate::scene::file::too_large;
 use crate::scene::text::syntax;
-use crate::scene::{Problem, SceneError, keys};
+use crate::scene::{SceneError, keys};
 use crate::trace::Model;
 
 /// Reads and checks a study file and the base scene it names.
@@ -191,9 +191,4 @@ fn total(axes: &[Axis], sequence: Option<&Sequence>) -> Option<u64> {
 fn stem(file_name: &str) -> String {
     let stem = Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy();
     if stem.trim().is_empty() { "study".into() } else { stem.into_owned() }
-}
-
-/// A problem at a place of the study, for other readers of its parts.
-pub(super) fn problem(span: Option<Range<usize>>, message: String, label: String, help: String) -> Problem {
-    Problem { span, message, label, help }
 }

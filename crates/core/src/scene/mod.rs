@@ -15,7 +15,7 @@
 //! | `bodies` | scenes of discs instead of a finger |
 //! | `gripper` | scenes of two fingers and what they grasp |
 
-mod any;
+pub mod any;
 mod bodies;
 pub mod check;
 mod compose;

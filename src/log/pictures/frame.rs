@@ -1,0 +1,12 @@
+//! The frame of pictures, and turns about the axis out of the plane.
+
+use foxglove::messages::Quaternion;
+
+/// The frame that every other one hangs from.
+pub const WORLD: &str = "world";
+
+/// A turn in the plane.
+pub fn about_z(angle_rad: f64) -> Quaternion {
+    let (sin, cos) = (0.5 * angle_rad).sin_cos();
+    Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }
+}
