@@ -100,7 +100,7 @@ impl House {
     }
 
     /// The whole way of a path that is written in a module; `None` where it leads into another crate.
-    fn from_root(&self, module: &Module, path: &[String]) -> Option<Module> {
+    fn whole_way(&self, module: &Module, path: &[String]) -> Option<Module> {
         let (first, rest) = path.split_first()?;
         let below = |base: &[String], rest: &[String]| Some([base, rest].concat());
         match first.as_str() {
@@ -121,7 +121,7 @@ impl House {
             (0..=path.len()).rev().map(|k| path[..k].to_vec()).find(|module| self.uses.contains_key(module))?;
         let handed = path.get(module.len()).filter(|_| depth < 6).and_then(|name| {
             let on = self.uses[&module].iter().filter(|on| on.public && on.path.last() == Some(name));
-            on.filter_map(|on| self.home(&self.from_root(&module, &on.path)?, depth + 1)).next()
+            on.filter_map(|on| self.home(&self.whole_way(&module, &on.path)?, depth + 1)).next()
         });
         Some(handed.unwrap_or(module))
     }
@@ -131,7 +131,7 @@ impl House {
         let of = |(module, uses): (&Module, &Vec<Use>)| {
             let imported = uses.iter().filter(|used| !used.public).map(|used| used.path.clone());
             let used = imported.chain(mentioned(&without_uses(&self.code[module])));
-            let homes = used.filter_map(|path| self.home(&self.from_root(module, &path)?, 0));
+            let homes = used.filter_map(|path| self.home(&self.whole_way(module, &path)?, 0));
             (module.clone(), homes.filter(|home| home != module).collect())
         };
         self.uses.iter().map(of).collect()

@@ -190,6 +190,9 @@ impl<'a> Chunk<'a> {
     }
 }
 
+/// No record or chunk of a log is larger, compressed or not: sixty times what phalanx writes.
+pub const LARGEST_RECORD: usize = 16 << 20;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -225,6 +228,3 @@ mod tests {
         assert_eq!(chunk(1 << 20).records(1 << 24, &mut out).map(<[u8]>::len), Ok(1 << 20));
     }
 }
-
-/// No record or chunk of a log is larger, compressed or not: sixty times what phalanx writes.
-pub const LARGEST_RECORD: usize = 16 << 20;
