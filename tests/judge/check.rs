@@ -90,3 +90,22 @@ fn a_limit_that_rattles_is_either_resolved_or_said_to_be_uncertain() {
         assert!(off_by < 1e-6, "{name} at rtol 1e-7: {off_by:e} rad off");
     }
 }
+
+/// What thousands of events make of last digits is estimated by one draw: such a run is sure only of what is far below the bar.
+#[test]
+fn a_run_of_thousands_of_events_is_held_to_a_lower_bar() {
+    for (name, bar) in [("experiment-95", 1e-5), ("hard/limit-trembles", 1e-6)] {
+        let scene = scene(name);
+        let events = record(Model::Analytic, &scene).expect("a run").outcome.work.events;
+        let said = checked(Model::Analytic, &scene);
+        assert_eq!(events > 1000, bar < 1e-5, "{name}: {events} events");
+        assert!((said.bar - bar).abs() < 1e-12, "{name}: {}", said.bar);
+        assert_eq!(
+            said.verdict == Verdict::Sure,
+            said.errors.path <= bar,
+            "{name}: {:?}, {:e}",
+            said.verdict,
+            said.errors.path
+        );
+    }
+}

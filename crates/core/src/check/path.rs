@@ -19,6 +19,7 @@ pub struct Path {
     pub end_s: f64,
     pub failure: Option<Reason>,
     pub steps: u64,
+    pub events: u64,
 }
 
 /// Keeps the points of the grid, while `go_on` says so.

@@ -117,6 +117,7 @@ pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
         end_s: outcome.last.time_s,
         failure,
         steps: outcome.work.steps,
+        events: outcome.work.events,
     }
 }
 
