@@ -32,8 +32,8 @@ pub const ENGINE_BAR: f64 = 1e-4;
 /// Through more events than this of the analytic model its estimate is one draw of what they make of last digits: of 9,542 random scenes the
 /// four that were off by more than the bar (1.1e-5 to 2.6e-5 rad) and sure of it had 2,769 to 7,436, and estimates of 1.9e-6 to 9.7e-6…
 const MANY_EVENTS: u64 = 1000;
-/// …so such runs are held to this part of the bar.
-const MANY_EVENTS_SHARE: f64 = 0.1;
+/// …so such runs are held to this bar.
+const MANY_EVENTS_BAR: f64 = 1e-6;
 /// Steps a run may have to be checked without being asked to: at a few microseconds each the check then takes some tenths of a second.
 pub const MOST_STEPS: u64 = 20_000;
 
@@ -101,7 +101,7 @@ pub fn check<'a>(model: Model, scene: impl Into<Simulated<'a>>, go_on: &dyn Fn()
     let pushed = run(scene, judge, &Way { push: PUSH, ..finer });
     let bar = match model {
         Model::Engine => ENGINE_BAR,
-        Model::Analytic if own.events > MANY_EVENTS => MANY_EVENTS_SHARE * BAR,
+        Model::Analytic if own.events > MANY_EVENTS => MANY_EVENTS_BAR,
         Model::Analytic => BAR,
     };
     let mut errors = path::errors(&own, &second);
