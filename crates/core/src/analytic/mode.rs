@@ -3,7 +3,9 @@
 use std::ops::{Index, IndexMut};
 
 use crate::integrator::{Guard, Look, Strain};
-use crate::law::{FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, spring_force};
+use crate::law::{
+    FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, spring_force, unclamped_normal_force,
+};
 
 /// Branch of the normal law at one site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,6 +164,37 @@ impl<const S: usize> Mode<S> {
     pub const NATURAL: Self =
         Self { sites: [SiteState::Natural; S], slips: [FrictionRange::Any; S], dampers: [DamperRange::Any; S] };
 
+    /// A fresh reading at a state whose contacts are `at`; `free` gives the accelerations in a mode. A site that just touches presses
+    /// where its gap closes, or rests and would close without all that just touch.
+    pub fn read<'a, const N: usize>(
+        landing: &Landing,
+        at: impl Fn(usize) -> Option<(Contact<N>, &'a NormalLaw, Option<&'a FrictionLaw>)>,
+        free: impl FnOnce(&Self) -> [f64; N],
+    ) -> Self {
+        let mut mode = Self::FREE;
+        let mut touching = [None; S];
+        for (site, touch) in touching.iter_mut().enumerate() {
+            let Some((Contact { delta, rate, slip, row, .. }, law, friction)) = at(site) else { continue };
+            mode.dampers[site] = DamperRange::of(law, delta);
+            mode.slips[site] = friction.map_or(FrictionRange::Any, |law| friction_range(law, slip));
+            if delta.abs() <= landing.depth_share * law.transition_m {
+                *touch = Some((row, rate));
+            } else if delta > 0.0 {
+                let force = unclamped_normal_force(law, delta, rate).force;
+                mode[site] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
+            }
+        }
+        let free = free(&mode);
+        for (state, touch) in mode.sites.iter_mut().zip(touching) {
+            let Some((row, rate)) = touch else { continue };
+            let resting = rate.abs() < 1e-12;
+            if rate >= 1e-12 || (resting && -along(&row, &free) > 0.0) {
+                *state = SiteState::Active;
+            }
+        }
+        mode
+    }
+
     /// Guard of the normal law of a site.
     #[inline(always)]
     pub fn normal_guard<const N: usize>(
@@ -314,4 +347,10 @@ impl<const S: usize> Mode<S> {
         }
         next
     }
+}
+
+/// The rate along a row.
+#[inline(always)]
+pub fn along<const N: usize>(row: &[f64; N], rates: &[f64; N]) -> f64 {
+    row.iter().zip(rates).map(|(part, rate)| part * rate).sum()
 }

@@ -1,21 +1,17 @@
 //! Where the branches of the finger's contacts change.
 
-use super::mode::{Contact, DamperRange, Landing, Press, SiteState, is_kinked};
+use super::mode::{Contact, Landing, Press, SiteState, is_kinked};
 use super::model::{GUARDS, Mode, Model, QUADRATURES};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, Settled, System, Tolerances, Watch};
-use crate::law::{FrictionRange, NormalLaw, damping, friction_range, unclamped_normal_force};
+use crate::law::{FrictionRange, NormalLaw, damping};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_corner;
 
 /// Touch-downs are landed on to within a part of δ_max, lift-off and reload to within a force far below anything the finger feels.
 const LANDING: Landing = Landing { depth_share: 1e-5, force: 1e-6 };
-
-fn landing_depth(law: &NormalLaw) -> f64 {
-    LANDING.depth_share * law.transition_m
-}
 
 /// The site of a guard: normal laws first, then slips.
 fn site_of(guard: usize) -> Site {
@@ -183,36 +179,13 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 
     fn read_mode(&self, t: f64, q: &[f64; 2], v: &[f64; 2]) -> Mode {
-        let terms = self.finger.terms(*q);
-        // Without the sites that are just touching, to see which way they are about to move.
-        let mut mode = Mode::FREE;
-        let mut touching = [None; 3];
-        for site in Site::ALL {
-            let index = site as usize;
-            let Some((at, law)) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.finger.normal_law(site))
-            else {
-                continue;
-            };
-            let Contact { delta, rate, slip, row, .. } = at;
-            mode.dampers[index] = DamperRange::of(law, delta);
-            mode.slips[index] =
-                self.finger.friction_law(site).map_or(FrictionRange::Any, |law| friction_range(law, slip));
-            if delta.abs() <= landing_depth(law) {
-                touching[index] = Some((row, rate));
-            } else if delta > 0.0 {
-                let force = unclamped_normal_force(law, delta, rate).force;
-                mode[index] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
-            }
-        }
-        let free = self.rates(t, q, v, &mode).a;
-        for (state, touch) in mode.sites.iter_mut().zip(touching) {
-            let Some((row, rate)) = touch else { continue };
-            let resting = rate.abs() < 1e-12;
-            if rate >= 1e-12 || (resting && -dot(row, free) > 0.0) {
-                *state = SiteState::Active;
-            }
-        }
-        mode
+        let (pose, rates) = self.finger.place(*q);
+        let at = |index: usize| {
+            let site = Site::ALL[index];
+            let (at, law) = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site))?;
+            Some((at, law, self.finger.friction_law(site)))
+        };
+        Mode::read(&LANDING, at, |mode| self.rates(t, q, v, mode).a)
     }
 
     fn restart_step(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<f64> {

@@ -136,11 +136,6 @@ impl Place {
 }
 
 impl GripperScene {
-    /// A point of G as a finger's frame has it.
-    pub fn in_finger(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
-        [side.mirror() * x - 0.5 * self.palm_width_m, y]
-    }
-
     pub fn finger(&self, side: Side) -> &GripperFinger {
         &self.fingers[side as usize]
     }

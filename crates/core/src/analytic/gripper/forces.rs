@@ -1,11 +1,11 @@
 //! Accelerations, and their exact Jacobian: every finger and every contact in the few variables it depends on, put together.
 
 use super::inertia::Inertia;
-use super::model::{GripperModel, constants, variables};
+use super::model::{GripperModel, variables};
 use super::touch::{self, Press, Touch};
 use super::{FINGERS, GripperMode, PLACES, QUADRATURES};
 use crate::analytic::finger::FingerModel;
-use crate::fivebar::dynamics::Terms;
+use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates, System};
 use crate::numeric::plane::Vector;
@@ -109,9 +109,15 @@ fn scatter<const N: usize>(row: &mut [f64; N], at: &[Where], slopes: &[f64]) {
 impl<const N: usize> GripperModel<N> {
     /// Where a phalanx touches the object, whose centre is given in the finger's frame.
     #[inline(always)]
-    fn phalanx<T: Real>(&self, finger: &FingerModel, terms: &Terms<T>, site: Site, centre: Vector<T>) -> Touch<T, 5> {
+    fn phalanx<T: Real>(
+        &self,
+        finger: &FingerModel,
+        (pose, rates): (&Directions<T>, &PassiveRates<T>),
+        site: Site,
+        centre: Vector<T>,
+    ) -> Touch<T, 5> {
         let radius = self.object.radius;
-        touch::phalanx(&finger.phalanx(&terms.pose, &terms.rates, site, (centre, radius)), radius)
+        touch::phalanx(&finger.phalanx(pose, rates, site, (centre, radius)), radius)
     }
 
     #[inline(always)]
@@ -138,7 +144,7 @@ impl<const N: usize> GripperModel<N> {
                     sums.add(index, &touch::press(&touch, &own, laws, mode[index]), &[at[0], at[1]]);
                 } else {
                     let rates = [own[0], own[1], mirror * vx, vy, mirror * spin];
-                    let touch = self.phalanx(finger, &terms, site, centre);
+                    let touch = self.phalanx(finger, (&terms.pose, &terms.rates), site, centre);
                     sums.add(index, &touch::press(&touch, &rates, laws, mode[index]), &at);
                 }
             }
@@ -223,7 +229,7 @@ impl<const N: usize> System<N, QUADRATURES> for GripperModel<N> {
                 } else {
                     // Where surfaces are depends on the finger's angles and the centre, not on how the object is turned.
                     let centre: [Dual<4>; 2] = [Dual::variable(centre[0], 2), Dual::variable(centre[1], 3)];
-                    let touch = self.phalanx(finger, &wide, site, centre).among::<9>();
+                    let touch = self.phalanx(finger, (&wide.pose, &wide.rates), site, centre).among::<9>();
                     let rates = gather(v, &at);
                     let rates: [Dual<9>; 5] = std::array::from_fn(|k| Dual::variable(rates[k], 4 + k));
                     let press = touch::press(&touch, &rates, laws, mode[index]);
@@ -305,26 +311,25 @@ impl Touch<Dual<4>, 5> {
 }
 
 impl<const N: usize> GripperModel<N> {
+    /// Poses of both fingers with their passive rates.
+    #[inline(always)]
+    pub(super) fn places(&self, q: &[f64; N]) -> Places {
+        Side::BOTH.map(|side| self.fingers[side as usize].place(Self::own(side, q)))
+    }
+
     /// A contact at any place with plain numbers, its rows among all coordinates; `None` where the scene has no such contact.
     #[inline(always)]
-    pub(super) fn touch(
-        &self,
-        q: &[f64; N],
-        place: Place,
-        terms: impl Fn(Side) -> Terms<f64>,
-    ) -> Option<Touch<f64, N>> {
+    pub(super) fn touch(&self, q: &[f64; N], places: &Places, place: Place) -> Option<Touch<f64, N>> {
         self.normal_law(place)?;
         let [x, y, _] = self.object_of(q);
         match place {
-            Place::Finger(side, Site::Limit) => {
-                let terms = terms(side);
-                let touch = touch::limit(&self.fingers[side as usize].limit_geometry(&terms.pose, &terms.rates));
-                Some(spread(&touch, &of_finger(side)))
-            }
             Place::Finger(side, site) => {
+                let (finger, (pose, rates)) = (&self.fingers[side as usize], &places[side as usize]);
+                if site == Site::Limit {
+                    return Some(spread(&touch::limit(&finger.limit_geometry(pose, rates)), &of_finger(side)));
+                }
                 let centre = self.in_finger(side, [x, y]);
-                let touch = self.phalanx(&self.fingers[side as usize], &terms(side), site, constants(centre));
-                Some(spread(&touch, &of_phalanx(side)))
+                Some(spread(&self.phalanx(finger, (pose, rates), site, centre), &of_phalanx(side)))
             }
             Place::Palm | Place::Table => {
                 let touch = touch::plane(self.plane(place)?, [x, y], self.object.radius);
@@ -333,6 +338,9 @@ impl<const N: usize> GripperModel<N> {
         }
     }
 }
+
+/// Poses of both fingers with their passive rates.
+pub(super) type Places = [(Directions<f64>, PassiveRates<f64>); 2];
 
 /// Rows of a part as rows of all coordinates.
 #[inline(always)]

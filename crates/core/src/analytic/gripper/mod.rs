@@ -20,7 +20,6 @@ mod reading;
 mod touch;
 
 pub use model::{GripperModel, start};
-pub use reading::GripperEnergies;
 
 use crate::analytic::mode;
 use crate::analytic::model::branch;

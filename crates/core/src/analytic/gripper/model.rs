@@ -4,8 +4,8 @@ use super::{FINGERS, QUADRATURES};
 use crate::analytic::finger::FingerModel;
 use crate::integrator::State;
 use crate::law::{ContactLaw, FrictionLaw, NormalLaw};
+use crate::numeric::Dual;
 use crate::numeric::plane::Vector;
-use crate::numeric::{Dual, Real};
 use crate::scene::{Actuation, GripperFinger, GripperScene, Motor, ObjectMotion, Place, Side, next_corner, torque};
 
 /// The model of a scene with N = 7 coordinates, or 4 where the object is fixed.
@@ -202,10 +202,4 @@ impl<const N: usize> GripperModel<N> {
 #[inline(always)]
 pub(super) fn variables(q: [f64; 2]) -> Vector<Dual<2>> {
     [Dual::variable(q[0], 0), Dual::variable(q[1], 1)]
-}
-
-/// Plain numbers as constants.
-#[inline(always)]
-pub(super) fn constants<T: Real, const K: usize>(values: [f64; K]) -> [T; K] {
-    values.map(T::constant)
 }

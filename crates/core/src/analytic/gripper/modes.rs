@@ -1,41 +1,29 @@
 //! Where the branches of the contacts change.
 
+use super::forces::Places;
 use super::model::GripperModel;
 use super::{GUARDS, GripperMode, PLACES, QUADRATURES, first_step};
 use crate::analytic::SiteState;
-use crate::analytic::mode::{Contact, DamperRange, Landing, Press};
-use crate::fivebar::dynamics::{Terms, absolute_rates};
-use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
+use crate::analytic::mode::{Contact, Landing, Press, along};
+use crate::fivebar::dynamics::absolute_rates;
+use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{Guard, Hybrid, System, Watch};
-use crate::law::{FrictionRange, friction_range, unclamped_normal_force};
+use crate::law::FrictionRange;
 use crate::numeric::plane::{cross, dot};
 use crate::scene::{Place, Side};
 
 /// As a finger's: far below anything that is felt.
 const LANDING: Landing = Landing { depth_share: 1e-5, force: 1e-6 };
 
-/// Poses of both fingers with their passive rates.
-type Places = [(Directions<f64>, PassiveRates<f64>); 2];
-
 impl<const N: usize> GripperModel<N> {
-    #[inline(always)]
-    fn places(&self, q: &[f64; N]) -> Places {
-        Side::BOTH.map(|side| self.fingers[side as usize].place(Self::own(side, q)))
-    }
-
     /// What a guard asks of a place; `None` where the scene has no such contact.
     #[inline(always)]
     fn contact(&self, q: &[f64; N], v: &[f64; N], places: &Places, place: Place) -> Option<Contact<N>> {
-        let terms = |side: Side| {
-            let (pose, rates) = places[side as usize];
-            Terms { pose, rates, mass: [0.0; 3], quadratic: [[0.0; 4]; 2], gravity: [0.0; 2] }
-        };
-        let touch = self.touch(q, place, terms)?;
-        let along = |row: &[f64; N]| row.iter().zip(v).map(|(part, rate)| part * rate).sum::<f64>();
+        let touch = self.touch(q, places, place)?;
         Some(Contact {
             delta: -touch.gap,
-            rate: -along(&touch.normal_row),
-            slip: along(&touch.tangent_row),
+            rate: -along(&touch.normal_row, v),
+            slip: along(&touch.tangent_row, v),
             row: touch.normal_row,
             tangent: touch.tangent_row,
         })
@@ -72,8 +60,7 @@ impl<const N: usize> GripperModel<N> {
 
     /// How easily a contact's surfaces part: row · M⁻¹ rowᵀ.
     fn mobility(&self, q: &[f64; N], row: &[f64; N]) -> f64 {
-        let response = self.inverse(q).solve(row);
-        row.iter().zip(&response).map(|(part, moved)| part * moved).sum()
+        along(row, &self.inverse(q).solve(row))
     }
 }
 
@@ -128,32 +115,13 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
     }
 
     fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> GripperMode {
-        // Without the places that are just touching, to see which way they are about to move.
-        let mut mode = GripperMode::FREE;
-        let mut touching = [None; PLACES];
         let places = self.places(q);
-        for (index, place) in Place::ALL.into_iter().enumerate() {
-            let Some((at, law)) = self.contact(q, v, &places, place).zip(self.normal_law(place)) else { continue };
-            let Contact { delta, rate, slip, row, .. } = at;
-            mode.dampers[index] = DamperRange::of(law, delta);
-            mode.slips[index] = self.friction_law(place).map_or(FrictionRange::Any, |law| friction_range(law, slip));
-            if delta.abs() <= LANDING.depth_share * law.transition_m {
-                touching[index] = Some((row, rate));
-            } else if delta > 0.0 {
-                let force = unclamped_normal_force(law, delta, rate).force;
-                mode[index] = if force >= 0.0 { SiteState::Active } else { SiteState::Released };
-            }
-        }
-        let free = self.rates(t, q, v, &mode).a;
-        for (state, touch) in mode.sites.iter_mut().zip(touching) {
-            let Some((row, rate)) = touch else { continue };
-            let resting = rate.abs() < 1e-12;
-            let closing = -row.iter().zip(&free).map(|(part, a)| part * a).sum::<f64>();
-            if rate >= 1e-12 || (resting && closing > 0.0) {
-                *state = SiteState::Active;
-            }
-        }
-        mode
+        let at = |index: usize| {
+            let place = Place::ALL[index];
+            let (at, law) = self.contact(q, v, &places, place).zip(self.normal_law(place))?;
+            Some((at, law, self.friction_law(place)))
+        };
+        GripperMode::read(&LANDING, at, |mode| self.rates(t, q, v, mode).a)
     }
 
     fn restart_step(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &GripperMode) -> Option<f64> {

@@ -6,20 +6,12 @@ use super::{FINGERS, branch};
 use crate::analytic::SiteState;
 use crate::analytic::contact::Geometry;
 use crate::analytic::finger::Passive;
-use crate::analytic::model::SiteReading;
+use crate::analytic::mode::along;
+use crate::analytic::model::{Energies, SiteReading};
 use crate::fivebar::dynamics::Terms;
 use crate::law::{elastic_energy, friction_force};
 use crate::numeric::plane::dot;
 use crate::scene::{Place, Side};
-
-/// Energies of one state, in J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GripperEnergies {
-    pub kinetic: f64,
-    pub gravity: f64,
-    pub spring: f64,
-    pub elastic: f64,
-}
 
 impl<const N: usize> GripperModel<N> {
     /// Coordinates of a finger, of all.
@@ -43,10 +35,9 @@ impl<const N: usize> GripperModel<N> {
     /// Slip and friction are along the normal turned counter-clockwise, of a left phalanx too: of two that do the same in their mirror,
     /// signs differ.
     pub fn reading(&self, q: &[f64; N], v: &[f64; N], place: Place, state: SiteState) -> Option<SiteReading> {
-        let touch = self.touch(q, place, |side| self.terms(side, q))?;
+        let touch = self.touch(q, &self.places(q), place)?;
         let law = self.normal_law(place)?;
-        let along = |row: &[f64; N]| row.iter().zip(v).map(|(part, rate)| part * rate).sum::<f64>();
-        let (delta, delta_rate, slip) = (-touch.gap, -along(&touch.normal_row), along(&touch.tangent_row));
+        let (delta, delta_rate, slip) = (-touch.gap, -along(&touch.normal_row, v), along(&touch.tangent_row, v));
         let normal = branch(law, state, delta, delta_rate).force.max(0.0);
         let tangential = self.friction_law(place).map_or(0.0, |law| friction_force(law, slip, normal));
         let none = [0.0; 2];
@@ -72,11 +63,11 @@ impl<const N: usize> GripperModel<N> {
     }
 
     /// Energies of a state.
-    pub fn energies(&self, q: &[f64; N], v: &[f64; N]) -> GripperEnergies {
+    pub fn energies(&self, q: &[f64; N], v: &[f64; N]) -> Energies {
         let fingers = Side::BOTH.map(|side| self.terms(side, q));
-        let mut energies = GripperEnergies {
+        let mut energies = Energies {
             kinetic: Inertia::new(self, [fingers[0].mass, fingers[1].mass]).kinetic(v),
-            ..GripperEnergies::default()
+            ..Energies::default()
         };
         for (finger, terms) in self.fingers.iter().zip(&fingers) {
             let [gravity, spring] = finger.potential(&terms.pose);
@@ -86,11 +77,9 @@ impl<const N: usize> GripperModel<N> {
         if N > FINGERS {
             energies.gravity -= self.object.mass * dot(self.object.gravity, [q[FINGERS], q[FINGERS + 1]]);
         }
+        let places = [0, 1].map(|side: usize| (fingers[side].pose, fingers[side].rates));
         for place in Place::ALL {
-            let Some((touch, law)) = self.touch(q, place, |side| fingers[side as usize]).zip(self.normal_law(place))
-            else {
-                continue;
-            };
+            let Some((touch, law)) = self.touch(q, &places, place).zip(self.normal_law(place)) else { continue };
             energies.elastic += elastic_energy(law, -touch.gap);
         }
         energies

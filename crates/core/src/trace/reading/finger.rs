@@ -1,7 +1,7 @@
 //! A finger in a state of the analytic model.
 
-use super::{Reader, refill};
-use crate::analytic::{Mode, Model, QUADRATURES, SiteReading};
+use super::{Reader, contact_sample, refill, stored};
+use crate::analytic::{Mode, Model, QUADRATURES};
 use crate::integrator::State;
 use crate::trace::{ContactSample, Energy, FingerState, Sample, Site};
 
@@ -11,14 +11,7 @@ impl Reader<2, QUADRATURES> for Model {
     fn read(&self, t: f64, state: &State<2, QUADRATURES>, mode: &Mode, start: &Energy, sample: &mut Sample) {
         let snapshot = self.snapshot(state.q, state.v, mode);
         let (passive, energies) = (&snapshot.passive, &snapshot.energies);
-        let at = |site: Site| contact(&snapshot.sites[site as usize], state.z[site as usize]);
-        let stored = Energy {
-            kinetic_j: energies.kinetic,
-            gravity_j: energies.gravity,
-            spring_j: energies.spring,
-            elastic_j: energies.elastic,
-            ..Energy::default()
-        };
+        let at = |site: Site| contact_sample(snapshot.sites[site as usize], state.z[site as usize]);
         let [.., contact_work, motor_work] = state.z;
         let finger = FingerState {
             q11_rad: state.q[0],
@@ -35,23 +28,10 @@ impl Reader<2, QUADRATURES> for Model {
         sample.time_s = t;
         refill(&mut sample.fingers, std::iter::once(finger));
         refill(&mut sample.contacts, Site::ALL.into_iter().map(at));
-        sample.energy = stored.since(start, contact_work, motor_work);
+        sample.energy = stored(energies).since(start, contact_work, motor_work);
     }
 
     fn contact(&self, state: &State<2, QUADRATURES>, index: usize, mode: &Mode) -> ContactSample {
-        contact(&self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
+        contact_sample(self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
     }
-}
-
-fn contact(reading: &Option<SiteReading>, impulse_n_s: f64) -> ContactSample {
-    reading.map_or(ContactSample::NONE, |r| ContactSample {
-        gap_m: -r.delta,
-        gap_rate_m_s: -r.delta_rate,
-        slip_m_s: r.slip,
-        normal_n: r.normal,
-        tangential_n: r.tangential,
-        impulse_n_s,
-        point_m: r.geometry.point,
-        normal: r.geometry.normal,
-    })
 }

@@ -1,6 +1,6 @@
 //! A gripper in a state of the analytic model.
 
-use super::{Reader, refill};
+use super::{Reader, contact_sample, refill, stored};
 use crate::analytic::gripper::{GripperMode, GripperModel, PLACES, QUADRATURES};
 use crate::integrator::State;
 use crate::scene::{Place, Side};
@@ -29,33 +29,14 @@ impl<const N: usize> Reader<N, QUADRATURES> for GripperModel<N> {
         };
         let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (self.object_of(&state.q), self.object_rates(&state.v));
         let object = BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s };
-        let energies = self.energies(&state.q, &state.v);
-        let stored = Energy {
-            kinetic_j: energies.kinetic,
-            gravity_j: energies.gravity,
-            spring_j: energies.spring,
-            elastic_j: energies.elastic,
-            ..Energy::default()
-        };
         sample.time_s = t;
         refill(&mut sample.fingers, Side::BOTH.into_iter().map(finger));
         refill(&mut sample.bodies, std::iter::once(object));
         refill(&mut sample.contacts, (0..PLACES).map(|place| self.contact(state, place, mode)));
-        sample.energy = stored.since(start, state.z[PLACES], state.z[PLACES + 1]);
+        sample.energy = stored(&self.energies(&state.q, &state.v)).since(start, state.z[PLACES], state.z[PLACES + 1]);
     }
 
     fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &GripperMode) -> ContactSample {
-        let place = Place::ALL[index];
-        let Some(r) = self.reading(&state.q, &state.v, place, mode[index]) else { return ContactSample::NONE };
-        ContactSample {
-            gap_m: -r.delta,
-            gap_rate_m_s: -r.delta_rate,
-            slip_m_s: r.slip,
-            normal_n: r.normal,
-            tangential_n: r.tangential,
-            impulse_n_s: state.z[index],
-            point_m: r.geometry.point,
-            normal: r.geometry.normal,
-        }
+        contact_sample(self.reading(&state.q, &state.v, Place::ALL[index], mode[index]), state.z[index])
     }
 }

@@ -9,7 +9,7 @@ use std::ops::Index;
 pub(super) use discs::DiscsReader;
 
 use super::{ContactSample, Energy, Sample};
-use crate::analytic::SiteState;
+use crate::analytic::{Energies, SiteReading, SiteState};
 use crate::integrator::State;
 
 /// Reads the states of a model.
@@ -28,4 +28,29 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
 fn refill<T>(parts: &mut Vec<T>, new: impl Iterator<Item = T>) {
     parts.clear();
     parts.extend(new);
+}
+
+/// Energies of a state as a sample has them.
+fn stored(energies: &Energies) -> Energy {
+    Energy {
+        kinetic_j: energies.kinetic,
+        gravity_j: energies.gravity,
+        spring_j: energies.spring,
+        elastic_j: energies.elastic,
+        ..Energy::default()
+    }
+}
+
+/// What is read of one contact; nothing where there is none.
+fn contact_sample(reading: Option<SiteReading>, impulse_n_s: f64) -> ContactSample {
+    reading.map_or(ContactSample::NONE, |r| ContactSample {
+        gap_m: -r.delta,
+        gap_rate_m_s: -r.delta_rate,
+        slip_m_s: r.slip,
+        normal_n: r.normal,
+        tangential_n: r.tangential,
+        impulse_n_s,
+        point_m: r.geometry.point,
+        normal: r.geometry.normal,
+    })
 }
