@@ -110,9 +110,10 @@ impl BodiesScene {
     }
 }
 
-/// A scene of either kind.
+/// A scene of any kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnyScene {
     Finger(Box<super::Scene>),
     Bodies(Box<BodiesScene>),
+    Gripper(Box<super::GripperScene>),
 }

@@ -20,9 +20,9 @@ pub struct Layer {
 }
 
 /// Keys that say what kind of thing a section is: with another kind its other keys have no meaning.
-const KINDS: [&str; 2] = ["type", "profile"];
+pub const KINDS: [&str; 2] = ["type", "profile"];
 /// Sections that say the same thing in two ways.
-const EITHER: [(&str, &str); 2] = [("design", "lengths"), ("lengths", "design")];
+pub const EITHER: [(&str, &str); 2] = [("design", "lengths"), ("lengths", "design")];
 /// Keys that belong to a file, and not to what extends it.
 const OWN: [&str; 2] = ["name", "description"];
 /// The key that names the scene a scene extends.

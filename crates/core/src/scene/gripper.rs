@@ -1,6 +1,6 @@
 //! A scene of kind "gripper": two fingers, an object between them that may move, the palm, and a table.
 
-use super::{Actuation, Bounds, Contacts, Engine, Initial, Integrator, LogRates};
+use super::{Actuation, Contacts, Engine, GripperBounds, Initial, Integrator, LogRates};
 use crate::gripper::{Finger, Site, Spring};
 use crate::law::{ContactLaw, NormalLaw};
 
@@ -26,7 +26,7 @@ pub struct GripperScene {
     pub duration_s: f64,
     pub integrator: Integrator,
     pub engine: Engine,
-    pub bounds: Bounds,
+    pub bounds: GripperBounds,
     pub log: LogRates,
 }
 
@@ -99,6 +99,12 @@ pub enum Side {
     Left,
 }
 
+impl Motor {
+    /// None at all: that of a finger which a differential drives.
+    pub const NONE: Self =
+        Motor { actuation: Actuation::Constant { torque_n_m: 0.0 }, inertia_kg_m2: 0.0, no_load_speed_rad_s: None };
+}
+
 impl Side {
     pub const BOTH: [Self; 2] = [Side::Right, Side::Left];
 
@@ -124,6 +130,11 @@ impl Place {
         Place::Palm,
         Place::Table,
     ];
+
+    /// Whether it is the stop of a joint, whose gap is an angle.
+    pub fn is_stop(self) -> bool {
+        matches!(self, Place::Finger(_, Site::Limit))
+    }
 
     /// Name in reports, keys and topics: `right_distal`, `palm`.
     pub fn name(self) -> String {

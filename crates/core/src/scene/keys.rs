@@ -9,26 +9,29 @@ use super::error::Problem;
 use super::suggest::nearest;
 use crate::limits::MOST_PROBLEMS;
 
-/// What a scene may say, and what one of the other kind may.
+/// What a scene may say, and what one of another kind may.
 pub struct Allowed<'a> {
     pub kind: &'a str,
     pub schema: &'a Value,
-    pub other_kind: &'a str,
-    pub other_schema: &'a Value,
+    /// The other kinds, with their schemas.
+    pub others: Vec<Foreign<'a>>,
 }
+
+/// The same table in a scene of another kind.
+type Foreign<'a> = (&'a str, &'a Value);
 
 /// Takes out every unknown key, and every table where a value is wanted or the other way round, and says so of each.
 pub fn weed(document: &mut DeTable<'_>, allowed: &Allowed) -> Vec<Problem> {
     let mut problems = Vec::new();
-    walk(document, allowed.schema, Some(allowed.other_schema), allowed, "", &mut problems);
+    walk(document, allowed.schema, &allowed.others, allowed, "", &mut problems);
     problems
 }
 
-/// One table; `foreign` is the same table of the other kind of scene, if that has one.
+/// One table; `foreign` is the same table of every other kind of scene that has one.
 fn walk(
     table: &mut DeTable<'_>,
     schema: &Value,
-    foreign: Option<&Value>,
+    foreign: &[Foreign<'_>],
     allowed: &Allowed,
     path: &str,
     problems: &mut Vec<Problem>,
@@ -40,10 +43,11 @@ fn walk(
         }
         let name = key.get_ref().as_ref();
         let here = join(path, name);
-        let foreign = foreign.and_then(|table| child(table, name));
+        let foreign: Vec<Foreign<'_>> =
+            foreign.iter().filter_map(|(kind, table)| Some((*kind, child(table, name)?))).collect();
         let Some(property) = child(schema, name) else {
-            problems.push(match foreign {
-                Some(_) => of_other_kind(name, path, key.span(), allowed),
+            problems.push(match foreign.first() {
+                Some((other, _)) => of_other_kind(name, path, key.span(), allowed.kind, other),
                 None => unknown(name, path, key.span(), schema, allowed.schema),
             });
             continue;
@@ -51,12 +55,12 @@ fn walk(
         let wants_table = is_table(property);
         let span = value.span();
         match (value.get_mut(), wants_table) {
-            (DeValue::Table(inner), true) => walk(inner, property, foreign, allowed, &here, problems),
+            (DeValue::Table(inner), true) => walk(inner, property, &foreign, allowed, &here, problems),
             (DeValue::Array(items), false) => {
                 if let Some(each) = property.get("items").filter(|each| is_table(each)) {
                     for item in items.iter_mut() {
                         if let DeValue::Table(inner) = item.get_mut() {
-                            walk(inner, each, None, allowed, &here, problems);
+                            walk(inner, each, &[], allowed, &here, problems);
                         }
                     }
                 }
@@ -94,9 +98,8 @@ fn walk(
     }
 }
 
-/// A key that would be good in a scene of the other kind.
-fn of_other_kind(name: &str, path: &str, span: Range<usize>, allowed: &Allowed) -> Problem {
-    let Allowed { kind, other_kind, .. } = allowed;
+/// A key that would be good in a scene of another kind.
+fn of_other_kind(name: &str, path: &str, span: Range<usize>, kind: &str, other_kind: &str) -> Problem {
     Problem {
         span: Some(span),
         message: format!(

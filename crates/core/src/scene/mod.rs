@@ -2,14 +2,14 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `raw`, `raw_bodies` | the file as it is written, of either kind; source of the JSON Schema |
+//! | `raw`, `raw_bodies`, `raw_gripper` | the file as it is written, of each kind; source of the JSON Schema |
 //! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
 //! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
 //! | `text`, `keys` | text → raw, unknown keys |
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
 //! | `table` | settings: every key with its kind, default, range and use |
-//! | `resolve`, `defaults` | raw → [`Scene`] or [`BodiesScene`], physics checked |
-//! | `show` | either → a complete scene file |
+//! | `resolve`, `defaults` | raw → [`Scene`], [`BodiesScene`] or [`GripperScene`], physics checked |
+//! | `show` | any of them → a complete scene file |
 //! | `template` | what all designs of a study have in common |
 //! | `torque` | the motor torque of an actuation over time |
 //! | `bodies` | scenes of discs instead of a finger |
@@ -27,6 +27,7 @@ pub mod keys;
 pub mod kinds;
 mod raw;
 mod raw_bodies;
+mod raw_gripper;
 mod resolve;
 pub mod schema;
 mod show;
@@ -43,9 +44,9 @@ pub use error::{Problem, SceneError};
 pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
 pub use kinds::Words;
 pub use schema::schema;
-pub use show::{show, show_any, show_bodies, show_written};
+pub use show::{show, show_any, show_bodies, show_gripper, show_written};
 pub use suggest::nearest;
-pub use table::bounds::{BodiesBounds, Bounds};
+pub use table::bounds::{BodiesBounds, Bounds, GripperBounds};
 pub use table::engine::{Construction, ENGINE_MAX_STEP_S, Engine, Response, Stepping};
 pub use table::integrator::{Integrator, Method, Preset};
 pub use table::log::{LogExcess, LogRates};

@@ -8,6 +8,7 @@ use super::error::{Problem, SceneError};
 use super::kinds::Words;
 use super::raw::RawScene;
 use super::raw_bodies::RawBodiesScene;
+use super::raw_gripper::{RawGripper, take_fingers};
 use super::schema::schema_of;
 use super::suggest::nearest;
 use super::words::SceneKind;
@@ -21,11 +22,12 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
     match any(text, file_name).map_err(refuse)? {
         AnyScene::Finger(scene) => Ok(*scene),
-        AnyScene::Bodies(_) => Err(refuse(vec![not_a_finger(text)])),
+        AnyScene::Bodies(_) => Err(refuse(vec![not_a_finger(text, SceneKind::Bodies)])),
+        AnyScene::Gripper(_) => Err(refuse(vec![not_a_finger(text, SceneKind::Gripper)])),
     }
 }
 
-/// Checks and resolves the text of a scene of either kind.
+/// Checks and resolves the text of a scene of any kind.
 pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
     any(text, file_name).map_err(|problems| SceneError::Invalid {
         file: file_name.to_string(),
@@ -50,23 +52,25 @@ pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneErro
 fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
     let mut document = DeTable::parse(text).map_err(|e| vec![syntax(&e)])?;
     let kind = kind(document.get_ref());
-    let other = match kind {
-        SceneKind::Finger => SceneKind::Bodies,
-        SceneKind::Bodies => SceneKind::Finger,
-    };
-    let (schema, other_schema) = (schema_of(kind), schema_of(other));
-    let allowed = keys::Allowed { kind: kind.word(), schema, other_kind: other.word(), other_schema };
+    let others = SceneKind::ALL.into_iter().filter(|other| *other != kind);
+    let others = others.map(|other| (other.word(), schema_of(other))).collect();
+    let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others };
     let weeds = keys::weed(document.get_mut(), &allowed);
     let checker = Checker::new(text, weeds);
-    let from = Deserializer::from(document);
+    let wrong = |e: toml::de::Error| vec![syntax(&e)];
     match kind {
         SceneKind::Finger => {
-            let raw = RawScene::deserialize(from).map_err(|e| vec![syntax(&e)])?;
+            let raw = RawScene::deserialize(Deserializer::from(document)).map_err(wrong)?;
             resolve::finger(&raw, checker, file_name).map(|scene| AnyScene::Finger(Box::new(scene)))
         }
         SceneKind::Bodies => {
-            let raw = RawBodiesScene::deserialize(from).map_err(|e| vec![syntax(&e)])?;
+            let raw = RawBodiesScene::deserialize(Deserializer::from(document)).map_err(wrong)?;
             resolve::bodies(&raw, checker, file_name).map(|scene| AnyScene::Bodies(Box::new(scene)))
+        }
+        SceneKind::Gripper => {
+            let fingers = take_fingers(document.get_mut()).map_err(wrong)?;
+            let raw = RawGripper::deserialize(Deserializer::from(document)).map_err(wrong)?;
+            resolve::gripper(&raw, &fingers, checker, file_name).map(|scene| AnyScene::Gripper(Box::new(scene)))
         }
     }
 }
@@ -82,18 +86,19 @@ fn kind(document: &DeTable<'_>) -> SceneKind {
     match found {
         Some((_, kind)) => *kind,
         None if document.contains_key("discs") => SceneKind::Bodies,
+        None if ["right", "left", "palm_width"].iter().any(|key| document.contains_key(*key)) => SceneKind::Gripper,
         None => SceneKind::Finger,
     }
 }
 
-/// A sound scene of discs where a finger is wanted.
-fn not_a_finger(text: &str) -> Problem {
+/// A sound scene of another kind where a finger is wanted.
+fn not_a_finger(text: &str, kind: SceneKind) -> Problem {
     let document = DeTable::parse(text).ok();
     Problem {
         span: document.and_then(|document| document.get_ref().get("kind").map(|value| value.span())),
-        message: "this is a scene of kind \"bodies\", but only one of kind \"finger\" will do here".into(),
+        message: format!("this is a scene of kind \"{}\", but only one of kind \"finger\" will do here", kind.word()),
         label: "another kind".into(),
-        help: "give the scene of a finger; scenes of discs are for `phalanx run`, `validate` and `scene`".into(),
+        help: "give the scene of a finger; scenes of other kinds are for `phalanx run`, `validate` and `scene`".into(),
     }
 }
 

@@ -10,6 +10,11 @@ use crate::sizing::Rule;
 pub enum SceneKind {
     Finger,
     Bodies,
+    Gripper,
+}
+
+impl SceneKind {
+    pub const ALL: [Self; 3] = [SceneKind::Finger, SceneKind::Bodies, SceneKind::Gripper];
 }
 
 /// What moves a disc.
@@ -21,7 +26,8 @@ pub enum Motion {
 }
 
 impl Words for SceneKind {
-    const WORDS: &'static [(&'static str, Self)] = &[("finger", SceneKind::Finger), ("bodies", SceneKind::Bodies)];
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("finger", SceneKind::Finger), ("bodies", SceneKind::Bodies), ("gripper", SceneKind::Gripper)];
 }
 
 impl Words for Motion {

@@ -7,7 +7,7 @@ use super::super::check::Checker;
 use super::super::defaults;
 use super::super::entry::Section;
 use super::super::table::keys::Keys;
-use super::super::table::law::{BodiesContact, Contact, Elastic, Limit, Materials, Side};
+use super::super::table::law::{BodiesContact, Contact, Elastic, GripperContact, Limit, Materials, Side};
 use super::super::table::{Table, read};
 use crate::law::{ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
@@ -44,6 +44,26 @@ fn side(
     let (friction, place) = (raw.inner("friction"), place(raw));
     let normal = normal(c, path, raw, common.normal, object_radius_m);
     law(c, &[common, Level { path, normal, place: &place, friction: &friction }])
+}
+
+/// Laws of the object on palm and table, as far as they are there.
+pub fn planes(
+    c: &mut Checker<'_>,
+    raw: &Section<Keys<GripperContact>>,
+    present: [bool; 2],
+    object_radius_m: f64,
+) -> Option<[Option<ContactLaw>; 2]> {
+    let (friction, place) = (raw.inner("friction"), place(raw));
+    let normal = normal(c, "contact", raw, GripperContact::usual().0, object_radius_m);
+    let common = Level { path: "contact", normal, place: &place, friction: &friction };
+    let mut laws = [None; 2];
+    for (index, (key, path)) in [("palm", "contact.palm"), ("table", "contact.table")].into_iter().enumerate() {
+        match present[index] {
+            true => laws[index] = Some(side(c, path, &raw.inner(key), common, object_radius_m)?),
+            false => c.unused_at(path, raw.span(key), &format!("without a {key}")),
+        }
+    }
+    Some(laws)
 }
 
 /// Law of every contact of a scene of discs.

@@ -7,6 +7,7 @@ mod contact;
 mod disc;
 mod drive;
 mod finger;
+mod gripper;
 mod object;
 mod run;
 mod sizing;
@@ -14,6 +15,7 @@ mod start;
 mod template;
 
 pub use bodies::bodies;
+pub use gripper::gripper;
 pub use template::template;
 
 use std::path::Path;
@@ -51,7 +53,7 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let log = run::log(&mut c, &raw.log, duration);
     // The start is judged only if what it stands on is sound.
     let sound = finger.zip(object).map(|sound| (sound, limit));
-    let initial = start::initial(&mut c, raw, &plan, sound);
+    let initial = start::initial(&mut c, raw, &plan, sound, &[]);
 
     let run = duration.zip(initial);
     match (sound, actuation, spring, contact, run) {

@@ -7,7 +7,7 @@ use super::super::entry::Section;
 use super::super::table::Table;
 use super::super::table::keys::Keys;
 use super::super::table::read;
-use super::super::{BodiesBounds, Bounds, Engine, LogRates, Response, defaults};
+use super::super::{BodiesBounds, Bounds, Engine, GripperBounds, LogRates, Response, defaults};
 use crate::units::{Dimension, format};
 
 /// The engine model; rapier's friction is `mu_static`, that of the scene's contact, unless given.
@@ -31,6 +31,17 @@ pub fn bounds(c: &mut Checker<'_>, raw: &Section<Keys<Bounds>>, duration_s: Opti
 /// The same for a scene of discs.
 pub fn bodies_bounds(c: &mut Checker<'_>, raw: &Section<Keys<BodiesBounds>>, duration_s: Option<f64>) -> BodiesBounds {
     let bounds = read(c, "validate", raw, BodiesBounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
+    judge_until(c, raw.span("until"), bounds.until_s, duration_s);
+    bounds
+}
+
+/// The same for a gripper.
+pub fn gripper_bounds(
+    c: &mut Checker<'_>,
+    raw: &Section<Keys<GripperBounds>>,
+    duration_s: Option<f64>,
+) -> GripperBounds {
+    let bounds = read(c, "validate", raw, GripperBounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
     judge_until(c, raw.span("until"), bounds.until_s, duration_s);
     bounds
 }

@@ -19,6 +19,27 @@ pub enum Sized {
 }
 
 impl Sized {
+    /// What does for both of two tasks: of motor and of spring the larger one (thesis §4.2.1.3).
+    pub fn for_both(self, other: Self) -> Self {
+        self.merged(other, f64::max, f64::max)
+    }
+
+    /// What one motor needs that drives two fingers in equal parts; springs stay with the fingers.
+    pub fn of_both_motors(self, other: Self) -> Self {
+        self.merged(other, |one, other| one + other, f64::max)
+    }
+
+    fn merged(self, other: Self, motors: fn(f64, f64) -> f64, springs: fn(f64, f64) -> f64) -> Self {
+        match (self, other) {
+            (Sized::By(one), Sized::By(other)) => Sized::By(Sizing {
+                motor_n_m: motors(one.motor_n_m, other.motor_n_m),
+                spring_n_m: springs(one.spring_n_m, other.spring_n_m),
+            }),
+            (Sized::Not, Sized::Not) => Sized::Not,
+            _ => Sized::Wrong,
+        }
+    }
+
     pub fn sizing(self) -> Option<Sizing> {
         match self {
             Sized::By(sizing) => Some(sizing),

@@ -26,8 +26,15 @@ pub fn start(c: &mut Checker<'_>, raw: &RawScene) -> (f64, Initial) {
     (offset_rad.unwrap_or(f64::NAN), joints)
 }
 
-/// Initial angles and rates; checked as far as the rest of the scene is `sound`.
-pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<Sound>) -> Option<Initial> {
+/// Initial angles and rates; checked as far as the rest of the scene is `sound`. A start that is before the object is so wherever else
+/// the object may be.
+pub fn initial(
+    c: &mut Checker<'_>,
+    raw: &RawScene,
+    plan: &Plan,
+    sound: Option<Sound>,
+    elsewhere: &[Circle],
+) -> Option<Initial> {
     let (offset, Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s }) = start(c, raw);
     let [q11, q21] = [q11_rad, q21_rad].map(|angle| Some(angle).filter(|angle| !angle.is_nan()));
     let start = &raw.initial;
@@ -50,7 +57,7 @@ pub fn initial(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, sound: Option<S
                     c.unused_at("initial.offset", start.span("offset"), "beside q21");
                     q21?
                 }
-                false => before_contact(c, raw, plan, object, offset)?,
+                false => before_contact(c, raw, plan, object, offset, elsewhere)?,
             };
             (straight(c, raw, plan, lengths, q21_rad)?, q21_rad)
         }
@@ -80,7 +87,14 @@ fn place(raw: &RawScene) -> Option<Range<usize>> {
 }
 
 /// q21 = q_c21 − q_0 (2-design §2.1), for the object or else for the one the design is made for.
-fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Option<Disc>, offset: f64) -> Option<f64> {
+fn before_contact(
+    c: &mut Checker<'_>,
+    raw: &RawScene,
+    plan: &Plan,
+    object: Option<Disc>,
+    offset: f64,
+    elsewhere: &[Circle],
+) -> Option<f64> {
     let lengths = plan.lengths?;
     let circle = match (object, plan.base_m) {
         (Some(disc), _) => disc.circle(),
@@ -94,7 +108,11 @@ fn before_contact(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, object: Opti
             return None;
         }
     };
-    match gripper::contact_angle_proximal(lengths.half_width_m, circle) {
+    let mut circles = std::iter::once(&circle).chain(elsewhere);
+    let first = circles.try_fold(f64::INFINITY, |first, circle| {
+        gripper::contact_angle_proximal(lengths.half_width_m, *circle).map(|contact| first.min(contact))
+    });
+    match first {
         Ok(contact) => Some(contact - offset),
         Err(e) => {
             let place = raw.object.centre.span().or(place(raw));

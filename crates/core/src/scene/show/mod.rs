@@ -3,12 +3,14 @@
 
 mod bodies;
 mod finger;
+mod gripper;
 mod out;
 mod parts;
 mod written;
 
 pub use bodies::show_bodies;
 pub use finger::show;
+pub use gripper::show_gripper;
 pub use out::Out;
 pub use written::show_written;
 
@@ -19,5 +21,6 @@ pub fn show_any(scene: &AnyScene) -> String {
     match scene {
         AnyScene::Finger(scene) => show(scene),
         AnyScene::Bodies(scene) => show_bodies(scene),
+        AnyScene::Gripper(scene) => show_gripper(scene),
     }
 }

@@ -13,14 +13,17 @@ use super::super::schema::schema_of;
 use super::super::words::SceneKind;
 use super::super::{AnyScene, parse_any};
 use super::out::Out;
-use super::{bodies, finger};
+use super::{bodies, finger, gripper};
 use crate::units::number;
 
 /// Digits of what follows: enough to see it, few enough to read it.
 const DIGITS: usize = 6;
 
+/// Contacts that may have laws of their own.
+const PLACES: [&str; 4] = ["proximal", "distal", "palm", "table"];
+
 /// Keys and sections of a scene in the order in which people think of them; others stand where they were written.
-const ORDER: [&str; 26] = [
+const ORDER: [&str; 32] = [
     "name",
     "description",
     "kind",
@@ -29,6 +32,8 @@ const ORDER: [&str; 26] = [
     "half_width",
     "assembly",
     "palm",
+    "palm_width",
+    "positioning_error",
     "sizing",
     "closing_time",
     "design",
@@ -38,11 +43,15 @@ const ORDER: [&str; 26] = [
     "discs",
     "half_plane",
     "object",
+    "table",
+    "differential",
     "motor",
     "spring",
     "limit",
     "contact",
     "initial",
+    "right",
+    "left",
     "integrator",
     "engine",
     "validate",
@@ -63,6 +72,7 @@ pub fn show_written(scene: &AnyScene) -> String {
     let (source, name) = match scene {
         AnyScene::Finger(scene) => (&scene.source, &scene.name),
         AnyScene::Bodies(scene) => (&scene.source, &scene.name),
+        AnyScene::Gripper(scene) => (&scene.source, &scene.name),
     };
     let Ok(document) = DeTable::parse(source) else { return super::show_any(scene) };
     let mut root = table(document.get_ref(), source);
@@ -73,6 +83,7 @@ pub fn show_written(scene: &AnyScene) -> String {
     let kind = match scene {
         AnyScene::Finger(_) => SceneKind::Finger,
         AnyScene::Bodies(_) => SceneKind::Bodies,
+        AnyScene::Gripper(_) => SceneKind::Gripper,
     };
     // Twice: some defaults go beside others only.
     for _ in 0..2 {
@@ -82,6 +93,7 @@ pub fn show_written(scene: &AnyScene) -> String {
     let whole = match scene {
         AnyScene::Finger(scene) => finger::shown(scene, out),
         AnyScene::Bodies(scene) => bodies::shown(scene, out),
+        AnyScene::Gripper(scene) => gripper::shown(scene, out),
     };
     sort(&mut root, &whole, "");
     let mut text = "# As it was written, with every default filled in.\n".to_string();
@@ -132,8 +144,10 @@ fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'
     let Some(properties) = schema["properties"].as_object() else { return };
     for (key, property) in properties {
         path.push(key);
-        // The law of one contact is the scene's own wish: it has the defaults of both.
-        if matches!(path[..], ["contact", "proximal" | "distal"]) {
+        // The law of one contact is the scene's own wish, and so is what one finger has: they have the defaults of both. A table and a
+        // differential are there if they are spoken of.
+        let is_own = matches!(path[..], ["contact", "proximal" | "distal" | "palm" | "table"] | ["right" | "left"]);
+        if is_own || (matches!(path[..], ["table" | "differential"]) && find(root, key).is_none()) {
             path.pop();
             continue;
         }
@@ -189,6 +203,7 @@ fn is_same(text: &str, scene: &AnyScene) -> bool {
     match (&mut found, scene) {
         (AnyScene::Finger(found), AnyScene::Finger(scene)) => found.source.clone_from(&scene.source),
         (AnyScene::Bodies(found), AnyScene::Bodies(scene)) => found.source.clone_from(&scene.source),
+        (AnyScene::Gripper(found), AnyScene::Gripper(scene)) => found.source.clone_from(&scene.source),
         _ => return false,
     }
     found == *scene
@@ -238,8 +253,9 @@ fn render(text: &mut String, entries: &[&(String, Node)], path: &str) {
 
 /// What a scene comes to beyond what it says, rounded, as comments.
 fn follows(root: &[(String, Node)], whole: &str) -> String {
-    let contact = |side: &str| matches!(find(root, "contact"), Some(Node::Table(inner)) if find(inner, side).is_some());
-    let one_law = !contact("proximal") && !contact("distal");
+    let contact =
+        |place: &str| matches!(find(root, "contact"), Some(Node::Table(inner)) if find(inner, place).is_some());
+    let one_law = !PLACES.into_iter().any(contact);
     let mut text = String::new();
     let mut section = String::new();
     let mut said = String::new();
@@ -253,9 +269,12 @@ fn follows(root: &[(String, Node)], whole: &str) -> String {
             continue;
         }
         let Some((key, _)) = line.split_once(" = ") else { continue };
-        let repeated = one_law && section.starts_with("contact.distal");
-        // A law of one contact that is that of both is said there; a design has some of the lengths.
-        let common = section.replacen("contact.proximal", "contact", 1).replacen("contact.distal", "contact", 1);
+        let repeated = one_law && PLACES[1..].iter().any(|place| section.starts_with(&format!("contact.{place}")));
+        // What is said of both fingers is that of each; a law of one contact that is that of all is said there; a design has some of
+        // the lengths.
+        let both = ["right.", "left."].into_iter().find_map(|side| section.strip_prefix(side)).unwrap_or(&section);
+        let law = PLACES.into_iter().find(|place| both.starts_with(&format!("contact.{place}")));
+        let common = law.map_or(both.to_string(), |place| both.replacen(&format!("contact.{place}"), "contact", 1));
         let common = if section == "lengths" { "design" } else { &common };
         if line.starts_with('#') || repeated || is_given(root, &section, key) || is_given(root, common, key) {
             continue;

@@ -2,18 +2,19 @@
 
 use serde_json::Value;
 
-use super::bounds::{BodiesBounds, Bounds};
-use super::drive::{Motor, Springs};
+use super::bounds::{BodiesBounds, Bounds, GripperBounds};
+use super::drive::{BoughtMotor, Motor, Springs};
 use super::engine::Engine;
 use super::finger::{Material, Start};
+use super::gripper::{Seesaw, Support};
 use super::integrator::Integrator;
 use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
 use super::{Field, Table, default, range};
 use crate::gripper::Lengths;
 use crate::law::FrictionLaw;
-use crate::scene::HalfPlane;
 use crate::scene::check::ANY;
+use crate::scene::{GripperObject, HalfPlane};
 use crate::units::Dimension;
 
 /// Every section of the table with its keys.
@@ -25,10 +26,15 @@ pub fn markdown() -> String {
         section::<Springs>("`[spring]`"),
         section::<Start>("`[initial]`"),
         section::<HalfPlane>("`[half_plane]` of a scene of discs"),
+        section::<GripperObject>("`[object]` of a gripper"),
+        section::<Support>("`[table]` of a gripper"),
+        section::<Seesaw>("`[differential]` of a gripper"),
+        section::<BoughtMotor>("`[motor]` of a gripper"),
         section::<Integrator>("`[integrator]`"),
         section::<Engine>("`[engine]`"),
         section::<Bounds>("`[validate]`"),
         section::<BodiesBounds>("`[validate]` of a scene of discs"),
+        section::<GripperBounds>("`[validate]` of a gripper"),
         section::<LogRates>("`[log]`"),
         section::<Contact>("`[contact]`"),
         section::<FrictionLaw>("`[contact.friction]`"),

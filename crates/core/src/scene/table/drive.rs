@@ -1,8 +1,8 @@
-//! `[motor]` and `[spring]` of a finger.
+//! `[motor]` and `[spring]` of a finger, and the motor of a gripper.
 
 use super::{lines, of};
 use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
-use crate::scene::kinds::{Angle, AngularStiffness, Choice, List, Time, Torque, Words};
+use crate::scene::kinds::{Angle, AngularRate, AngularStiffness, Choice, Inertia, List, Time, Torque, Words};
 use crate::scene::{Actuation, Interpolation, Placement, Spring, SpringKind};
 
 const GIVEN: f64 = f64::NAN;
@@ -50,32 +50,59 @@ impl Motor {
     }
 }
 
-lines! {
-    /// Torque of the motor on the driven link; counter-clockwise (closing) is positive.
-    Motor = Self::of(&Actuation::Constant { torque_n_m: GIVEN }), m;
-    /// How the torque goes over time: "constant"; "ramp": rises smoothly over `rise`; "half-sine": one pulse;
-    /// "reversal": changes sign at `reverse_at`; "table": `times` and `torques`.
-    "profile": Choice<Actuation> = Some(&mut m.actuation);
-    /// Full torque. Required, except with profile = "table" or `sizing`.
-    "torque": Torque = m.torque_n_m(), beside("profile", "with profile = \"table\"");
-    /// Time of the smooth rise from 0 (profile = "ramp").
-    "rise": Time = of!(m.actuation, Actuation::Ramp, rise_s), allowed(POSITIVE),
-        beside("profile", "without profile = \"ramp\""), needed("add the time of the rise: rise = \"2 ms\"");
-    /// Length of the pulse, after which the torque is 0 (profile = "half-sine").
-    "pulse": Time = of!(m.actuation, Actuation::HalfSine, length_s), allowed(POSITIVE),
-        beside("profile", "without profile = \"half-sine\""), needed("add the length of the pulse: pulse = \"10 ms\"");
-    /// When the torque changes sign (profile = "reversal").
-    "reverse_at": Time = of!(m.actuation, Actuation::Reversal, at_s), allowed(NOT_NEGATIVE),
-        beside("profile", "without profile = \"reversal\""),
-        needed("add when the torque changes sign: reverse_at = \"10 ms\"");
-    /// Times of the table, increasing; the first torque holds before, the last one after (profile = "table").
-    "times": List<Time> = m.is_table().then_some(&mut m.times_s), beside("profile", "without profile = \"table\"");
-    /// Torques of the table, one for each time (profile = "table").
-    "torques": List<Torque> = m.is_table().then_some(&mut m.torques_n_m),
-        beside("profile", "without profile = \"table\"");
-    /// Between the times of the table: "linear", or "step", where each torque holds until the next time.
-    "interpolation": Choice<Interpolation> = of!(m.actuation, Actuation::Table, interpolation),
-        beside("profile", "without profile = \"table\"");
+/// A section that has the keys of a motor.
+macro_rules! motor {
+    ($section:ident = $usual:expr, $m:ident, $motor:expr; $($more:tt)*) => {
+        lines! {
+            /// Torque of the motor on the driven link; counter-clockwise (closing) is positive.
+            $section = $usual, $m;
+            /// How the torque goes over time: "constant"; "ramp": rises smoothly over `rise`; "half-sine": one pulse;
+            /// "reversal": changes sign at `reverse_at`; "table": `times` and `torques`.
+            "profile": Choice<Actuation> = Some(&mut $motor.actuation);
+            /// Full torque. Required, except with profile = "table" or `sizing`.
+            "torque": Torque = $motor.torque_n_m(), beside("profile", "with profile = \"table\"");
+            /// Time of the smooth rise from 0 (profile = "ramp").
+            "rise": Time = of!($motor.actuation, Actuation::Ramp, rise_s), allowed(POSITIVE),
+                beside("profile", "without profile = \"ramp\""), needed("add the time of the rise: rise = \"2 ms\"");
+            /// Length of the pulse, after which the torque is 0 (profile = "half-sine").
+            "pulse": Time = of!($motor.actuation, Actuation::HalfSine, length_s), allowed(POSITIVE),
+                beside("profile", "without profile = \"half-sine\""), needed("add the length of the pulse: pulse = \"10 ms\"");
+            /// When the torque changes sign (profile = "reversal").
+            "reverse_at": Time = of!($motor.actuation, Actuation::Reversal, at_s), allowed(NOT_NEGATIVE),
+                beside("profile", "without profile = \"reversal\""),
+                needed("add when the torque changes sign: reverse_at = \"10 ms\"");
+            /// Times of the table, increasing; the first torque holds before, the last one after (profile = "table").
+            "times": List<Time> = $motor.is_table().then_some(&mut $motor.times_s), beside("profile", "without profile = \"table\"");
+            /// Torques of the table, one for each time (profile = "table").
+            "torques": List<Torque> = $motor.is_table().then_some(&mut $motor.torques_n_m),
+                beside("profile", "without profile = \"table\"");
+            /// Between the times of the table: "linear", or "step", where each torque holds until the next time.
+            "interpolation": Choice<Interpolation> = of!($motor.actuation, Actuation::Table, interpolation),
+                beside("profile", "without profile = \"table\"");
+            $($more)*
+        }
+    };
+}
+
+motor! {
+    Motor = Self::of(&Actuation::Constant { torque_n_m: GIVEN }), m, m;
+}
+
+/// A motor as bought, of a gripper.
+#[derive(Clone, Debug)]
+pub struct BoughtMotor {
+    pub motor: Motor,
+    pub inertia_kg_m2: f64,
+    /// `None` where the motor has no such speed; infinite where nothing is said of it.
+    pub no_load_speed_rad_s: Option<f64>,
+}
+
+motor! {
+    BoughtMotor = Self { motor: Motor::usual(), inertia_kg_m2: 0.0, no_load_speed_rad_s: Some(f64::INFINITY) }, m, m.motor;
+    /// Inertia of rotor and gear, as the driven link feels it.
+    "inertia": Inertia = Some(&mut m.inertia_kg_m2), allowed(NOT_NEGATIVE), said("0 kg*m^2");
+    /// Rate of the driven link at which nothing is left of the torque, which falls in proportion. Default: the torque stays.
+    "no_load_speed": AngularRate = m.no_load_speed_rad_s.as_mut(), allowed(POSITIVE);
 }
 
 impl Words for Option<SpringKind> {

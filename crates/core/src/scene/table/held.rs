@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::scene::kinds::{Choice, Count, Flag, Kind, List, Measured, Number, Sweeps, Words};
+use crate::scene::kinds::{Choice, Count, Flag, Kind, List, Measured, Number, Pair, Sweeps, Words};
 use crate::scene::show::Out;
 use crate::units::{self, Dimension};
 
@@ -110,6 +110,16 @@ impl<M: Measured> Held for List<M> {
 
     fn recall(text: &str) -> Option<Vec<f64>> {
         text.split(' ').map(Number::recall).collect()
+    }
+}
+
+impl<M: Measured> Held for Pair<M> {
+    fn written(value: &[f64; 2]) -> Written {
+        Written::Quantities(value.to_vec(), M::DIMENSION)
+    }
+
+    fn recall(text: &str) -> Option<[f64; 2]> {
+        <List<M> as Held>::recall(text)?.try_into().ok()
     }
 }
 

@@ -57,6 +57,16 @@ impl<T> Keys<T> {
     }
 }
 
+impl<T> Section<Keys<T>> {
+    /// The same section with some of its keys as those of another table.
+    pub fn recast<U>(&self) -> Section<Keys<U>> {
+        match &self.span {
+            Some(span) => Section::of(span.clone(), Keys { given: self.given.clone(), table: PhantomData }),
+            None => Section::default(),
+        }
+    }
+}
+
 impl<T> Default for Keys<T> {
     fn default() -> Self {
         Keys { given: BTreeMap::new(), table: PhantomData }

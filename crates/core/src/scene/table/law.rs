@@ -64,6 +64,13 @@ law! {
 }
 
 law! {
+    /// Laws of all contacts with the object; [contact.proximal] and [contact.distal] replace single keys for those phalanges, of either
+    /// finger, [contact.palm] and [contact.table] for those.
+    GripperContact = CONTACT, "materials": Materials, "friction": FrictionLaw, "proximal": Side, "distal": Side, "palm": Side,
+        "table": Side
+}
+
+law! {
     /// Law of one contact where it differs from [contact].
     Side = NONE, "materials": Materials, "friction": FrictionLaw
 }

@@ -19,6 +19,7 @@ mod document;
 pub mod drive;
 pub mod engine;
 pub mod finger;
+pub mod gripper;
 mod half_plane;
 pub mod held;
 pub mod integrator;

@@ -1,0 +1,139 @@
+//! The file of a scene of a gripper as it is written; see [`raw`](super::raw) for what it shares with that of a finger.
+//!
+//! The sections of a finger are those of both; `[right]` and `[left]` have the same ones for that finger alone, over the common ones.
+
+use std::ops::Range;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+use super::compose::{EITHER, KINDS};
+use super::entry::{Entry, Section};
+use super::kinds::{Acceleration, Choice, Flag, Length, Pair, Text, Time};
+use super::raw::RawScene;
+use super::table::bounds::GripperBounds;
+use super::table::drive::BoughtMotor;
+use super::table::gripper::{Seesaw, Support};
+use super::table::keys::Keys;
+use super::table::law::GripperContact;
+use super::words::SceneKind;
+use super::{Engine, GripperObject, Integrator, LogRates, Side};
+
+/// Keys and sections that a gripper shares with the scene of a finger.
+pub const OF_FINGER: [&str; 11] = [
+    "half_width",
+    "assembly",
+    "sizing",
+    "closing_time",
+    "design",
+    "lengths",
+    "material",
+    "bodies",
+    "spring",
+    "limit",
+    "initial",
+];
+
+/// What a finger of a gripper has as well, though with keys of its own.
+pub const OF_SIDE: [&str; 2] = ["motor", "contact"];
+
+/// A scene of kind "gripper": two fingers close on an object that may move, before a palm and perhaps a table. A scene says only what
+/// differs from the defaults. Quantities are texts with a unit: "15 mm", "120 deg", "480 N*mm".
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(title = "scene of a gripper", deny_unknown_fields)]
+pub struct RawGripper {
+    /// Scene file that this one extends, seen from the directory of this one: whatever is not said here is as it is there, but for
+    /// its name and description. A section that says its `type` or `profile` replaces the one there; [lengths] replaces [design].
+    pub extends: Entry<Text>,
+    /// Name in reports and logs. Default: the file's name without its extension.
+    pub name: Entry<Text>,
+    /// What the scene is for; not used by the simulation.
+    pub description: Entry<Text>,
+    /// Kind of scene: "gripper" are two fingers and what they grasp. Required.
+    pub kind: Entry<Choice<SceneKind>>,
+    /// Simulated time.
+    #[schemars(extend("default" = "20 ms"))]
+    pub duration: Entry<Time>,
+    /// Gravity as x along and y out of the palm; the gripper hangs upside down by default.
+    #[schemars(extend("default" = ["0 m/s^2", "9.81 m/s^2"]))]
+    pub gravity: Entry<Pair<Acceleration>>,
+    /// Whether the palm, the half plane y ≤ 0, is there; only the object meets it.
+    #[schemars(extend("default" = true))]
+    pub palm: Entry<Flag>,
+    /// Distance between the ground joints of both fingers. Default: twice the base of [design]; required with [lengths].
+    pub palm_width: Entry<Length>,
+    /// Largest positioning error that starts and `sizing` are made for: both fingers start where the one that is nearer to the object
+    /// would, at either end of the error, and have the larger motor and spring of both ends. Default: that of the object's offset.
+    pub positioning_error: Entry<Length>,
+    pub object: Section<Keys<GripperObject>>,
+    pub table: Section<Keys<Support>>,
+    pub differential: Section<Keys<Seesaw>>,
+    pub motor: Section<Keys<BoughtMotor>>,
+    pub contact: Section<Keys<GripperContact>>,
+    pub integrator: Section<Keys<Integrator>>,
+    pub engine: Section<Keys<Engine>>,
+    pub validate: Section<Keys<GripperBounds>>,
+    pub log: Section<Keys<LogRates>>,
+}
+
+/// What a file says of one finger, as the scene of a finger would.
+#[derive(Debug)]
+pub struct RawFinger {
+    pub raw: RawScene,
+    /// Where its own section gives a motor.
+    pub own_motor: Option<Range<usize>>,
+}
+
+/// Both fingers of a document without unknown keys; what is said of them is taken out.
+///
+/// # Errors
+/// That of the deserialisation.
+pub fn take_fingers(document: &mut DeTable<'_>) -> Result<[RawFinger; 2], toml::de::Error> {
+    let mut common = DeTable::new();
+    for (key, value) in document.iter() {
+        let name = key.get_ref().as_ref();
+        if OF_FINGER.contains(&name) || OF_SIDE.contains(&name) {
+            common.insert(key.clone(), value.clone());
+        }
+    }
+    OF_FINGER.into_iter().for_each(|key| _ = document.remove(key));
+    let [right, left] = Side::BOTH.map(|side| {
+        let own = match document.remove(side.word()).map(Spanned::into_inner) {
+            Some(DeValue::Table(table)) => table,
+            _ => DeTable::new(),
+        };
+        let own_motor = own.get("motor").map(Spanned::span);
+        let mut whole = common.clone();
+        take_over(&mut whole, own);
+        let raw = RawScene::deserialize(Deserializer::from(Spanned::new(0..0, whole)))?;
+        Ok(RawFinger { raw, own_motor })
+    });
+    Ok([right?, left?])
+}
+
+/// Puts one table over another as a scene that extends one does, and takes out what only one of both can say.
+fn take_over<'a>(whole: &mut DeTable<'a>, over: DeTable<'a>) {
+    for (mine, other) in EITHER {
+        if over.contains_key(mine) && !over.contains_key(other) {
+            whole.remove(other);
+        }
+    }
+    merge(whole, over);
+}
+
+fn merge<'a>(whole: &mut DeTable<'a>, over: DeTable<'a>) {
+    for (key, mut value) in over {
+        let before = whole.remove(&key);
+        if let (DeValue::Table(more), Some(DeValue::Table(mut inner))) =
+            (value.get_mut(), before.map(Spanned::into_inner))
+            && !KINDS.iter().any(|kind| more.contains_key(*kind))
+        {
+            merge(&mut inner, std::mem::take(more));
+            *more = inner;
+        }
+        whole.insert(key, value);
+    }
+}

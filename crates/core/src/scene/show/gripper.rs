@@ -1,0 +1,78 @@
+//! The scene of a gripper.
+
+use super::super::table::bounds::GripperBounds;
+use super::super::table::drive::{BoughtMotor, Motor};
+use super::super::table::gripper::{Seesaw, Support};
+use super::super::table::show as show_table;
+use super::super::words::SceneKind;
+use super::super::{self as scene, GripperFinger, GripperScene, Side};
+use super::finger::{bodies, laws, links, spring_and_limit, start};
+use super::out::Out;
+use super::parts::{contact, heading};
+use crate::units::Dimension;
+
+/// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
+/// excepted).
+pub fn show_gripper(scene: &GripperScene) -> String {
+    shown(scene, Out::default())
+}
+
+pub(super) fn shown(scene: &GripperScene, mut out: Out) -> String {
+    let to = &mut out;
+    let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
+    heading(to, SceneKind::Gripper, heading_of);
+    let [right, left] = &scene.fingers;
+    if right == left {
+        links(to, &right.finger);
+    }
+    to.raw("palm", scene.palm.is_some());
+    to.quantity("palm_width", scene.palm_width_m, Dimension::Length);
+    show_table(to, "object", &scene.object);
+    let level_m = scene.table.map_or(f64::NAN, |table| table.level_m);
+    show_table(to, "table", &Support { present: scene.table.is_some(), level_m });
+    differential(to, scene);
+    match right == left {
+        true => finger(to, "", right, scene.differential.is_none()),
+        false => Side::BOTH.into_iter().for_each(|side| {
+            to.section(side.word());
+            let of = scene.finger(side);
+            links(to, &of.finger);
+            finger(to, &format!("{}.", side.word()), of, scene.differential.is_none());
+        }),
+    }
+    for (path, law) in [("contact.palm", scene.palm), ("contact.table", scene.table.map(|table| table.contact))] {
+        law.iter().for_each(|law| contact(to, path, law));
+    }
+    show_table(to, "integrator", &scene.integrator);
+    show_table(to, "engine", &scene.engine);
+    // A program may have shortened the run.
+    let until_s = scene.bounds.until_s.min(scene.duration_s);
+    show_table(to, "validate", &GripperBounds { until_s, ..scene.bounds });
+    show_table(to, "log", &scene.log);
+    out.text
+}
+
+fn differential(out: &mut Out, scene: &GripperScene) {
+    let Some(differential) = &scene.differential else {
+        let none = Seesaw { present: false, input_inertia_kg_m2: 0.0, seesaw_inertia_kg_m2: 0.0 };
+        return show_table(out, "differential", &none);
+    };
+    let scene::Motor { actuation, inertia_kg_m2, no_load_speed_rad_s } = &differential.motor;
+    let seesaw_inertia_kg_m2 = differential.seesaw_inertia_kg_m2;
+    let seesaw = Seesaw { present: true, input_inertia_kg_m2: *inertia_kg_m2, seesaw_inertia_kg_m2 };
+    show_table(out, "differential", &seesaw);
+    let no_load_speed_rad_s = *no_load_speed_rad_s;
+    show_table(out, "motor", &BoughtMotor { motor: Motor::of(actuation), inertia_kg_m2: 0.0, no_load_speed_rad_s });
+}
+
+fn finger(out: &mut Out, path: &str, finger: &GripperFinger, has_motor: bool) {
+    bodies(out, path, &finger.finger);
+    if has_motor {
+        let scene::Motor { actuation, inertia_kg_m2, no_load_speed_rad_s } = finger.motor.clone();
+        let motor = BoughtMotor { motor: Motor::of(&actuation), inertia_kg_m2, no_load_speed_rad_s };
+        show_table(out, &format!("{path}motor"), &motor);
+    }
+    spring_and_limit(out, path, finger.spring, finger.limit);
+    laws(out, path, &finger.contact);
+    start(out, path, finger.initial);
+}
