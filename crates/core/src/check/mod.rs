@@ -14,10 +14,10 @@
 mod path;
 mod runs;
 
-pub use path::Errors;
 use path::Path;
+pub use path::{Errors, LENGTH_M};
 use runs::{Way, is_comparable, run, words};
-pub use runs::{pushed, pushed_bodies};
+pub use runs::{pushed, pushed_bodies, pushed_gripper};
 
 use crate::integrator::Reason;
 use crate::trace::{Model, Simulated};

@@ -1,8 +1,10 @@
 //! The runs that a check compares.
 
-use super::path::{Keep, POINTS, Path, coordinates};
+use super::path::{Keep, POINTS, Path, coordinates, units};
 use crate::analytic::discs::moving_discs;
-use crate::scene::{AnyScene, BodiesScene, DiscMotion, Engine, Integrator, Method, Scene, Stepping, Words, scaled};
+use crate::scene::{
+    AnyScene, BodiesScene, DiscMotion, Engine, GripperScene, Integrator, Method, Scene, Stepping, Words, scaled,
+};
 use crate::trace::{self, Model, Numerics, Outcome, RunError, Simulated};
 
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
@@ -36,6 +38,20 @@ pub fn pushed_bodies(scene: &BodiesScene, by: f64) -> BodiesScene {
             *velocity_m_s = velocity_m_s.map(|v| v * factor);
             *spin_rad_s *= factor;
         }
+    }
+    scene
+}
+
+/// A gripper whose motors are stronger by a part of their torque, the left one by half of that, so that both fingers part ways; with a
+/// differential the object is that part of its radius further to the right instead.
+pub fn pushed_gripper(scene: &GripperScene, by: f64) -> GripperScene {
+    let mut scene = scene.clone();
+    for (finger, part) in scene.fingers.iter_mut().zip([by, 0.5 * by]) {
+        finger.motor.actuation = scaled(&finger.motor.actuation, 1.0 + part);
+    }
+    if let Some(differential) = &mut scene.differential {
+        differential.motor.actuation = scaled(&differential.motor.actuation, 1.0 + by);
+        scene.object.centre_m[0] += by * scene.object.radius_m;
     }
     scene
 }
@@ -80,6 +96,7 @@ pub fn is_comparable(scene: Simulated<'_>) -> bool {
     let taken = match scene {
         Simulated::Finger(_) => true,
         Simulated::Discs(scene) => moving_discs(scene).is_ok(),
+        Simulated::Gripper(_) => true,
     };
     scene.uses_laws() && taken
 }
@@ -89,6 +106,7 @@ fn changed(scene: Simulated<'_>, way: &Way<'_>) -> AnyScene {
     let mut changed = match scene {
         Simulated::Finger(scene) => AnyScene::Finger(Box::new(pushed(scene, way.push))),
         Simulated::Discs(scene) => AnyScene::Bodies(Box::new(pushed_bodies(scene, way.push))),
+        Simulated::Gripper(scene) => AnyScene::Gripper(Box::new(pushed_gripper(scene, way.push))),
     };
     let numerics = Numerics::from(&mut changed);
     *numerics.integrator = integrator(scene.integrator(), way);
@@ -99,7 +117,8 @@ fn changed(scene: Simulated<'_>, way: &Way<'_>) -> AnyScene {
 
 /// Runs the scene, and keeps its path.
 pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
-    let surfaces: Vec<usize> = scene.layout().surfaces().collect();
+    let layout = scene.layout();
+    let surfaces: Vec<usize> = layout.surfaces().collect();
     let mut keep = Keep::new(scene.duration_s(), way.go_on);
     let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut keep) {
         Ok(outcome) => (outcome, None),
@@ -116,6 +135,7 @@ pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
         normal_n: forces.map(|contact| contact.normal_n).collect(),
         end_s: outcome.last.time_s,
         failure,
+        units: units(&layout),
         steps: outcome.work.steps,
         events: outcome.work.events,
     }

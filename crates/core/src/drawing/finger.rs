@@ -36,52 +36,64 @@ pub fn finger(scene: &Scene) -> Drawing {
 ///
 /// l11 and l21 turn about the origin, l12 about A12, the distal body about A22 with its x-axis along the arm.
 pub fn finger_poses(scene: &Scene, finger: &FingerState) -> Vec<Pose> {
-    let posture =
-        Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad };
-    finger_poses_at(scene, &posture)
+    finger_poses_at(scene, &posture_of(finger))
+}
+
+pub(super) fn posture_of(finger: &FingerState) -> Posture {
+    Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad }
 }
 
 /// The same of a posture.
 pub fn finger_poses_at(scene: &Scene, posture: &Posture) -> Vec<Pose> {
-    let Lengths { l11_m, l21_m, .. } = scene.finger.lengths;
-    let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
-    let turned = |position_m, angle_rad| Pose { position_m, angle_rad };
     let mut poses = Vec::with_capacity(6);
     if scene.palm {
         poses.push(Pose::default());
     }
     if let Some(object) = scene.object {
-        poses.push(turned(object.centre_m, 0.0));
+        poses.push(Pose { position_m: object.centre_m, angle_rad: 0.0 });
     }
-    poses.extend([
+    poses.extend(link_poses(&scene.finger.lengths, posture));
+    poses
+}
+
+/// Of the four links, in the frame of the finger.
+pub(super) fn link_poses(lengths: &Lengths, posture: &Posture) -> [Pose; 4] {
+    let Lengths { l11_m, l21_m, .. } = *lengths;
+    let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
+    let turned = |position_m, angle_rad| Pose { position_m, angle_rad };
+    [
         turned([0.0; 2], posture.q11_rad),
         turned(along(l11_m, posture.q11_rad), posture.q11_rad + posture.q12_rad),
         turned([0.0; 2], posture.q21_rad),
         turned(along(l21_m, posture.q21_rad), posture.q21_rad + posture.q22_rad),
-    ]);
-    poses
+    ]
 }
 
 /// How fast the poses of [`finger_poses`] change: velocities and angular velocities in place of positions and angles.
 pub fn finger_motions(scene: &Scene, finger: &FingerState) -> Vec<Pose> {
-    let Lengths { l11_m, l21_m, .. } = scene.finger.lengths;
     let fixed = usize::from(scene.palm) + usize::from(scene.object.is_some());
     let mut motions = vec![Pose::default(); fixed];
+    motions.extend(link_motions(&scene.finger.lengths, finger));
+    motions
+}
+
+/// Of the four links, in the frame of the finger.
+pub(super) fn link_motions(lengths: &Lengths, finger: &FingerState) -> [Pose; 4] {
+    let Lengths { l11_m, l21_m, .. } = *lengths;
     let turning = |position_m, angle_rad| Pose { position_m, angle_rad };
     // d/dt of L (cos q, sin q).
     let end = |length: f64, q: f64, rate: f64| [-length * rate * q.sin(), length * rate * q.cos()];
     let FingerState { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *finger;
-    motions.extend([
+    [
         turning([0.0; 2], qd11_rad_s),
         turning(end(l11_m, q11_rad, qd11_rad_s), qd11_rad_s + qd12_rad_s),
         turning([0.0; 2], qd21_rad_s),
         turning(end(l21_m, q21_rad, qd21_rad_s), qd21_rad_s + qd22_rad_s),
-    ]);
-    motions
+    ]
 }
 
 /// The four links: what they weigh by, and where they touch.
-fn links(lengths: &Lengths) -> [Body; 4] {
+pub(super) fn links(lengths: &Lengths) -> [Body; 4] {
     let w = lengths.half_width_m;
     let body = |name: &str, part, shapes| Body { name: name.to_string(), part, fixed: false, shapes };
     let bar = |length_m| Shape::Polygon { corners_m: link_outline(length_m, w).to_vec() };
@@ -121,7 +133,7 @@ fn view(scene: &Scene, bodies: &[Body]) -> [[f64; 2]; 2] {
 }
 
 /// Largest size of the motor torque.
-fn peak_torque(actuation: &Actuation) -> f64 {
+pub(super) fn peak_torque(actuation: &Actuation) -> f64 {
     match actuation {
         Actuation::Constant { torque_n_m }
         | Actuation::Ramp { torque_n_m, .. }

@@ -6,25 +6,29 @@
 //! |---|---|
 //! | `finger` | links, phalanges, object and palm |
 //! | `discs` | discs and the half plane |
+//! | `gripper` | two fingers, their object, palm and table |
 
 mod discs;
 mod finger;
+mod gripper;
 mod parts;
 
 use discs::{disc_motions, disc_poses, discs};
 pub use finger::finger_poses_at;
 use finger::{finger, finger_motions, finger_poses};
+use gripper::{gripper, gripper_motions, gripper_poses};
 
 pub use parts::{Body, Drawing, Part, Pose, Shape};
 
 use crate::trace::{Sample, Simulated};
 
 impl Drawing {
-    /// Of a scene of either kind.
+    /// Of a scene of any kind.
     pub fn of<'a>(scene: impl Into<Simulated<'a>>) -> Self {
         match scene.into() {
             Simulated::Finger(scene) => finger(scene),
             Simulated::Discs(scene) => discs(scene),
+            Simulated::Gripper(scene) => gripper(scene),
         }
     }
 
@@ -45,6 +49,7 @@ pub fn poses<'a>(scene: impl Into<Simulated<'a>>, sample: &Sample) -> Vec<Pose> 
     match scene.into() {
         Simulated::Finger(scene) => finger_poses(scene, sample.finger()),
         Simulated::Discs(scene) => disc_poses(scene, &sample.bodies),
+        Simulated::Gripper(scene) => gripper_poses(scene, sample),
     }
 }
 
@@ -53,5 +58,6 @@ pub fn motions<'a>(scene: impl Into<Simulated<'a>>, sample: &Sample) -> Vec<Pose
     match scene.into() {
         Simulated::Finger(scene) => finger_motions(scene, sample.finger()),
         Simulated::Discs(scene) => disc_motions(scene, &sample.bodies),
+        Simulated::Gripper(scene) => gripper_motions(scene, sample),
     }
 }

@@ -2,8 +2,9 @@
 
 use super::measure::{Place, Reading};
 use super::{Invariant, Invariants, Tolerances};
-use crate::scene::{BodiesScene, Scene};
-use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Simulated, Sink, SinkError};
+use crate::law::ContactLaw;
+use crate::scene::{self, BodiesScene, GripperScene, Scene};
+use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Simulated, Sink, SinkError, Site};
 
 impl Invariants {
     /// For a run of `scene` with `model`, held to the tolerances of its settings.
@@ -13,6 +14,7 @@ impl Invariants {
             Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m),
             // Discs have no joints that could open.
             Simulated::Discs(scene) => (of_discs(scene), 0.0),
+            Simulated::Gripper(scene) => (of_gripper(scene), scene.bounds.loop_gap_m),
         };
         Self::watching(model, Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m), places)
     }
@@ -38,6 +40,24 @@ fn of_finger(scene: &Scene) -> Vec<Place> {
         places.push(Place { name: "limit".to_string(), law, friction: None, depth, reach_m });
     }
     places
+}
+
+fn of_gripper(scene: &GripperScene) -> Vec<Place> {
+    let place = |place: scene::Place| {
+        let surface = |law: ContactLaw| (law.normal, law.friction, Invariant::Penetration, 1.0);
+        let (law, friction, depth, reach_m) = match place {
+            scene::Place::Finger(side, Site::Proximal) => surface(scene.finger(side).contact.proximal),
+            scene::Place::Finger(side, Site::Distal) => surface(scene.finger(side).contact.distal),
+            scene::Place::Finger(side, Site::Limit) => {
+                let finger = scene.finger(side);
+                (finger.limit?, None, Invariant::JointLimit, finger.finger.lengths.l22_m)
+            }
+            scene::Place::Palm => surface(scene.palm?),
+            scene::Place::Table => surface(scene.table?.contact),
+        };
+        Some(Place { name: place.name(), law, friction, depth, reach_m })
+    };
+    scene::Place::ALL.into_iter().filter_map(place).collect()
 }
 
 fn of_discs(scene: &BodiesScene) -> Vec<Place> {

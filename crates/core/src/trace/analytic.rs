@@ -5,7 +5,7 @@ use super::reading::{DiscsReader, Reader};
 use super::recorder::Recorder;
 use super::{Outcome, RunError, Simulated, Sink, Work};
 use crate::analytic::discs::{self, Discs, moving_discs};
-use crate::analytic::gripper::{self, GripperModel};
+use crate::analytic::gripper::{self as grasp, GripperModel};
 use crate::analytic::{GUARDS, Model, QUADRATURES};
 use crate::integrator::{
     Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
@@ -34,6 +34,10 @@ pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) ->
                 Err(RunError::Simulation { failure, so_far: Box::default() })
             }
         },
+        Simulated::Gripper(scene) => match scene.object.motion {
+            ObjectMotion::Free { .. } => gripper::<7>(scene, span, sink),
+            ObjectMotion::Fixed => gripper::<4>(scene, span, sink),
+        },
     }
 }
 
@@ -60,26 +64,10 @@ fn some_discs<const N: usize, const M: usize>(
     )
 }
 
-/// Simulates a gripper with the analytic model.
-pub(super) fn gripper(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    match scene.object.motion {
-        ObjectMotion::Free { .. } => grasping::<7>(scene, sink),
-        ObjectMotion::Fixed => grasping::<4>(scene, sink),
-    }
-}
-
-fn grasping<const N: usize>(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+fn gripper<const N: usize>(scene: &GripperScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = GripperModel::<N>::new(scene);
-    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
-    let start = gripper::start::<N>(scene);
-    simulate::<_, _, N, { gripper::QUADRATURES }, { gripper::GUARDS }>(
-        &model,
-        &model,
-        start,
-        &scene.integrator,
-        span,
-        sink,
-    )
+    let start = grasp::start::<N>(scene);
+    simulate::<_, _, N, { grasp::QUADRATURES }, { grasp::GUARDS }>(&model, &model, start, &scene.integrator, span, sink)
 }
 
 /// The initial state of a finger.

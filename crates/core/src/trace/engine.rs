@@ -25,6 +25,7 @@ pub fn run_engine<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> R
     match scene {
         Simulated::Finger(scene) => finger(scene, span, sink),
         Simulated::Discs(scene) => discs(scene, span, sink),
+        Simulated::Gripper(scene) => gripper(scene, span, sink),
     }
 }
 
@@ -50,8 +51,7 @@ fn discs(scene: &BodiesScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome
     }
 }
 
-/// Simulates a gripper with the engine model.
-pub(super) fn gripper(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+fn gripper(scene: &GripperScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let unmoved = |reason: String| unstarted(reason, Outcome::default());
     let plan = plan_gripper(scene).map_err(|side| {
         unmoved(format!("the links of the {} finger do not close their loop at these initial angles", side.word()))
@@ -61,7 +61,6 @@ pub(super) fn gripper(scene: &GripperScene, sink: &mut dyn Sink) -> Result<Outco
             "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string(),
         ));
     }
-    let span = Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz };
     let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
     match Motion::new(&plan, world) {
         Ok(motion) => simulate(motion, scene, Place::ALL.len(), &scene.engine, span, sink),

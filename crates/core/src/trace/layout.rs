@@ -1,6 +1,8 @@
 //! What the samples of a scene consist of, by name.
 
 use super::Site;
+use crate::scene::words::SceneKind;
+use crate::scene::{self, Side};
 
 /// The fingers, bodies and contacts of a scene's samples, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -20,6 +22,15 @@ pub struct Place {
 }
 
 impl Layout {
+    /// Of a kind of scene, as far as that alone says it: not of discs, which have names.
+    pub fn of(kind: SceneKind) -> Self {
+        match kind {
+            SceneKind::Finger => Layout::finger(),
+            SceneKind::Bodies => Layout::default(),
+            SceneKind::Gripper => Layout::gripper(),
+        }
+    }
+
     /// Of one finger: its contacts in the order of [`Site::ALL`].
     pub fn finger() -> Self {
         let place = |site: Site| Place { name: site.name().to_string(), angular: site == Site::Limit };
@@ -30,6 +41,16 @@ impl Layout {
     pub fn discs(bodies: Vec<String>, pairs: Vec<String>) -> Self {
         let contacts = pairs.into_iter().map(|name| Place { name, angular: false }).collect();
         Layout { fingers: Vec::new(), bodies, contacts }
+    }
+
+    /// Of a gripper: its contacts in the order of [`scene::Place::ALL`](crate::scene::Place::ALL).
+    pub fn gripper() -> Self {
+        let place = |place: scene::Place| Place { name: place.name(), angular: place.is_stop() };
+        Layout {
+            fingers: Side::BOTH.map(|side| side.word().to_string()).to_vec(),
+            bodies: vec!["object".to_string()],
+            contacts: scene::Place::ALL.map(place).to_vec(),
+        }
     }
 
     /// The contacts between surfaces, by their index: all but the stops of joints.

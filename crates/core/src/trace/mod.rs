@@ -39,7 +39,7 @@ pub use between::between;
 pub use engine::run_engine;
 pub use error::RunError;
 pub use layout::{Layout, Place};
-pub use model::{Model, run, run_gripper};
+pub use model::{Model, run};
 pub use outcome::{ContactSummary, Outcome, Work};
 pub use recording::{Recording, record};
 pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};

@@ -1,17 +1,19 @@
-//! A scene of either kind, as whoever runs it needs it.
+//! A scene of any kind, as whoever runs it needs it.
 
 use super::Layout;
 use super::grid::Span;
-use crate::scene::{AnyScene, BodiesScene, Engine, Integrator, LogRates, Response, Scene};
+use crate::scene::words::SceneKind;
+use crate::scene::{AnyScene, BodiesScene, Engine, GripperScene, Integrator, LogRates, Response, Scene};
 
-/// What is simulated: a finger, or discs.
+/// What is simulated: a finger, discs, or a gripper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Simulated<'a> {
     Finger(&'a Scene),
     Discs(&'a BodiesScene),
+    Gripper(&'a GripperScene),
 }
 
-/// How a scene of either kind is run and logged, to be changed.
+/// How a scene of any kind is run and logged, to be changed.
 #[derive(Debug)]
 pub struct Numerics<'a> {
     pub duration_s: &'a mut f64,
@@ -20,50 +22,39 @@ pub struct Numerics<'a> {
     pub engine: &'a mut Engine,
 }
 
-impl<'a> From<&'a mut Scene> for Numerics<'a> {
-    fn from(scene: &'a mut Scene) -> Self {
-        let Scene { duration_s, log, integrator, engine, .. } = scene;
-        Numerics { duration_s, log, integrator, engine }
-    }
+/// What all kinds of scene have.
+macro_rules! scenes {
+    ($($scene:ident as $variant:ident)*) => {$(
+        impl<'a> From<&'a mut $scene> for Numerics<'a> {
+            fn from(scene: &'a mut $scene) -> Self {
+                let $scene { duration_s, log, integrator, engine, .. } = scene;
+                Numerics { duration_s, log, integrator, engine }
+            }
+        }
+
+        impl<'a> From<&'a $scene> for Simulated<'a> {
+            fn from(scene: &'a $scene) -> Self {
+                Simulated::$variant(scene)
+            }
+        }
+
+        impl<'a> From<&'a Box<$scene>> for Simulated<'a> {
+            fn from(scene: &'a Box<$scene>) -> Self {
+                Simulated::$variant(scene)
+            }
+        }
+    )*};
 }
 
-impl<'a> From<&'a mut BodiesScene> for Numerics<'a> {
-    fn from(scene: &'a mut BodiesScene) -> Self {
-        let BodiesScene { duration_s, log, integrator, engine, .. } = scene;
-        Numerics { duration_s, log, integrator, engine }
-    }
-}
+scenes!(Scene as Finger BodiesScene as Discs GripperScene as Gripper);
 
 impl<'a> From<&'a mut AnyScene> for Numerics<'a> {
     fn from(scene: &'a mut AnyScene) -> Self {
         match scene {
             AnyScene::Finger(scene) => scene.as_mut().into(),
             AnyScene::Bodies(scene) => scene.as_mut().into(),
+            AnyScene::Gripper(scene) => scene.as_mut().into(),
         }
-    }
-}
-
-impl<'a> From<&'a Scene> for Simulated<'a> {
-    fn from(scene: &'a Scene) -> Self {
-        Simulated::Finger(scene)
-    }
-}
-
-impl<'a> From<&'a BodiesScene> for Simulated<'a> {
-    fn from(scene: &'a BodiesScene) -> Self {
-        Simulated::Discs(scene)
-    }
-}
-
-impl<'a> From<&'a Box<Scene>> for Simulated<'a> {
-    fn from(scene: &'a Box<Scene>) -> Self {
-        Simulated::Finger(scene)
-    }
-}
-
-impl<'a> From<&'a Box<BodiesScene>> for Simulated<'a> {
-    fn from(scene: &'a Box<BodiesScene>) -> Self {
-        Simulated::Discs(scene)
     }
 }
 
@@ -72,6 +63,7 @@ impl<'a> From<&'a AnyScene> for Simulated<'a> {
         match scene {
             AnyScene::Finger(scene) => Simulated::Finger(scene),
             AnyScene::Bodies(scene) => Simulated::Discs(scene),
+            AnyScene::Gripper(scene) => Simulated::Gripper(scene),
         }
     }
 }
@@ -82,6 +74,16 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => AnyScene::Finger(Box::new(scene.clone())),
             Simulated::Discs(scene) => AnyScene::Bodies(Box::new(scene.clone())),
+            Simulated::Gripper(scene) => AnyScene::Gripper(Box::new(scene.clone())),
+        }
+    }
+
+    /// Of which kind it is.
+    pub fn kind(self) -> SceneKind {
+        match self {
+            Simulated::Finger(_) => SceneKind::Finger,
+            Simulated::Discs(_) => SceneKind::Bodies,
+            Simulated::Gripper(_) => SceneKind::Gripper,
         }
     }
 
@@ -93,6 +95,7 @@ impl<'a> Simulated<'a> {
                 let pairs = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
                 Layout::discs(scene.discs.iter().map(|disc| disc.name.clone()).collect(), pairs)
             }
+            Simulated::Gripper(_) => Layout::gripper(),
         }
     }
 
@@ -100,6 +103,7 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => &scene.name,
             Simulated::Discs(scene) => &scene.name,
+            Simulated::Gripper(scene) => &scene.name,
         }
     }
 
@@ -108,6 +112,7 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => &scene.description,
             Simulated::Discs(scene) => &scene.description,
+            Simulated::Gripper(scene) => &scene.description,
         }
     }
 
@@ -115,6 +120,7 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => scene.duration_s,
             Simulated::Discs(scene) => scene.duration_s,
+            Simulated::Gripper(scene) => scene.duration_s,
         }
     }
 
@@ -122,6 +128,7 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => &scene.log,
             Simulated::Discs(scene) => &scene.log,
+            Simulated::Gripper(scene) => &scene.log,
         }
     }
 
@@ -129,6 +136,7 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => &scene.integrator,
             Simulated::Discs(scene) => &scene.integrator,
+            Simulated::Gripper(scene) => &scene.integrator,
         }
     }
 
@@ -136,6 +144,7 @@ impl<'a> Simulated<'a> {
         match self {
             Simulated::Finger(scene) => &scene.engine,
             Simulated::Discs(scene) => &scene.engine,
+            Simulated::Gripper(scene) => &scene.engine,
         }
     }
 
