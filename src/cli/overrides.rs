@@ -74,11 +74,21 @@ impl Overrides {
     /// # Errors
     /// A flag of the model that does not run, or, for a scene of discs, of a finger.
     pub fn apply(&self, model: Model, scene: &mut AnyScene) -> Result<(), Failure> {
-        if matches!(scene, AnyScene::Bodies(_)) && self.construction == Some(ConstructionArg::Reduced) {
-            return Err(Failure::bad_input(
-                "--construction reduced makes coordinates of joints, and a scene of discs has none; leave it out: every disc \
-                 moves freely in the engine",
-            ));
+        if self.construction == Some(ConstructionArg::Reduced) {
+            let why = match scene {
+                AnyScene::Finger(_) => None,
+                AnyScene::Bodies(_) => {
+                    Some("a scene of discs has none; leave it out: every disc moves freely in the engine")
+                }
+                AnyScene::Gripper(_) => {
+                    Some("those of one finger only; leave it out: every body moves freely in the engine")
+                }
+            };
+            if let Some(why) = why {
+                return Err(Failure::bad_input(format!(
+                    "--construction reduced makes coordinates of joints, and {why}"
+                )));
+            }
         }
         let Numerics { duration_s: scene_duration_s, log, integrator, engine } = scene.into();
         self.refuse_idle(model)?;

@@ -17,6 +17,8 @@ use crate::log::Reading;
 use crate::page::{Note, Page, page};
 use crate::plot::{self, Differences};
 use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
+use crate::scene::Words;
+use crate::scene::words::SceneKind;
 use crate::validate::{Angle, compare};
 
 /// Everything that is in the directory in the end.
@@ -26,9 +28,13 @@ const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "dif
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let paths = [args.log.as_path(), other];
     let heads = [head(paths[0])?, head(paths[1])?];
-    let kinds = heads.each_ref().map(Reading::is_of_discs);
+    let kinds = heads.each_ref().map(Reading::kind);
     if kinds[0] != kinds[1] {
-        let kind = |discs: bool| if discs { "discs" } else { "a finger" };
+        let kind = |kind: SceneKind| match kind {
+            SceneKind::Finger => "a finger",
+            SceneKind::Bodies => "discs",
+            SceneKind::Gripper => "a gripper",
+        };
         return Err(Failure::bad_input(format!(
             "{} is a log of {}, and {} one of {}: these have nothing in common; give two logs of one kind",
             paths[0].display(),
@@ -63,7 +69,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     notes.extend(common(&mut sides, &labels));
     let (apart, pictures) = apart(&sides, &labels, &logs, compared_to_s);
     let (figures, words) = side_by_side(&logs);
-    let kind = if kinds[0] { "bodies" } else { "finger" };
+    let kind = kinds[0].word();
     let mut report = AgainstReport {
         kind,
         labels,
@@ -149,7 +155,10 @@ fn apart(
     let layout = &sides[0].layout;
     let [first, second] = sides.each_ref().map(|side| &side.recording);
     let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
-    let angles = layout.fingers.iter().flat_map(|_| Angle::ALL.map(|angle| format!("{}_rad", angle.name())));
+    let angles = layout.fingers.iter().flat_map(|finger| {
+        let of = if finger.is_empty() { String::new() } else { format!("{finger}_") };
+        Angle::ALL.map(|angle| format!("{of}{}_rad", angle.name()))
+    });
     let quantities = angles.chain(layout.bodies.iter().map(|name| format!("{name}_centre_m")));
     let found = compare(run, dense, until_s);
     let apart = quantities.zip(&found.path).map(|(quantity, off)| ApartReport {
@@ -163,9 +172,10 @@ fn apart(
     let words = labels.each_ref().map(String::as_str);
     let end_s = first.outcome.last.time_s.max(second.outcome.last.time_s);
     let overlay = plot::overlay_of(title(logs, labels), words, layout, [first, second], end_s);
-    let [what, label] = match layout.fingers.is_empty() {
-        false => ["joint angles", "|difference|, rad"],
-        true => ["centres", "distance, m"],
+    let [what, label] = match (layout.fingers.is_empty(), layout.bodies.is_empty()) {
+        (false, true) => ["joint angles", "|difference|, rad"],
+        (false, false) => ["joint angles and centre", "|difference|, rad or m"],
+        (true, _) => ["centres", "distance, m"],
     };
     let difference = plot::difference_of(&Differences {
         title: format!("{}: {what} apart", title(logs, labels)),

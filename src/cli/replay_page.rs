@@ -47,7 +47,7 @@ impl Reels {
     pub fn new(path: &Path, head: &Reading) -> Result<Self, Failure> {
         let refused = |why: String| Failure::bad_input(format!("{}: there is nothing to draw: {why}", path.display()));
         match attached(head) {
-            Some(Ok(scene)) if matches!(scene, AnyScene::Bodies(_)) == head.is_of_discs() => {
+            Some(Ok(scene)) if Simulated::from(&scene).kind() == head.kind() => {
                 Ok(Reels { scene, reel: Box::default(), fits: true })
             }
             Some(Ok(_)) => Err(refused("the scene in the log is of another kind than its metadata say".to_string())),
@@ -66,7 +66,7 @@ impl Reels {
         match self.fits {
             true => Ok(self.reel.film(label, &self.scene, summary)),
             false => Err(Failure::bad_input(format!(
-                "{}: there is nothing to draw: the samples are not of the discs that the scene in the log has",
+                "{}: there is nothing to draw: the samples are not of what the scene in the log has",
                 path.display()
             ))),
         }

@@ -2,6 +2,7 @@
 
 use super::replay_side::Side;
 use crate::report::duration;
+use crate::scene::words::SceneKind;
 use crate::trace::{Layout, Sample, Site};
 
 /// Notes on lengths, losses, scenes, and what only one of the logs has.
@@ -38,11 +39,12 @@ pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> 
         if reading.samples == 0 {
             notes.push(format!("{label} has no sample"));
         }
-        if !reading.is_of_discs() && side.recording.samples.first().is_some_and(|first| first.time_s > 0.0) {
+        if reading.kind() != SceneKind::Bodies && side.recording.samples.first().is_some_and(|first| first.time_s > 0.0)
+        {
             notes.push(format!("{label} does not begin at 0"));
         }
     }
-    if !readings[0].is_of_discs() && readings.iter().all(|reading| reading.samples > 0) {
+    if readings[0].kind() == SceneKind::Finger && readings.iter().all(|reading| reading.samples > 0) {
         let last = sides.each_ref().map(|side| &side.recording.outcome.last);
         let objects = last.map(|sample| sample.contact(Site::Proximal).gap_m.is_finite());
         let limits = last.map(|sample| sample.contact(Site::Limit).gap_m.is_finite());

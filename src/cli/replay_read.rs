@@ -12,7 +12,8 @@ use super::simulate::grasp;
 use crate::criteria::{AtRest, Criteria, Tracker};
 use crate::log::{self, LARGEST_RECORD, LogSink, ReadError, Reading};
 use crate::report::{ReplayReport, Summary, csv_head, csv_sample};
-use crate::scene::{self, AnyScene, BodiesScene, SceneError};
+use crate::scene::words::SceneKind;
+use crate::scene::{self, AnyScene, SceneError};
 use crate::trace::columns::{Column, columns};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
@@ -21,8 +22,8 @@ pub(super) struct Listeners<'a> {
     summary: Summary,
     grasp: Option<AtRest>,
     tracker: Option<Tracker>,
-    /// The scene of a log of discs, if there is one that this phalanx reads: how they are moved.
-    discs: Option<Box<BodiesScene>>,
+    /// The scene of a log of bodies, if there is one that this phalanx reads: how they are moved.
+    moved: Option<AnyScene>,
     progress: Progress,
     interrupt: &'a Interrupt,
 }
@@ -36,7 +37,7 @@ impl<'a> Listeners<'a> {
             summary: Summary::default(),
             grasp: None,
             tracker: None,
-            discs: None,
+            moved: None,
             progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)),
             interrupt,
         };
@@ -45,10 +46,13 @@ impl<'a> Listeners<'a> {
                 listeners.grasp = grasp(&scene);
                 listeners.tracker = listeners.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
             }
-            Some(Ok(AnyScene::Bodies(scene))) => listeners.discs = Some(scene),
+            Some(Ok(scene)) => listeners.moved = Some(scene),
             Some(Err(error)) => {
-                let missing =
-                    if head.is_of_discs() { "what moves the discs is unknown" } else { "no dynamic criteria" };
+                let missing = match head.kind() {
+                    SceneKind::Finger => "no dynamic criteria",
+                    SceneKind::Bodies => "what moves the discs is unknown",
+                    SceneKind::Gripper => "no criteria of the grasp",
+                };
                 complain(&format!("{missing}, for the scene in the log cannot be read by this phalanx: {error}"));
             }
             None => {}
@@ -68,7 +72,7 @@ impl<'a> Listeners<'a> {
 
     /// The summary of what was read.
     pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
-        ReplayReport::new(name, reading, &self.summary, self.criteria(reading), self.discs.as_deref())
+        ReplayReport::new(name, reading, &self.summary, self.criteria(reading), self.moved.as_ref())
     }
 
     /// Of a run that was completed, and of which nothing is missing.
@@ -88,7 +92,7 @@ impl LogSink for Listeners<'_> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         self.summary = Summary::new(layout.clone());
         // The scene may be of another kind than the log.
-        self.tracker = self.tracker.take().filter(|_| !layout.fingers.is_empty());
+        self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == 1);
         Ok(())
     }
 

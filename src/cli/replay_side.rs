@@ -25,12 +25,11 @@ pub(super) struct Side<'a> {
 impl<'a> Side<'a> {
     /// Reads a log; `film` gets all of it too.
     pub fn read(path: &Path, interrupt: &'a Interrupt, film: &mut impl LogSink) -> Result<Self, Failure> {
-        let finger = !head(path)?.is_of_discs();
         let mut side = Side {
             listeners: Listeners::new(path, interrupt)?,
             reading: Reading::default(),
             recording: Recording::default(),
-            layout: if finger { Layout::finger() } else { Layout::default() },
+            layout: Layout::of(head(path)?.kind()),
             figures: 0,
             too_long: false,
         };

@@ -71,7 +71,7 @@ fn again_from(path: &Path, head: &Reading) -> Result<(AnyScene, Settings), Failu
             )));
         }
     };
-    if matches!(scene, AnyScene::Bodies(_)) != head.is_of_discs() {
+    if Simulated::from(&scene).kind() != head.kind() {
         return Err(Failure::bad_input(format!(
             "{place}: the scene in the log is of another kind than its metadata say; they do not belong together"
         )));

@@ -9,9 +9,11 @@ pub use super::answer::Answer;
 use super::output::{complain, print, show};
 use super::set::SetArgs;
 use super::{Failure, Status, scene_figure};
+use crate::gripper::Finger;
 use crate::gripper::total_mass;
 use crate::report::Sheet;
 use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
+use crate::scene::{GripperFinger, GripperScene, ObjectMotion, Side};
 
 /// Show, check and describe scene files.
 #[derive(Clone, Debug, Subcommand)]
@@ -100,6 +102,7 @@ fn summary(scene: &AnyScene) -> String {
     match scene {
         AnyScene::Finger(scene) => finger(scene),
         AnyScene::Bodies(scene) => bodies(scene),
+        AnyScene::Gripper(scene) => gripper(scene),
     }
 }
 
@@ -123,24 +126,53 @@ fn bodies(scene: &BodiesScene) -> String {
     format!("discs: {}; {pairs} pair{plural}; {:.1} ms", parts.join("; "), scene.duration_s * 1e3)
 }
 
+fn gripper(scene: &GripperScene) -> String {
+    let links = |side: Side| {
+        let GripperFinger { finger, initial, .. } = scene.finger(side);
+        let starts = format!("q11 {:.2}°, q21 {:.2}°", initial.q11_rad.to_degrees(), initial.q21_rad.to_degrees());
+        format!("{}; starts at {starts}", lengths(finger))
+    };
+    let [right, left] = Side::BOTH.map(links);
+    let fingers = if right == left { format!("two fingers: {right}") } else { format!("right: {right}; left: {left}") };
+    let object = match scene.object.motion {
+        ObjectMotion::Fixed => "fixed".to_string(),
+        ObjectMotion::Free { mass_kg, .. } => format!("free, {:.2} g", mass_kg * 1e3),
+    };
+    let [x, y] = scene.object.centre_m.map(|place| place * 1e3);
+    let mut parts = vec![
+        format!("palm {:.2} mm wide{}", scene.palm_width_m * 1e3, if scene.palm.is_some() { "" } else { " and open" }),
+        format!("object {:.1} mm in radius at ({x:.2}, {y:.2}) mm, {object}", scene.object.radius_m * 1e3),
+    ];
+    parts.extend(scene.table.map(|table| format!("table at {:.2} mm", table.level_m * 1e3)));
+    parts.extend(scene.differential.as_ref().map(|_| "differential".to_string()));
+    format!("{fingers}; {}; {:.1} ms", parts.join("; "), scene.duration_s * 1e3)
+}
+
 fn finger(scene: &Scene) -> String {
-    let l = &scene.finger.lengths;
     let object = match scene.object {
         Some(disc) => format!("object {:.1} mm in radius", disc.radius_m * 1e3),
         None => "no object".to_string(),
     };
     format!(
-        "l11 {:.2}, l12 {:.2}, l21 {:.2}, l22 {:.2}, t22 {:.2} mm, phi22 {:.1}°; {:.2} g; {object}; starts at q11 {:.2}°, \
-         q21 {:.2}°; {:.1} ms",
+        "{}; {object}; starts at q11 {:.2}°, q21 {:.2}°; {:.1} ms",
+        lengths(&scene.finger),
+        scene.initial.q11_rad.to_degrees(),
+        scene.initial.q21_rad.to_degrees(),
+        scene.duration_s * 1e3,
+    )
+}
+
+/// Lengths and mass of a finger.
+fn lengths(finger: &Finger) -> String {
+    let l = &finger.lengths;
+    format!(
+        "l11 {:.2}, l12 {:.2}, l21 {:.2}, l22 {:.2}, t22 {:.2} mm, phi22 {:.1}°; {:.2} g",
         l.l11_m * 1e3,
         l.l12_m * 1e3,
         l.l21_m * 1e3,
         l.l22_m * 1e3,
         l.t22_m * 1e3,
         l.phi22_rad.to_degrees(),
-        total_mass(&scene.finger.bodies) * 1e3,
-        scene.initial.q11_rad.to_degrees(),
-        scene.initial.q21_rad.to_degrees(),
-        scene.duration_s * 1e3,
+        total_mass(&finger.bodies) * 1e3,
     )
 }

@@ -14,10 +14,15 @@ pub(super) fn answer(scene: &Path, set: &SetArgs, figure: &Path) -> Answer {
     let refused = |why: String| Answer { stderr: format!("error: {why}\n"), ..Answer::default() };
     let found = match set.load_any(scene) {
         Ok(AnyScene::Finger(found)) => found,
-        Ok(AnyScene::Bodies(_)) => {
+        Ok(other) => {
+            let what = match other {
+                AnyScene::Gripper(_) => {
+                    "a gripper, of which no letters are drawn; draw the scene of one finger, or see the gripper with"
+                }
+                _ => "a scene of discs, which has no linkage; draw the scene of a finger, or see the discs with",
+            };
             return refused(format!(
-                "--figure: {} is a scene of discs, which has no linkage; draw the scene of a finger, or see the discs with \
-                 phalanx run {} --html FILE.html",
+                "--figure: {} is {what} phalanx run {} --html FILE.html",
                 scene.display(),
                 scene.display()
             ));

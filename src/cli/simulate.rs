@@ -11,6 +11,7 @@ use crate::criteria::{AtRest, Criteria, Rebound, at_rest};
 use crate::log::{self, Beside, Ran};
 use crate::report::{self, Came, RunCheckReport, RunReport};
 use crate::scene::Scene;
+use crate::scene::words::SceneKind;
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError};
 
 /// A simulation that is over.
@@ -107,7 +108,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
     let check = limits.check(steps, |go_on| check::check(model, scene, go_on));
     let stopped = result.as_ref().err().map(|broken| (broken.error.time_s, broken.error.reason.as_str()));
     let log = log.close(stopped, check.as_ref());
-    let check = check.map(|check| RunCheckReport::new(&check, matches!(scene, Simulated::Finger(_))));
+    let check = check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
     Finished { result, criteria, rebounds, wall_s, check, log }
 }
 

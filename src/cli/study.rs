@@ -14,8 +14,10 @@ use super::study_stability::{self, StabilityArgs};
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{step_size_csv, step_size_json, step_size_text};
+use crate::scene::Words;
 use crate::scene::{AnyScene, BodiesScene};
 use crate::study::step_size::{StudyError, step_size};
+use crate::trace::Simulated;
 
 /// The shipped scene, so that the command works from anywhere.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
@@ -108,10 +110,11 @@ fn discs(path: Option<&Path>, set: &SetArgs) -> Result<BodiesScene, Failure> {
     };
     match (scene, path) {
         (AnyScene::Bodies(scene), _) => Ok(*scene),
-        (AnyScene::Finger(_), path) => Err(Failure::bad_input(format!(
-            "{} is the scene of a finger; this study takes a scene of discs (kind = \"bodies\"), like \
+        (other, path) => Err(Failure::bad_input(format!(
+            "{} is the scene of a {}; this study takes a scene of discs (kind = \"bodies\"), like \
              scenes/laws/step-size.toml",
-            path.unwrap_or(Path::new("")).display()
+            path.unwrap_or(Path::new("")).display(),
+            Simulated::from(&other).kind().word(),
         ))),
     }
 }

@@ -16,13 +16,14 @@ use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
 use crate::report::{self, Sheet, ValidationReport, series, validation_json, validation_text};
 use crate::scene::Preset;
+use crate::scene::words::SceneKind;
 use crate::trace::{Model, Numerics, Outcome, Simulated, SinkError};
 use crate::validate::Validation;
 
 /// The file that says what the others are; written last.
 const REPORT: &str = "report.txt";
 
-/// Everything that is in the directory in the end, of a finger and of discs.
+/// Everything that is in the directory in the end, of fingers and of discs.
 const FINGER: [&str; 9] = [
     REPORT,
     "report.json",
@@ -40,7 +41,7 @@ const DISCS: [&str; 8] =
 /// The files of a validation.
 pub fn files(scene: Simulated<'_>) -> &'static [&'static str] {
     match scene {
-        Simulated::Finger(_) => &FINGER,
+        Simulated::Finger(_) | Simulated::Gripper(_) => &FINGER,
         Simulated::Discs(_) => &DISCS,
     }
 }
@@ -59,8 +60,8 @@ pub fn write(
         ("speed-error.svg", "Speed against error", plot::speed_error(name, found)),
         ("overlay.svg", "Both models over time", plot::overlay(scene, found)),
     ];
-    if let Simulated::Finger(_) = scene {
-        drawn.push(("difference.svg", "Difference over time", plot::difference(name, found)));
+    if scene.kind() != SceneKind::Bodies {
+        drawn.push(("difference.svg", "Difference over time", plot::difference(scene, found)));
     }
     let pictures = pictures(out, drawn)?;
     table(&out.join("series.csv"), |mut file| series(&mut file, scene, [&found.reference, &found.engine]))?;

@@ -9,8 +9,8 @@ use super::lines::{Grasp, change};
 use super::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
 use super::pictures::Pictures;
 use crate::drawing::{self, Drawing};
-use crate::scene::{AnyScene, BodiesScene, Scene};
-use crate::trace::{BodyState, Event, Sample, Simulated, Site};
+use crate::scene::{AnyScene, BodiesScene, GripperScene, Place, Scene, Side};
+use crate::trace::{BodyState, Event, FingerState, Sample, Simulated, Site};
 
 /// One channel for every finger and body, two for every contact.
 pub struct Channels {
@@ -42,6 +42,7 @@ impl Channels {
         match scene {
             Simulated::Finger(finger) => of_finger(core, finger),
             Simulated::Discs(discs) => of_discs(core, discs),
+            Simulated::Gripper(gripper) => of_gripper(core, gripper),
         }
     }
 
@@ -120,6 +121,48 @@ fn of_finger<W: Write>(core: &mut Core<W>, scene: &Scene) -> Result<Channels, Mc
     let pictures = pictures(core, scene, &Sample::of_finger(), scene.log.picture_hz)?;
     let (grasp, scene) = (Some(Grasp::default()), AnyScene::Finger(Box::new(scene.clone())));
     Ok(Channels { fingers, bodies: Vec::new(), contacts, energy, pictures, grasp, scene })
+}
+
+fn of_gripper<W: Write>(core: &mut Core<W>, scene: &GripperScene) -> Result<Channels, McapError> {
+    let mut fingers = Vec::with_capacity(Side::BOTH.len());
+    for side in Side::BOTH {
+        fingers.push(core.channel::<State>(&format!("/state/{}", side.word()))?);
+    }
+    let bodies = vec![core.channel::<Disc>("/object")?];
+    let mut contacts = Vec::new();
+    for place in Place::ALL {
+        let there = match place {
+            Place::Finger(side, Site::Limit) => scene.finger(side).limit.is_some(),
+            Place::Finger(..) => true,
+            Place::Palm => scene.palm.is_some(),
+            Place::Table => scene.table.is_some(),
+        };
+        if !there {
+            contacts.push(None);
+            continue;
+        }
+        let (name, angular) = (place.name(), place.is_stop());
+        let contact = match place {
+            Place::Finger(side, Site::Limit) => core.channel::<Limit>(&format!("/limit/{}", side.word()))?,
+            _ => core.channel::<Contact>(&format!("/contact/{name}"))?,
+        };
+        let topic = format!("/impact/{name}");
+        let impact = if angular { core.channel::<LimitImpact>(&topic) } else { core.channel::<Impact>(&topic) }?;
+        let called = match place {
+            Place::Finger(side, Site::Proximal) => format!("{} proximal phalanx", side.word()),
+            Place::Finger(side, Site::Distal) => format!("{} distal phalanx", side.word()),
+            Place::Finger(side, Site::Limit) => format!("{} joint limit", side.word()),
+            Place::Palm | Place::Table => format!("object on the {name}"),
+        };
+        contacts.push(Some(ContactChannels { name, called, angular, contact, impact }));
+    }
+    let energy = core.channel::<Energy>("/energy")?;
+    let object =
+        BodyState { centre_m: scene.object.centre_m, angle_rad: scene.object.angle_rad, ..BodyState::default() };
+    let start = Sample { fingers: vec![FingerState::default(); 2], bodies: vec![object], ..Sample::default() };
+    let pictures = pictures(core, scene, &start, scene.log.picture_hz)?;
+    let scene = AnyScene::Gripper(Box::new(scene.clone()));
+    Ok(Channels { fingers, bodies, contacts, energy, pictures, grasp: None, scene })
 }
 
 fn of_discs<W: Write>(core: &mut Core<W>, scene: &BodiesScene) -> Result<Channels, McapError> {

@@ -44,6 +44,7 @@ pub fn simulate<W: Write + Send + 'static>(
     let (grasp, rebounds) = match scene {
         Simulated::Finger(scene) => (scene.object.and_then(|object| at_rest(scene, object).ok()), None),
         Simulated::Discs(scene) => (None, Some(Rebounds::new(scene.pairs().len()))),
+        Simulated::Gripper(_) => (None, None),
     };
     let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
     let listeners = Listeners { log, tracker, rebounds, last_s: 0.0, also };

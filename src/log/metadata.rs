@@ -5,10 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::check::{Check, PUSH};
 use crate::scene::table::record;
-use crate::scene::{
-    AnyScene, BodiesScene, Construction, Method, Preset, Response, Scene, Stepping, Words, parse, parse_any, show,
-    show_bodies,
-};
+use crate::scene::{AnyScene, Construction, Method, Preset, Response, Stepping, Words, parse_any, show_any};
 use crate::trace::Simulated;
 
 /// Name of the metadata record.
@@ -23,55 +20,44 @@ const ENGINE: &str = "engine";
 /// The version of rapier that is pinned in the manifest.
 const RAPIER_VERSION: &str = "0.36.1";
 
-/// The kind of a scene in the words of scene files.
-fn kind(scene: Simulated<'_>) -> &'static str {
-    match scene {
-        Simulated::Finger(_) => "finger",
-        Simulated::Discs(_) => "bodies",
-    }
-}
-
 /// The text of a scene file that says what is simulated, but for the settings that the metadata record has: the file as it was
 /// written, or, of a scene that was changed since, one made of it.
 pub fn scene_text<'a>(scene: impl Into<Simulated<'a>>) -> Cow<'a, str> {
-    match scene.into() {
-        Simulated::Finger(scene) => text_of_finger(scene),
-        Simulated::Discs(scene) => text_of_discs(scene),
+    let scene = scene.into();
+    let source = match scene {
+        Simulated::Finger(scene) => &scene.source,
+        Simulated::Discs(scene) => &scene.source,
+        Simulated::Gripper(scene) => &scene.source,
+    };
+    match parse_any(source, "scene.toml") {
+        Ok(written) if recorded(written.clone(), scene) == scene.to_owned() => Cow::Borrowed(source),
+        _ => Cow::Owned(show_any(&scene.to_owned())),
     }
 }
 
-fn text_of_finger(scene: &Scene) -> Cow<'_, str> {
-    let recorded = |read: Scene| Scene {
-        name: scene.name.clone(),
-        source: scene.source.clone(),
-        duration_s: scene.duration_s,
-        integrator: scene.integrator,
-        engine: scene.engine,
-        bounds: scene.bounds,
-        log: scene.log,
-        ..read
-    };
-    match parse(&scene.source, "scene.toml").map(recorded) {
-        Ok(written) if written == *scene => Cow::Borrowed(&scene.source),
-        _ => Cow::Owned(show(scene)),
+/// A scene as it was written with everything of another one that the metadata record has.
+fn recorded(mut written: AnyScene, of: Simulated<'_>) -> AnyScene {
+    macro_rules! take {
+        ($written:expr, $of:expr) => {
+            ($written.name, $written.source) = ($of.name.clone(), $of.source.clone());
+            ($written.duration_s, $written.bounds, $written.log) = ($of.duration_s, $of.bounds, $of.log);
+            ($written.integrator, $written.engine) = ($of.integrator, $of.engine);
+        };
     }
-}
-
-fn text_of_discs(scene: &BodiesScene) -> Cow<'_, str> {
-    let recorded = |read: BodiesScene| BodiesScene {
-        name: scene.name.clone(),
-        source: scene.source.clone(),
-        duration_s: scene.duration_s,
-        integrator: scene.integrator,
-        engine: scene.engine,
-        bounds: scene.bounds,
-        log: scene.log,
-        ..read
-    };
-    match parse_any(&scene.source, "scene.toml") {
-        Ok(AnyScene::Bodies(written)) if recorded((*written).clone()) == *scene => Cow::Borrowed(&scene.source),
-        _ => Cow::Owned(show_bodies(scene)),
+    match (&mut written, of) {
+        (AnyScene::Finger(written), Simulated::Finger(of)) => {
+            take!(written, of);
+        }
+        (AnyScene::Bodies(written), Simulated::Discs(of)) => {
+            take!(written, of);
+        }
+        (AnyScene::Gripper(written), Simulated::Gripper(of)) => {
+            take!(written, of);
+        }
+        // It stays unlike the other.
+        _ => {}
     }
+    written
 }
 
 /// Name of the metadata record that says what a check of the run found; it is there if one was made.
@@ -111,7 +97,7 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("model", run.model.to_string()),
-        ("kind", kind(scene).to_string()),
+        ("kind", scene.kind().word().to_string()),
         ("scene", scene.name().to_string()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{:?}", scene.duration_s())),

@@ -21,6 +21,7 @@ mod data;
 mod film;
 mod html;
 mod panels;
+mod panels_gripper;
 mod reel;
 mod shown;
 mod thin;

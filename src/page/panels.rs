@@ -116,7 +116,7 @@ pub(super) fn of_discs(scene: &BodiesScene, contacts: &[(String, usize)]) -> Vec
     ]
 }
 
-fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {
+pub(super) fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {
     Curve::new(name, value)
 }
 
@@ -124,7 +124,7 @@ fn joint(name: &str, value: fn(&FingerState) -> f64) -> Curve<'static> {
     Curve::new(name, move |sample: &Sample| value(sample.finger()))
 }
 
-fn of_contacts(contacts: &[(String, usize)], value: fn(&ContactSample) -> f64) -> Vec<Curve<'static>> {
+pub(super) fn of_contacts(contacts: &[(String, usize)], value: fn(&ContactSample) -> f64) -> Vec<Curve<'static>> {
     let of = |(name, index): &(String, usize)| {
         let index = *index;
         Curve::new(name, move |sample: &Sample| value(&sample.contacts[index]))
@@ -132,7 +132,7 @@ fn of_contacts(contacts: &[(String, usize)], value: fn(&ContactSample) -> f64) -
     contacts.iter().map(of).collect()
 }
 
-fn gaps(contacts: &[(String, usize)]) -> Vec<Curve<'static>> {
+pub(super) fn gaps(contacts: &[(String, usize)]) -> Vec<Curve<'static>> {
     let of = |(gap, (_, index)): (Curve<'static>, &(String, usize))| {
         let index = *index;
         gap.with_rate(move |sample: &Sample| sample.contacts[index].gap_rate_m_s)

@@ -1,7 +1,7 @@
 //! What of a scene's samples is shown.
 
 use super::film::{Film, Shown, develop, mark};
-use super::panels;
+use super::{panels, panels_gripper};
 use crate::drawing::{self, Drawing};
 use crate::trace::{Event, Sample, Simulated};
 use crate::wording::Sheet;
@@ -25,7 +25,8 @@ pub fn film<'a>(
     let shown: Vec<usize> = match scene {
         Simulated::Finger(finger) if finger.object.is_some() => layout.surfaces().collect(),
         Simulated::Finger(_) => Vec::new(),
-        Simulated::Discs(_) => touching(layout.contacts.len(), samples, events),
+        Simulated::Discs(_) => touching((0..layout.contacts.len()).collect(), samples, events),
+        Simulated::Gripper(_) => touching(layout.surfaces().collect(), samples, events),
     };
     let contacts: Vec<(String, usize)> =
         shown.into_iter().map(|index| (layout.contacts[index].name.clone(), index)).collect();
@@ -43,6 +44,7 @@ pub fn film<'a>(
         panels: match scene {
             Simulated::Finger(finger) => panels::of_finger(finger, &contacts),
             Simulated::Discs(discs) => panels::of_discs(discs, &contacts),
+            Simulated::Gripper(gripper) => panels_gripper::of_gripper(gripper, &contacts),
         },
         contacts,
         marks: events.iter().map(of).collect(),
@@ -50,9 +52,10 @@ pub fn film<'a>(
 }
 
 /// Indices of the pairs that touch, or of the first few if none does.
-fn touching(pairs: usize, samples: &[Sample], events: &[Event]) -> Vec<usize> {
+fn touching(mut pairs: Vec<usize>, samples: &[Sample], events: &[Event]) -> Vec<usize> {
     let presses = |pair: usize| samples.iter().any(|sample| sample.contacts[pair].normal_n > 0.0);
     let touches = |pair: &usize| events.iter().any(|event| event.contact == *pair) || presses(*pair);
-    let found: Vec<usize> = (0..pairs).filter(touches).collect();
-    if found.is_empty() { (0..pairs.min(IDLE_PAIRS)).collect() } else { found }
+    let found: Vec<usize> = pairs.iter().copied().filter(touches).collect();
+    pairs.truncate(IDLE_PAIRS);
+    if found.is_empty() { pairs } else { found }
 }

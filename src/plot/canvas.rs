@@ -24,6 +24,8 @@ pub type Pixel = (i32, i32);
 pub const WIDTH: u32 = 960;
 /// Width of a legend beside a frame.
 pub const LEGEND: u32 = 220;
+/// Of curves, in turn.
+pub const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
 const FONT: &str = "sans-serif";
 const TITLE_SIZE: u32 = 19;
 const TEXT_SIZE: u32 = 15;

@@ -2,13 +2,11 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    AMBER, BLACK, BLUE, DrawError, Entry, GREEN, GREY, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend, line,
-    picture, titled,
+    BLACK, COLOURS, DrawError, Entry, GREY, LEGEND, Mark, WIDTH, frame, legend, line, picture, titled,
 };
 use super::curve::thin;
-use crate::trace::{EventKind, Layout};
+use crate::trace::{EventKind, Layout, Simulated};
 use crate::validate::{Angle, Recording, Validation, off};
-use plotters::style::RGBColor;
 
 const HEIGHT: u32 = 560;
 /// Decades shown: what is smaller than the largest by more lies on the foot of the picture.
@@ -39,12 +37,16 @@ pub struct Differences<'a> {
     pub until_s: f64,
 }
 
-/// The picture of a validation of a finger, of the run with the scene's own torque.
-pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let (layout, until_s) = (Layout::finger(), found.until_s);
+/// The picture of a validation of a scene with fingers, of the run with its own torque.
+pub fn difference(scene: Simulated<'_>, found: &Validation) -> Result<String, DrawError> {
+    let (layout, until_s, name) = (scene.layout(), found.until_s, scene.name());
+    let (what, label) = match layout.bodies.is_empty() {
+        true => ("the joint angles", "|engine − analytic|, rad"),
+        false => ("the joint angles and the object", "|engine − analytic|, rad or m"),
+    };
     difference_of(&Differences {
-        title: format!("{scene}: difference of the joint angles over time"),
-        label: "|engine − analytic|, rad",
+        title: format!("{name}: difference of {what} over time"),
+        label,
         curves: paths_apart(&layout, &found.engine, &found.reference, until_s),
         touches: touches(&layout, &found.reference, until_s),
         bound: Some(found.path_bound),
@@ -54,7 +56,10 @@ pub fn difference(scene: &str, found: &Validation) -> Result<String, DrawError> 
 
 /// How far the angles of fingers and the centres of bodies of a run are from those of another.
 pub fn paths_apart(layout: &Layout, run: &Recording, reference: &Recording, until_s: f64) -> Vec<Apart> {
-    let angles = layout.fingers.iter().flat_map(|_| Angle::ALL.map(|angle| angle.name().to_string()));
+    let angles = layout
+        .fingers
+        .iter()
+        .flat_map(|finger| Angle::ALL.map(|angle| [finger.as_str(), angle.name()].join(" ").trim_start().to_string()));
     let names = angles.chain(layout.bodies.iter().cloned());
     let mut curves: Vec<Apart> = names.map(|name| Apart { name, points: Vec::new() }).collect();
     let mut cursor = 0;
@@ -112,5 +117,3 @@ pub fn difference_of(found: &Differences<'_>) -> Result<String, DrawError> {
         legend(&right, &entries)
     })
 }
-
-const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];

@@ -29,6 +29,7 @@ mod difference;
 mod grasp;
 mod linkage;
 mod overlay;
+mod overlay_gripper;
 mod select;
 mod sizing;
 mod speed_error;

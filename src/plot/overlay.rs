@@ -2,29 +2,29 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    AMBER, Area, BLACK, BLUE, DrawError, Entry, GREEN, GREY, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend, line,
-    picture, titled,
+    AMBER, Area, BLACK, BLUE, COLOURS, DrawError, Entry, GREEN, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend,
+    line, picture, titled,
 };
 use super::curve::over_time;
+use super::overlay_gripper::of_gripper;
 use crate::trace::{ContactSample, Layout, Place, Sample, Simulated, Site};
 use crate::validate::{Recording, Validation, turned};
 use plotters::style::RGBColor;
 
-const COLOURS: [RGBColor; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
 const PANEL: u32 = 230;
 const FOOT: u32 = 40;
 const FIRST: Mark = Mark::Pale { width: 6 };
 const SECOND: Mark = Mark::Line { width: 1 };
 
 /// One quantity of a panel.
-struct Quantity {
+pub(super) struct Quantity {
     pub name: String,
     pub colour: RGBColor,
     pub value: Box<dyn Fn(&Sample) -> f64>,
 }
 
 /// One panel.
-struct Panel {
+pub(super) struct Panel {
     pub label: &'static str,
     pub log: bool,
     pub quantities: Vec<Quantity>,
@@ -56,9 +56,10 @@ pub fn overlay_of(
     [first, second]: [&Recording; 2],
     end_s: f64,
 ) -> Result<String, DrawError> {
-    let panels = match layout.fingers.is_empty() {
-        true => of_pairs(&layout.contacts, [first, second]),
-        false => {
+    let panels = match layout.fingers.len() {
+        0 => of_pairs(&layout.contacts, [first, second]),
+        2.. => of_gripper(layout, [first, second]),
+        1 => {
             let object =
                 |run: &Recording| run.outcome.last.contacts.first().is_some_and(|proximal| proximal.gap_m.is_finite());
             of_finger(object(first) || object(second))

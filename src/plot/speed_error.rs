@@ -12,9 +12,11 @@ const HEIGHT: u32 = 600;
 
 /// The picture; settings without a finite error are not in it.
 pub fn speed_error(scene: &str, found: &Validation) -> Result<String, DrawError> {
-    let label = match found.reference.outcome.last.fingers.is_empty() {
-        false => "largest difference of a joint angle from the reference, rad",
-        true => "largest distance of a disc from its place in the reference, m",
+    let last = &found.reference.outcome.last;
+    let label = match (last.fingers.is_empty(), last.bodies.is_empty()) {
+        (false, true) => "largest difference of a joint angle from the reference, rad",
+        (false, false) => "largest difference of a joint angle from the reference, rad (of the object in 20 mm)",
+        (true, _) => "largest distance of a disc from its place in the reference, m",
     };
     let bound = found.path_bound;
     let points: Vec<(&Row, f64, f64)> =

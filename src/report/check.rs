@@ -11,7 +11,7 @@ use crate::wording::sheet::Sheet;
 pub struct RunCheckReport {
     /// `sure`, `uncertain` (the outcome depends on the tolerance), `chaotic` (on the last digits of the input) or `unknown`.
     pub verdict: &'static str,
-    /// Largest error of an angle along the path, rad; of discs, of a coordinate, in m.
+    /// Largest error of an angle along the path, rad; of a gripper's object, of a coordinate, in lengths of 20 mm; of discs, in m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_rad: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,7 +24,7 @@ pub struct RunCheckReport {
     pub push: f64,
     /// The error from which on a run is uncertain, in the unit of the errors.
     pub bar: f64,
-    /// Errors of q11, q21, q22 at the end, rad, or of x and y of every disc, m; empty where either run was not completed.
+    /// Errors of q11, q21, q22 of every finger at the end, rad, and of x and y of every body, m; empty where either run was not completed.
     pub final_errors: Vec<f64>,
     /// Errors of first touch-downs, proximal and distal or in the order of the pairs; null where either run has none.
     pub first_errors_s: Vec<Option<f64>>,
@@ -35,7 +35,7 @@ pub struct RunCheckReport {
 }
 
 impl RunCheckReport {
-    /// Of a finger, or of discs.
+    /// Of fingers, or of discs.
     pub fn new(check: &Check, finger: bool) -> Self {
         let angle = |value: f64| finger.then_some(value);
         let length = |value: f64| (!finger).then_some(value);

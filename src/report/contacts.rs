@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::named::Named;
 use crate::criteria::Rebound;
-use crate::trace::{ContactSample, ContactSummary, Layout, Outcome, Site};
+use crate::trace::{ContactSample, ContactSummary, Layout, Outcome, Place, Site};
 
 /// Of a finger, or of bodies by the names of their pairs, such as `hammer-anvil` or `hammer-plane`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -13,6 +14,15 @@ use crate::trace::{ContactSample, ContactSummary, Layout, Outcome, Site};
 pub enum Contacts {
     Finger(FingerContacts),
     Pairs(BTreeMap<String, PairReport>),
+    Gripper(Named<PlaceReport>),
+}
+
+/// A contact of a gripper, by its name, such as `right_distal` or `palm`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum PlaceReport {
+    Surface(PhalanxReport),
+    Limit(LimitReport),
 }
 
 /// The three places where a finger can touch.
@@ -67,9 +77,10 @@ pub struct PairReport {
 impl Contacts {
     /// Of what samples of this layout came to; without rebounds these are left out.
     pub fn new(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
-        match layout.fingers.is_empty() {
-            false => Contacts::Finger(FingerContacts::from(outcome)),
-            true => Contacts::Pairs(pairs(layout, outcome, rebounds)),
+        match layout.fingers.len() {
+            0 => Contacts::Pairs(pairs(layout, outcome, rebounds)),
+            1 => Contacts::Finger(FingerContacts::from(outcome)),
+            _ => Contacts::Gripper(places(layout, outcome)),
         }
     }
 }
@@ -83,6 +94,20 @@ pub(super) fn pairs(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) ->
             (place.name.clone(), PairReport::new(summary, last, &rebound))
         })
         .collect()
+}
+
+/// All places of a gripper that it has.
+fn places(layout: &Layout, outcome: &Outcome) -> Named<PlaceReport> {
+    let places = layout.contacts.iter().zip(outcome.contacts.iter().zip(&outcome.last.contacts));
+    let there = places.filter(|(_, (_, last))| last.gap_m.is_finite());
+    let report = |(place, of): (&Place, (&ContactSummary, &ContactSample))| {
+        let report = match place.angular {
+            true => PlaceReport::Limit(LimitReport::new(of)),
+            false => PlaceReport::Surface(PhalanxReport::new(of)),
+        };
+        (place.name.clone(), report)
+    };
+    there.map(report).collect()
 }
 
 impl From<&Outcome> for FingerContacts {

@@ -1,11 +1,11 @@
-//! The discs of a run, under the keys of the JSON document.
+//! The discs of a run, or the object of a gripper, under the keys of the JSON document.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::scene::{BodiesScene, DiscMotion};
-use crate::trace::BodyState;
+use crate::scene::{DiscMotion, Words};
+use crate::trace::{BodyState, Simulated};
 
 /// A disc at the end of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,16 +20,20 @@ pub struct DiscReport {
     pub spin_rad_s: f64,
 }
 
-/// Discs that have these names, in order; how they move is `unknown` without a scene that has them.
+/// Discs that have these names, in order, or the object of a gripper; how they move is `unknown` without a scene that has them.
 pub(super) fn discs(
     names: &[String],
-    scene: Option<&BodiesScene>,
+    scene: Option<Simulated<'_>>,
     states: &[BodyState],
 ) -> BTreeMap<String, DiscReport> {
-    let motion = |name: &str| match scene?.discs.iter().find(|disc| disc.name == name)?.motion {
-        DiscMotion::Fixed => Some("fixed"),
-        DiscMotion::Driven { .. } => Some("driven"),
-        DiscMotion::Free { .. } => Some("free"),
+    let motion = |name: &str| match scene? {
+        Simulated::Discs(scene) => match scene.discs.iter().find(|disc| disc.name == name)?.motion {
+            DiscMotion::Fixed => Some("fixed"),
+            DiscMotion::Driven { .. } => Some("driven"),
+            DiscMotion::Free { .. } => Some("free"),
+        },
+        Simulated::Gripper(scene) => Some(scene.object.motion.word()),
+        Simulated::Finger(_) => None,
     };
     let report = |motion, state: &BodyState| DiscReport {
         motion,

@@ -9,10 +9,12 @@ use serde::Serialize;
 use super::check::RunCheckReport;
 use super::contacts::Contacts;
 use super::discs::{DiscReport, discs};
+use super::named::Named;
 use crate::criteria::{Criteria, Rebound};
 use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
-use crate::scene::{Engine, Integrator, Stepping};
-use crate::trace::{Energy, FingerState, Model, Outcome, Simulated, Work};
+use crate::scene::words::SceneKind;
+use crate::scene::{Engine, Integrator, Stepping, Words};
+use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Simulated, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came; what a kind of
 /// scene does not have is no key at all.
@@ -20,7 +22,7 @@ use crate::trace::{Energy, FingerState, Model, Outcome, Simulated, Work};
 pub struct RunReport {
     /// Name of the scene.
     pub scene: String,
-    /// `finger` or `bodies`.
+    /// `finger`, `bodies` or `gripper`.
     pub kind: &'static str,
     /// `analytic` or `engine`.
     pub model: &'static str,
@@ -33,6 +35,12 @@ pub struct RunReport {
     /// Of a finger.
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
     pub last: Option<Option<Final>>,
+    /// Of a gripper: its fingers, right and left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fingers: Option<Option<Named<Final>>>,
+    /// Of a gripper: what it grasps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<Option<DiscReport>>,
     /// Of a scene of discs, by their names, as they are at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discs: Option<Option<BTreeMap<String, DiscReport>>>,
@@ -51,7 +59,7 @@ pub struct RunReport {
     pub integrator: Option<IntegratorUsed>,
     /// Settings of the engine model; null for a run of the analytic one.
     pub engine: Option<EngineUsed>,
-    /// Of a finger: largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
+    /// Of a finger or a gripper: largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loop_gap_m: Option<Option<f64>>,
     /// Path of the log as given; null if none was asked for.
@@ -156,21 +164,21 @@ impl RunReport {
     /// A run with what is known of it: all of it, or up to where it broke off, and why.
     pub fn new<'a>(scene: impl Into<Simulated<'a>>, model: Model, came: &Came<'_>, error: Option<Failure>) -> Self {
         let (scene, engine, outcome) = (scene.into(), model == Model::Engine, came.outcome);
-        let finger = matches!(scene, Simulated::Finger(_));
-        let of_discs = |outcome: &Outcome| match scene {
-            Simulated::Finger(_) => None,
-            Simulated::Discs(of) => Some(discs(&scene.layout().bodies, Some(of), &outcome.last.bodies)),
-        };
+        let (kind, layout) = (scene.kind(), scene.layout());
+        let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
+        let bodies = |outcome: &Outcome| discs(&layout.bodies, Some(scene), &outcome.last.bodies);
         RunReport {
             scene: scene.name().to_string(),
-            kind: if finger { "finger" } else { "bodies" },
+            kind: kind.word(),
             model: model.name(),
             duration_s: scene.duration_s(),
             steps: outcome.map(|outcome| outcome.work.steps),
             wall_s: came.wall_s,
             last: finger.then(|| outcome.map(|outcome| Final::from(outcome.last.finger()))),
-            discs: (!finger).then(|| outcome.and_then(of_discs)),
-            contacts: outcome.map(|outcome| Contacts::new(&scene.layout(), outcome, came.rebounds)),
+            fingers: gripper.then(|| outcome.map(|outcome| finals(&layout, outcome))),
+            object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
+            discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
+            contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
             criteria: finger.then(|| came.criteria.filter(|_| error.is_none()).map(Dynamics::from)),
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
@@ -179,7 +187,7 @@ impl RunReport {
             work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
             integrator: (!engine).then(|| IntegratorUsed::from(scene.integrator())),
             engine: engine.then(|| EngineUsed::from(scene.engine())),
-            loop_gap_m: finger.then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
+            loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,
             check: None,
@@ -188,8 +196,14 @@ impl RunReport {
 
     /// Whether the scene has joints to speak of.
     pub(super) fn has_joints(&self) -> bool {
-        self.kind == "finger"
+        self.kind != SceneKind::Bodies.word()
     }
+}
+
+/// The fingers at the end, by their names.
+pub(super) fn finals(layout: &Layout, outcome: &Outcome) -> Named<Final> {
+    let fingers = layout.fingers.iter().cloned().zip(&outcome.last.fingers);
+    fingers.map(|(name, finger)| (name, Final::from(finger))).collect()
 }
 
 impl From<&FingerState> for Final {

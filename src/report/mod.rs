@@ -5,6 +5,7 @@ mod contacts;
 mod csv;
 mod discs;
 mod document;
+mod named;
 mod paper;
 mod replay;
 mod reproduce;
@@ -21,9 +22,10 @@ mod volume;
 mod volume_points;
 
 pub use check::RunCheckReport;
-pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport};
+pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 pub use discs::DiscReport;
 pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
+pub use named::Named;
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
 pub use replay::{
     AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Lost,

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::contacts::{Contacts, FingerContacts, PairReport, PhalanxReport};
+use super::contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 use super::discs::DiscReport;
 use super::document::{Dynamics, Energies, Final};
+use super::named::Named;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
 use crate::wording::sheet::{Sheet, table};
@@ -16,6 +17,29 @@ pub(super) fn final_state(last: &Final, end_s: f64) -> Sheet {
         row(["angle, deg", &degrees(last.q11_rad), &degrees(last.q21_rad), &degrees(last.q22_rad)]),
         row(["rate, rad/s", &figure(last.qd11_rad_s, 5), &figure(last.qd21_rad_s, 5)]),
     ])
+}
+
+/// Of both fingers of a gripper.
+pub(super) fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
+    let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
+    let at = format!("at {}", duration(end_s));
+    let mut rows = vec![row([&at, "q11, deg", "q21, deg", "q22, deg", "qd11, rad/s", "qd21, rad/s"])];
+    for (name, last) in fingers.iter() {
+        rows.push(row([
+            &format!("{name} finger"),
+            &degrees(last.q11_rad),
+            &degrees(last.q21_rad),
+            &degrees(last.q22_rad),
+            &figure(last.qd11_rad_s, 5),
+            &figure(last.qd21_rad_s, 5),
+        ]));
+    }
+    table(&rows)
+}
+
+/// What a gripper grasps.
+pub(super) fn object(object: &DiscReport, end_s: f64) -> Sheet {
+    discs(&BTreeMap::from([("object".to_string(), *object)]), end_s)
 }
 
 pub(super) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
@@ -39,14 +63,37 @@ pub(super) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
 /// `None` where nothing can touch.
 pub(super) fn contacts(contacts: &Contacts) -> Option<Sheet> {
     match contacts {
-        Contacts::Finger(all) => Some(sites(all)),
+        Contacts::Finger(FingerContacts { proximal, distal, limit }) => {
+            Some(places(&[("proximal", proximal), ("distal", distal)], &[("joint limit", limit)]))
+        }
+        Contacts::Gripper(all) => {
+            let surfaces = all.iter().filter_map(|(name, place)| match place {
+                PlaceReport::Surface(surface) => Some((name.as_str(), surface)),
+                PlaceReport::Limit(_) => None,
+            });
+            let limits = all.iter().filter_map(|(name, place)| match place {
+                PlaceReport::Limit(limit) => Some((name.as_str(), limit)),
+                PlaceReport::Surface(_) => None,
+            });
+            Some(places(&surfaces.collect::<Vec<_>>(), &limits.collect::<Vec<_>>()))
+        }
         Contacts::Pairs(all) if all.is_empty() => None,
         Contacts::Pairs(all) => Some(pairs(all)),
     }
 }
 
-fn sites(contacts: &FingerContacts) -> Sheet {
-    let phalanx = |name: &str, report: &PhalanxReport| {
+fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) -> Sheet {
+    let mut rows = vec![row([
+        "contact",
+        "first, ms",
+        "touch-downs",
+        "normal, N",
+        "friction, N",
+        "peak, N",
+        "depth, µm",
+        "impulse, mN·s",
+    ])];
+    rows.extend(surfaces.iter().map(|(name, report)| {
         row([
             name,
             &milliseconds(report.first_s),
@@ -57,35 +104,26 @@ fn sites(contacts: &FingerContacts) -> Sheet {
             &figure(report.max_penetration_m * 1e6, 5),
             &figure(report.impulse_n_s * 1e3, 5),
         ])
-    };
-    let limit = &contacts.limit;
-    let mut text = table(&[
+    }));
+    let mut text = table(&rows);
+    if limits.is_empty() {
+        return text;
+    }
+    let mut rows =
+        vec![row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"])];
+    rows.extend(limits.iter().map(|(name, limit)| {
         row([
-            "contact",
-            "first, ms",
-            "touch-downs",
-            "normal, N",
-            "friction, N",
-            "peak, N",
-            "depth, µm",
-            "impulse, mN·s",
-        ]),
-        phalanx("proximal", &contacts.proximal),
-        phalanx("distal", &contacts.distal),
-    ]);
-    text.push('\n');
-    text.push(table(&[
-        row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"]),
-        row([
-            "joint limit",
+            name,
             &milliseconds(limit.first_s),
             &limit.touchdowns.to_string(),
             &figure(limit.final_torque_n_m, 6),
             &figure(limit.peak_torque_n_m, 5),
             &figure(limit.max_penetration_rad * 1e6, 5),
             &figure(limit.impulse_n_m_s * 1e3, 5),
-        ]),
-    ]));
+        ])
+    }));
+    text.push('\n');
+    text.push(table(&rows));
     text
 }
 

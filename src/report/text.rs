@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::check;
 use super::document::{EngineUsed, IntegratorUsed, RunReport};
-use super::tables::{contacts, discs, dynamics, energies, final_state};
+use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, object};
 use crate::wording::duration;
 use crate::wording::figures::figure;
 use crate::wording::sheet::Sheet;
@@ -14,6 +14,8 @@ pub fn text(report: &RunReport) -> Sheet {
     let mut sections = vec![heading(report)];
     let end_s = report.end_s.unwrap_or_default();
     sections.extend(report.last.flatten().map(|last| final_state(&last, end_s)));
+    sections.extend(report.fingers.iter().flatten().map(|all| final_states(all, end_s)));
+    sections.extend(report.object.iter().flatten().map(|of| object(of, end_s)));
     sections.extend(report.discs.iter().flatten().map(|all| discs(all, end_s)));
     sections.extend(report.contacts.as_ref().and_then(contacts));
     sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.has_joints())));

@@ -1,6 +1,7 @@
 //! Everything in which a run differs from its reference.
 
 use super::{Angle, Impact, Impacts, Rate, Recording, Track};
+use crate::check::LENGTH_M;
 use crate::trace::{ContactSummary, Event, Outcome, Sample, Sink, SinkError};
 
 /// Impacts of a finger with less than this part of the largest impulse, and pairs of bodies with less than this part of the
@@ -47,9 +48,20 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Largest difference of any coordinate.
+    /// Largest difference of any coordinate; centres beside angles count in [lengths](LENGTH_M).
     pub fn path_max(&self) -> f64 {
-        self.path.iter().map(|off| off.max).fold(0.0, f64::max)
+        let unit = if self.rate_rms_rad_s.is_empty() { 1.0 } else { LENGTH_M };
+        self.angle_max().max(self.centre_max() / unit)
+    }
+
+    /// Largest difference of an angle of any finger.
+    pub fn angle_max(&self) -> f64 {
+        self.path[..self.rate_rms_rad_s.len()].iter().map(|off| off.max).fold(0.0, f64::max)
+    }
+
+    /// Largest distance of the centres of any body.
+    pub fn centre_max(&self) -> f64 {
+        self.path[self.rate_rms_rad_s.len()..].iter().map(|off| off.max).fold(0.0, f64::max)
     }
 
     /// The worse of each figure.

@@ -146,7 +146,7 @@ pub fn validate<'a>(
 fn sensitive(scene: &AnyScene, go_on: GoOn) -> Result<Option<Statistics>, RunError> {
     match scene {
         AnyScene::Finger(scene) if scene.bounds.until_s < scene.duration_s => statistics(scene, go_on).map(Some),
-        AnyScene::Finger(_) | AnyScene::Bodies(_) => Ok(None),
+        AnyScene::Finger(_) | AnyScene::Bodies(_) | AnyScene::Gripper(_) => Ok(None),
     }
 }
 

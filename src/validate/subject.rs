@@ -1,9 +1,11 @@
 //! What a validation does to a scene: settings that it changes, members of its ensemble, bounds.
 
-use super::verdict::verdicts_of_discs;
+use super::ensemble::TORQUE_STEP;
+use super::verdict::{verdicts_of_discs, verdicts_of_gripper};
 use super::{Differences, Recording, Verdict, ensemble, verdicts};
+use crate::check::{LENGTH_M, pushed_gripper};
 use crate::invariants::{Finding, Invariants};
-use crate::scene::{AnyScene, BodiesScene, Preset, Scene};
+use crate::scene::{AnyScene, BodiesScene, GripperScene, Preset, Scene, Side};
 use crate::trace::{Model, Numerics, Simulated, Sink};
 
 /// Samples that the grid of a reference has at most: five references of 500 bytes a sample stay below 250 MB.
@@ -21,7 +23,7 @@ pub trait Subject: Clone {
     fn compared(&self) -> Self {
         let scene = self.simulated();
         let end_s = match scene {
-            Simulated::Finger(_) => scene.duration_s(),
+            Simulated::Finger(_) | Simulated::Gripper(_) => scene.duration_s(),
             Simulated::Discs(_) => until_s(scene).min(scene.duration_s()),
         };
         with(self, |numerics| *numerics.duration_s = end_s)
@@ -32,6 +34,7 @@ pub trait Subject: Clone {
         match self.simulated() {
             Simulated::Finger(scene) => verdicts(found, &scene.bounds),
             Simulated::Discs(scene) => verdicts_of_discs(found, &scene.bounds),
+            Simulated::Gripper(scene) => verdicts_of_gripper(found, &scene.bounds),
         }
     }
 
@@ -45,35 +48,21 @@ pub trait Subject: Clone {
     }
 }
 
-impl Subject for Scene {
-    fn simulated(&self) -> Simulated<'_> {
-        self.into()
-    }
+macro_rules! subjects {
+    ($($scene:ident)*) => {$(
+        impl Subject for $scene {
+            fn simulated(&self) -> Simulated<'_> {
+                self.into()
+            }
 
-    fn numerics(&mut self) -> Numerics<'_> {
-        self.into()
-    }
+            fn numerics(&mut self) -> Numerics<'_> {
+                self.into()
+            }
+        }
+    )*};
 }
 
-impl Subject for BodiesScene {
-    fn simulated(&self) -> Simulated<'_> {
-        self.into()
-    }
-
-    fn numerics(&mut self) -> Numerics<'_> {
-        self.into()
-    }
-}
-
-impl Subject for AnyScene {
-    fn simulated(&self) -> Simulated<'_> {
-        self.into()
-    }
-
-    fn numerics(&mut self) -> Numerics<'_> {
-        self.into()
-    }
-}
+subjects!(Scene BodiesScene GripperScene AnyScene);
 
 /// The scene with something changed.
 pub(super) fn with<S: Subject>(scene: &S, change: impl FnOnce(Numerics<'_>)) -> S {
@@ -110,6 +99,7 @@ pub(super) fn member(scene: &AnyScene, index: usize) -> AnyScene {
     match scene {
         AnyScene::Finger(scene) => AnyScene::Finger(Box::new(ensemble::member(scene, index))),
         AnyScene::Bodies(scene) => AnyScene::Bodies(Box::new(ensemble::member_of_discs(scene, index))),
+        AnyScene::Gripper(scene) => AnyScene::Gripper(Box::new(pushed_gripper(scene, index as f64 * TORQUE_STEP))),
     }
 }
 
@@ -118,6 +108,7 @@ pub fn until_s(scene: Simulated<'_>) -> f64 {
     match scene {
         Simulated::Finger(scene) => scene.bounds.until_s,
         Simulated::Discs(scene) => scene.bounds.until_s,
+        Simulated::Gripper(scene) => scene.bounds.until_s,
     }
 }
 
@@ -126,10 +117,11 @@ pub fn path_bound(scene: Simulated<'_>) -> f64 {
     match scene {
         Simulated::Finger(scene) => scene.bounds.angle_rad,
         Simulated::Discs(scene) => scene.bounds.position_m,
+        Simulated::Gripper(scene) => scene.bounds.angle_rad.min(scene.bounds.position_m / LENGTH_M),
     }
 }
 
-/// Whether the bodies have joints, of which coordinates can be made.
+/// Whether there is one finger, of whose joints coordinates can be made.
 pub(super) fn is_jointed(scene: Simulated<'_>) -> bool {
     matches!(scene, Simulated::Finger(_))
 }
@@ -139,6 +131,7 @@ pub(super) fn touching_friction(scene: Simulated<'_>) -> Option<f64> {
     let (touches, law) = match scene {
         Simulated::Finger(scene) => (scene.object.is_some(), scene.contact.proximal.friction),
         Simulated::Discs(scene) => (!scene.pairs().is_empty(), scene.contact.friction),
+        Simulated::Gripper(scene) => (true, scene.finger(Side::Right).contact.proximal.friction),
     };
     touches.then(|| law.map_or(0.0, |law| law.mu_static))
 }

@@ -3,7 +3,7 @@
 use super::{Differences, MOST_ERRORS, Statistics, largest};
 use crate::check;
 use crate::invariants::Finding;
-use crate::scene::{BodiesBounds, Bounds};
+use crate::scene::{BodiesBounds, Bounds, GripperBounds};
 
 /// What the reference may be off by, as a part of what the engine may.
 pub const REFERENCE_SHARE: f64 = 0.1;
@@ -109,5 +109,22 @@ pub(super) fn verdicts_of_discs(found: &Differences, bounds: &BodiesBounds) -> V
         ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
         ("impulse", "relative difference of the impulse of a pair", worst(&found.impulse, bounds.impulse)),
         ("peak_force", "relative difference of a largest normal force", worst(&found.peak_force, bounds.peak_force)),
+    ])
+}
+
+/// The same of a gripper.
+pub(super) fn verdicts_of_gripper(found: &Differences, bounds: &GripperBounds) -> Verdict {
+    let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
+    Verdict::new([
+        ("angle_rad", "largest difference of a joint angle", (Some(found.angle_max()), bounds.angle_rad)),
+        ("position_m", "largest distance of the object", (Some(found.centre_max()), bounds.position_m)),
+        ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
+        (
+            "final_force",
+            "relative difference of a normal force at the end",
+            worst(&found.final_force, bounds.final_force),
+        ),
+        ("impulse", "relative difference of the impulse of an impact", worst(&found.impulse, bounds.impulse)),
+        ("loop_gap_m", "largest opening of a joint", (Some(found.loop_gap_m), bounds.loop_gap_m)),
     ])
 }

@@ -8,6 +8,7 @@ use super::bytes::Malformed;
 use super::channels::{Carries, Channels};
 use super::record::{ChannelRecord, MessageRecord, SchemaRecord};
 use super::wire::numbers;
+use crate::scene::words::SceneKind;
 use crate::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample};
 
 const BACK: Malformed = Malformed("the time of a sample is not a number, or goes back");
@@ -51,20 +52,21 @@ impl Parts {
         *count = 0;
     }
 
-    /// Beside a finger there can be nothing to touch, and its message comes first; of bodies everything has to come.
+    /// Beside fingers there can be nothing to touch, and their messages come first, then those of bodies; where there are bodies alone
+    /// everything has to come.
     fn are_whole(&self) -> bool {
         match self.fingers.is_empty() {
-            false => self.fingers.iter().all(|there| *there),
+            false => self.fingers.iter().chain(&self.bodies).all(|there| *there),
             true => self.count > 0 && self.count == self.bodies.len() + self.contacts.len(),
         }
     }
 }
 
 impl Assembler {
-    /// Of a log of discs, or of a finger.
-    pub fn new(discs: bool) -> Self {
+    /// Of the log of a scene of this kind.
+    pub fn new(kind: SceneKind) -> Self {
         let (sample, there) = (Sample::default(), Parts::default());
-        Assembler { channels: Channels::new(discs), sample, there, latest_s: 0.0 }
+        Assembler { channels: Channels::new(kind), sample, there, latest_s: 0.0 }
     }
 
     pub fn schema(&mut self, schema: &SchemaRecord<'_>) {
@@ -101,9 +103,11 @@ impl Assembler {
             Carries::Finger(index) => {
                 let (time_s, finger) = finger(data)?;
                 self.begin(time_s)?;
-                // It comes first: what came before it belongs to no sample.
-                self.there.forget();
-                self.sample.contacts.fill(ContactSample::NONE);
+                if index == 0 {
+                    // It comes first: what came before it belongs to no sample.
+                    self.there.forget();
+                    self.sample.contacts.fill(ContactSample::NONE);
+                }
                 self.sample.fingers[index] = finger;
                 self.there.fingers[index] = true;
             }

@@ -8,6 +8,8 @@ use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 use super::record::{ChannelRecord, SchemaRecord};
 use crate::log::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
 use crate::log::schema::current_name;
+use crate::scene::words::SceneKind;
+use crate::scene::{self, Side};
 use crate::trace::{Layout, Place, Site};
 
 /// What a channel carries. Indices are those of a sample.
@@ -41,8 +43,8 @@ enum Schema {
 
 /// The channels that have been announced so far.
 pub struct Channels {
-    /// Whether the log is of discs.
-    discs: bool,
+    /// Of the scene of the log.
+    kind: SceneKind,
     known: Vec<(String, Schema)>,
     schemas: HashMap<u16, Schema>,
     carried: HashMap<u16, Option<Carries>>,
@@ -52,7 +54,7 @@ pub struct Channels {
 }
 
 impl Channels {
-    pub fn new(discs: bool) -> Self {
+    pub fn new(kind: SceneKind) -> Self {
         let known = [
             (State::get_schema(), Schema::State),
             (Contact::get_schema(), Schema::Contact),
@@ -66,14 +68,14 @@ impl Channels {
             (SceneUpdate::get_schema(), Schema::Picture),
         ];
         Channels {
-            discs,
+            kind,
             known: known
                 .into_iter()
                 .filter_map(|(schema, of)| Some((current_name(&schema?.name).into_owned(), of)))
                 .collect(),
             schemas: HashMap::new(),
             carried: HashMap::new(),
-            layout: if discs { Layout::default() } else { Layout::finger() },
+            layout: Layout::of(kind),
             closed: false,
         }
     }
@@ -90,9 +92,10 @@ impl Channels {
     /// Takes note of a channel; true if it is new and unknown.
     pub fn channel(&mut self, channel: &ChannelRecord<'_>) -> bool {
         let schema = self.schemas.get(&channel.schema).copied().filter(|_| channel.encoding == "protobuf");
-        let carries = schema.and_then(|schema| match self.discs {
-            false => of_finger(schema, channel.topic),
-            true => self.of_discs(schema, channel.topic),
+        let carries = schema.and_then(|schema| match self.kind {
+            SceneKind::Finger => of_finger(schema, channel.topic),
+            SceneKind::Bodies => self.of_discs(schema, channel.topic),
+            SceneKind::Gripper => of_gripper(schema, channel.topic),
         });
         self.carried.insert(channel.id, carries).is_none() && carries.is_none()
     }
@@ -103,7 +106,7 @@ impl Channels {
 
     /// Whether the messages of a sample begin with those of its fingers.
     pub fn begin_with_fingers(&self) -> bool {
-        !self.discs
+        self.kind != SceneKind::Bodies
     }
 
     /// What samples consist of, which stays the same from here on.
@@ -152,6 +155,29 @@ fn of_finger(schema: Schema, topic: &str) -> Option<Carries> {
         (Schema::Impact, "/impact/proximal") => Some(Carries::Impact(Site::Proximal as usize)),
         (Schema::Impact, "/impact/distal") => Some(Carries::Impact(Site::Distal as usize)),
         (Schema::LimitImpact, "/impact/limit") => Some(Carries::Impact(Site::Limit as usize)),
+        _ => of_both(schema, topic),
+    }
+}
+
+fn of_gripper(schema: Schema, topic: &str) -> Option<Carries> {
+    let side = |prefix: &str| {
+        let word = topic.strip_prefix(prefix)?;
+        Side::BOTH.into_iter().find(|side| side.word() == word)
+    };
+    let place = |prefix: &str, stop: bool| {
+        let name = topic.strip_prefix(prefix)?;
+        scene::Place::ALL.into_iter().position(|place| place.is_stop() == stop && place.name() == name)
+    };
+    match schema {
+        Schema::State => side("/state/").map(|side| Carries::Finger(side as usize)),
+        Schema::Disc => (topic == "/object").then_some(Carries::Body(0)),
+        Schema::Contact => place("/contact/", false).map(Carries::Contact),
+        Schema::Limit => {
+            let stop = scene::Place::Finger(side("/limit/")?, Site::Limit);
+            scene::Place::ALL.into_iter().position(|place| place == stop).map(Carries::Stop)
+        }
+        Schema::Impact => place("/impact/", false).map(Carries::Impact),
+        Schema::LimitImpact => place("/impact/", true).map(Carries::Impact),
         _ => of_both(schema, topic),
     }
 }

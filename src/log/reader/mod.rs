@@ -41,13 +41,14 @@ pub use self::behind::Behind;
 pub use self::bytes::LARGEST_RECORD;
 use self::bytes::{Chunk, Cursor, Malformed};
 pub(super) use self::bytes::{channel, message, metadata, schema};
-use self::reading::is_of_discs;
+use self::reading::kind;
 pub use self::reading::{Ended, Loss, ReadError, Reading};
 use self::record::Fingers;
 pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Record, SchemaRecord};
 use super::file::partial_name;
 use super::metadata::RECOVERED_NAME;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
+use crate::scene::words::SceneKind;
 use crate::trace::{Sink, SinkError};
 
 /// Reads the log file of a finger into a sink.
@@ -132,7 +133,7 @@ fn go_through(mut source: impl Read + Seek, sink: &mut impl LogSink, extent: Ext
     source.rewind()?;
     let mut reader = Reader {
         sink,
-        assembler: Assembler::new(false),
+        assembler: Assembler::new(SceneKind::Finger),
         room: Vec::new(),
         identified: false,
         named: false,
@@ -243,9 +244,7 @@ impl<S: LogSink> Reader<'_, S> {
                     match name {
                         METADATA_NAME if !self.identified => {
                             self.identified = true;
-                            if is_of_discs(&entries) {
-                                self.assembler = Assembler::new(true);
-                            }
+                            self.assembler = Assembler::new(kind(&entries));
                             self.reading.metadata = entries;
                         }
                         RECOVERED_NAME => self.reading.recovered = Some(entries),

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 
 use super::Behind;
 use crate::log::METADATA_NAME;
+use crate::scene::Words;
+use crate::scene::words::SceneKind;
 use crate::trace::SinkError;
 
 /// What was found in a log.
@@ -40,14 +42,16 @@ impl Reading {
         self.losses.is_empty()
     }
 
-    /// Whether the log is of a scene of discs.
-    pub fn is_of_discs(&self) -> bool {
-        is_of_discs(&self.metadata)
+    /// Of which kind the scene of the log is.
+    pub fn kind(&self) -> SceneKind {
+        kind(&self.metadata)
     }
 }
 
-pub(super) fn is_of_discs(metadata: &BTreeMap<String, String>) -> bool {
-    metadata.get("kind").is_some_and(|kind| kind == "bodies")
+/// A log that does not say is of a finger.
+pub(super) fn kind(metadata: &BTreeMap<String, String>) -> SceneKind {
+    let said = metadata.get("kind").and_then(|said| SceneKind::ALL.into_iter().find(|kind| kind.word() == said));
+    said.unwrap_or(SceneKind::Finger)
 }
 
 /// How the run of a log ended.

@@ -6,12 +6,15 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed};
+use super::super::document::{Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, finals};
+use super::super::named::Named;
 use super::summary::Summary;
 use super::verify::VerificationReport;
 use crate::criteria::Criteria;
 use crate::log::{Loss, Reading, Solver, settings};
-use crate::scene::BodiesScene;
+use crate::scene::AnyScene;
+use crate::scene::words::SceneKind;
+use crate::trace::{Outcome, Simulated};
 
 /// One log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,7 +30,7 @@ pub struct ReplayReport {
     pub losses: Vec<Lost>,
     /// Name of the scene; null where the log does not say.
     pub scene: Option<String>,
-    /// `finger` or `bodies`; null where the log does not say.
+    /// `finger`, `bodies` or `gripper`; null where the log does not say.
     pub kind: Option<String>,
     pub model: Option<String>,
     /// Version of phalanx that wrote it.
@@ -58,6 +61,11 @@ pub struct ReplayReport {
     pub unknown_channels: u64,
     #[serde(rename = "final")]
     pub last: Option<Final>,
+    /// Of a log of a gripper: its fingers, and what they grasp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fingers: Option<Named<Final>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<DiscReport>,
     /// Discs by their names, of a log of discs.
     pub discs: Option<BTreeMap<String, DiscReport>>,
     /// Peaks are those of the samples, among which the run's own are.
@@ -95,14 +103,17 @@ impl ReplayReport {
         reading: &Reading,
         summary: &Summary,
         criteria: Option<Criteria>,
-        scene: Option<&BodiesScene>,
+        scene: Option<&AnyScene>,
     ) -> Self {
-        let (layout, outcome) = (&summary.layout, summary.outcome());
-        let finger = outcome.and_then(|outcome| outcome.last.fingers.first());
-        let bodies = outcome.filter(|_| layout.fingers.is_empty());
+        let (layout, outcome, kind) = (&summary.layout, summary.outcome(), reading.kind());
+        let of = |wanted: SceneKind| outcome.filter(|_| kind == wanted);
+        let scene = scene.map(Simulated::from);
+        let bodies = |outcome: &Outcome| discs(&layout.bodies, scene, &outcome.last.bodies);
         ReplayReport {
-            last: finger.map(Final::from),
-            discs: bodies.map(|outcome| discs(&layout.bodies, scene, &outcome.last.bodies)),
+            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).map(Final::from),
+            fingers: of(SceneKind::Gripper).map(|outcome| finals(layout, outcome)),
+            object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
+            discs: of(SceneKind::Bodies).map(bodies),
             contacts: outcome.map(|outcome| Contacts::new(layout, outcome, summary.rebounds())),
             criteria: criteria.map(Dynamics::from),
             energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
@@ -146,6 +157,8 @@ impl ReplayReport {
             unknown_messages: reading.unknown_messages,
             unknown_channels: reading.unknown_channels,
             last: None,
+            fingers: None,
+            object: None,
             discs: None,
             contacts: None,
             criteria: None,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::tables::{contacts, discs, dynamics, energies, final_state};
+use super::super::tables::{contacts, discs, dynamics, energies, final_state, final_states, object};
 use super::super::text::{engine, integrator};
 use super::document::ReplayReport;
 use super::verify::verification_text;
@@ -15,6 +15,12 @@ pub fn replay_text(report: &ReplayReport) -> Sheet {
     let mut sections = vec![Sheet::from(heading(report))];
     if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
         sections.push(final_state(last, end_s));
+    }
+    if let (Some(all), Some(end_s)) = (&report.fingers, report.end_s) {
+        sections.push(final_states(all, end_s));
+    }
+    if let (Some(of), Some(end_s)) = (&report.object, report.end_s) {
+        sections.push(object(of, end_s));
     }
     if let (Some(all), Some(end_s)) = (&report.discs, report.end_s) {
         sections.push(discs(all, end_s));

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::super::named::Named;
 use crate::trace::Layout;
 use crate::validate::{Angle, Differences, largest};
 
@@ -13,6 +14,7 @@ use crate::validate::{Angle, Differences, largest};
 pub enum DifferencesReport {
     Finger(JointDifferences),
     Discs(DiscDifferences),
+    Gripper(GripperDifferences),
 }
 
 /// What the table of settings has of them.
@@ -21,6 +23,7 @@ pub enum DifferencesReport {
 pub enum Errors {
     Finger(JointErrors),
     Discs(DiscErrors),
+    Gripper(GripperErrors),
 }
 
 /// Differences of one joint.
@@ -98,12 +101,37 @@ pub struct DiscErrors {
     pub energy_created: Option<f64>,
 }
 
+/// Everything in which a gripper differs from the reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GripperDifferences {
+    pub fingers: Named<BTreeMap<&'static str, AngleDifference>>,
+    pub object: DiscDifference,
+    pub contacts: Named<ContactDifference>,
+    pub loop_gap_m: f64,
+    pub energy_created_j: f64,
+    /// Relative to the work of the motors.
+    pub energy_created: f64,
+}
+
+/// Worst differences of a setting of a gripper; null for the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GripperErrors {
+    pub angle_max_rad: Option<f64>,
+    pub position_max_m: Option<f64>,
+    pub first_touch_s: Option<f64>,
+    pub impulse: Option<f64>,
+    pub final_force: Option<f64>,
+    pub loop_gap_m: Option<f64>,
+    pub energy_created: Option<f64>,
+}
+
 impl DifferencesReport {
     /// Of samples of this layout.
     pub(super) fn new(layout: &Layout, found: &Differences) -> Self {
-        match layout.fingers.is_empty() {
-            false => DifferencesReport::Finger(JointDifferences::from(found)),
-            true => DifferencesReport::Discs(DiscDifferences::new(layout, found)),
+        match layout.fingers.len() {
+            0 => DifferencesReport::Discs(DiscDifferences::new(layout, found)),
+            1 => DifferencesReport::Finger(JointDifferences::from(found)),
+            _ => DifferencesReport::Gripper(GripperDifferences::new(layout, found)),
         }
     }
 }
@@ -111,12 +139,21 @@ impl DifferencesReport {
 impl Errors {
     /// `None` for the reference.
     pub(super) fn new(layout: &Layout, found: Option<&Differences>) -> Self {
-        match layout.fingers.is_empty() {
-            false => Errors::Finger(JointErrors {
+        match layout.fingers.len() {
+            1 => Errors::Finger(JointErrors {
                 angle_max_rad: found.map(Differences::path_max),
                 differences: found.map(JointDifferences::from),
             }),
-            true => Errors::Discs(DiscErrors {
+            2.. => Errors::Gripper(GripperErrors {
+                angle_max_rad: found.map(Differences::angle_max),
+                position_max_m: found.map(Differences::centre_max),
+                first_touch_s: found.and_then(|found| largest(&found.contact_time_s)),
+                impulse: found.and_then(|found| largest(&found.impulse)),
+                final_force: found.and_then(|found| largest(&found.final_force)),
+                loop_gap_m: found.map(|found| found.loop_gap_m),
+                energy_created: found.map(|found| found.energy_created),
+            }),
+            0 => Errors::Discs(DiscErrors {
                 position_max_m: found.map(Differences::path_max),
                 first_touch_s: found.and_then(|found| largest(&found.contact_time_s)),
                 impulse: found.and_then(|found| largest(&found.impulse)),
@@ -127,24 +164,62 @@ impl Errors {
     }
 }
 
+fn angle(found: &Differences, k: usize) -> AngleDifference {
+    AngleDifference {
+        max_rad: found.path[k].max,
+        max_at_s: found.path[k].max_at_s,
+        rms_rad: found.path[k].rms,
+        end_rad: found.path[k].end,
+        rate_rms_rad_s: found.rate_rms_rad_s[k],
+    }
+}
+
+fn contact(found: &Differences, k: usize) -> ContactDifference {
+    ContactDifference {
+        first_touch_s: found.contact_time_s[k],
+        impulse: found.impulse[k],
+        final_force: found.final_force[k],
+    }
+}
+
+/// The body `index`, the place of which is number `k` of the path.
+fn disc(found: &Differences, index: usize, k: usize) -> DiscDifference {
+    DiscDifference {
+        max_m: found.path[k].max,
+        max_at_s: found.path[k].max_at_s,
+        rms_m: found.path[k].rms,
+        end_m: found.path[k].end,
+        angle_end_rad: found.angle_end_rad[index],
+    }
+}
+
 impl From<&Differences> for JointDifferences {
     fn from(found: &Differences) -> Self {
-        let joint = |k: usize| AngleDifference {
-            max_rad: found.path[k].max,
-            max_at_s: found.path[k].max_at_s,
-            rms_rad: found.path[k].rms,
-            end_rad: found.path[k].end,
-            rate_rms_rad_s: found.rate_rms_rad_s[k],
-        };
-        let contact = |k: usize| ContactDifference {
-            first_touch_s: found.contact_time_s[k],
-            impulse: found.impulse[k],
-            final_force: found.final_force[k],
-        };
+        let joints = Angle::ALL.into_iter().enumerate();
         JointDifferences {
-            joints: Angle::ALL.into_iter().enumerate().map(|(k, angle)| (angle.name(), joint(k))).collect(),
-            proximal: contact(0),
-            distal: contact(1),
+            joints: joints.map(|(k, of)| (of.name(), angle(found, k))).collect(),
+            proximal: contact(found, 0),
+            distal: contact(found, 1),
+            loop_gap_m: found.loop_gap_m,
+            energy_created_j: found.energy_created_j,
+            energy_created: found.energy_created,
+        }
+    }
+}
+
+impl GripperDifferences {
+    fn new(layout: &Layout, found: &Differences) -> Self {
+        let angles = Angle::ALL.len();
+        let joints = |finger: usize| {
+            let of = Angle::ALL.into_iter().enumerate();
+            of.map(|(k, of)| (of.name(), angle(found, angles * finger + k))).collect()
+        };
+        let fingers = layout.fingers.iter().enumerate().map(|(index, name)| (name.clone(), joints(index)));
+        let surfaces = layout.surfaces().enumerate().map(|(k, index)| (layout.contacts[index].name.clone(), k));
+        GripperDifferences {
+            fingers: fingers.collect(),
+            object: disc(found, 0, angles * layout.fingers.len()),
+            contacts: surfaces.map(|(name, k)| (name, contact(found, k))).collect(),
             loop_gap_m: found.loop_gap_m,
             energy_created_j: found.energy_created_j,
             energy_created: found.energy_created,
@@ -154,20 +229,13 @@ impl From<&Differences> for JointDifferences {
 
 impl DiscDifferences {
     fn new(layout: &Layout, found: &Differences) -> Self {
-        let disc = |k: usize| DiscDifference {
-            max_m: found.path[k].max,
-            max_at_s: found.path[k].max_at_s,
-            rms_m: found.path[k].rms,
-            end_m: found.path[k].end,
-            angle_end_rad: found.angle_end_rad[k],
-        };
         let pair = |k: usize| PairDifference {
             first_touch_s: found.contact_time_s[k],
             impulse: found.impulse[k],
             peak_force: found.peak_force[k],
         };
         DiscDifferences {
-            discs: layout.bodies.iter().enumerate().map(|(k, name)| (name.clone(), disc(k))).collect(),
+            discs: layout.bodies.iter().enumerate().map(|(k, name)| (name.clone(), disc(found, k, k))).collect(),
             pairs: layout.contacts.iter().enumerate().map(|(k, place)| (place.name.clone(), pair(k))).collect(),
             energy_created_j: found.energy_created_j,
             energy_created: found.energy_created,

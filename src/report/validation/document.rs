@@ -9,12 +9,15 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Energies, Final};
+use super::super::document::{Energies, Final, finals};
+use super::super::named::Named;
 use super::differences::{DifferencesReport, Errors};
 use super::invariants::FindingReport;
 use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
-use crate::trace::{Layout, Simulated, Site};
+use crate::scene::Words;
+use crate::scene::words::SceneKind;
+use crate::trace::{Layout, Outcome, Simulated};
 use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
@@ -22,7 +25,7 @@ use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tri
 pub struct ValidationReport {
     /// Name of the scene.
     pub scene: String,
-    /// `finger` or `bodies`; what a kind of scene does not have is no key at all.
+    /// `finger`, `bodies` or `gripper`; what a kind of scene does not have is no key at all.
     pub kind: &'static str,
     /// Whether every bound holds.
     pub passed: bool,
@@ -77,6 +80,11 @@ pub struct ModelReport {
     pub wall_s: Option<f64>,
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
     pub last: Option<Final>,
+    /// Of a gripper: its fingers and what they grasp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fingers: Option<Named<Final>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<DiscReport>,
     /// At the end of what is compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discs: Option<BTreeMap<String, DiscReport>>,
@@ -89,10 +97,10 @@ pub struct ModelReport {
     pub invariants: Vec<FindingReport>,
 }
 
-/// One touch-down of a phalanx in both models.
+/// One touch-down in both models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImpactReport {
-    pub site: &'static str,
+    pub site: String,
     pub analytic_s: Option<f64>,
     pub engine_s: Option<f64>,
     /// How long the impulse is taken after the touch-down: up to the analytic model's lift-off, or for the first 20 µs.
@@ -150,23 +158,24 @@ impl ValidationReport {
     pub fn new<'a>(scene: impl Into<Simulated<'a>>, found: &Validation, quick: bool) -> Self {
         let scene = scene.into();
         let layout = scene.layout();
-        let finger = !layout.fingers.is_empty();
+        let (finger, gripper) = (scene.kind() == SceneKind::Finger, scene.kind() == SceneKind::Gripper);
+        let fingers = finger || gripper;
         let row = |wanted: fn(&Row) -> bool| found.rows.iter().find(|row| wanted(row));
         let analytic = row(|row| row.rung.is_reference());
         ValidationReport {
             scene: scene.name().to_string(),
-            kind: if finger { "finger" } else { "bodies" },
+            kind: scene.kind().word(),
             passed: found.verdict.passed(),
             duration_s: scene.duration_s(),
             until_s: found.until_s,
             ensemble_runs: MEMBERS,
-            ensemble_torque_step: finger.then_some(TORQUE_STEP),
-            ensemble_speed_step: (!finger).then_some(TORQUE_STEP),
+            ensemble_torque_step: fingers.then_some(TORQUE_STEP),
+            ensemble_speed_step: (!fingers).then_some(TORQUE_STEP),
             verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
             analytic: ModelReport::new(scene, analytic, &found.reference, &found.reference_invariants),
             engine: ModelReport::new(scene, row(|row| row.rung.own), &found.engine, &found.engine_invariants),
             statistics: finger.then(|| found.statistics.as_ref().map(StatisticsReport::from)),
-            impacts: finger.then(|| impacts(&found.reference, &found.engine)),
+            impacts: fingers.then(|| impacts(&layout, &found.reference, &found.engine)),
             differences: DifferencesReport::new(&layout, &found.differences),
             quick,
             settings: found.rows.iter().map(|row| SettingReport::new(&layout, row)).collect(),
@@ -175,9 +184,13 @@ impl ValidationReport {
         }
     }
 
-    /// Whether the scene has a finger.
-    pub(super) fn is_of_finger(&self) -> bool {
-        self.kind == "finger"
+    /// Whether coordinates can be made of its joints.
+    pub(super) fn has_coordinates(&self) -> bool {
+        self.kind == SceneKind::Finger.word()
+    }
+
+    pub(super) fn is_of_discs(&self) -> bool {
+        self.kind == SceneKind::Bodies.word()
     }
 }
 
@@ -188,36 +201,36 @@ impl ModelReport {
             Tried::Done { cost, .. } => Some(cost),
             _ => None,
         });
-        let finger = outcome.last.fingers.first();
+        let of = |kind: SceneKind| Some(outcome).filter(|_| scene.kind() == kind);
+        let bodies = |outcome: &Outcome| discs(&layout.bodies, Some(scene), &outcome.last.bodies);
         ModelReport {
             setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
             steps: cost.map(|cost| cost.steps),
             wall_s: cost.map(|cost| cost.wall_s),
-            last: finger.map(Final::from),
-            discs: match scene {
-                Simulated::Finger(_) => None,
-                Simulated::Discs(of) => Some(discs(&layout.bodies, Some(of), &outcome.last.bodies)),
-            },
+            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).map(Final::from),
+            fingers: of(SceneKind::Gripper).map(|outcome| finals(&layout, outcome)),
+            object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
+            discs: of(SceneKind::Bodies).map(bodies),
             contacts: Contacts::new(&layout, outcome, &[]),
             energy: Energies::from(&outcome.last.energy),
-            loop_gap_m: finger.map(|_| outcome.loop_gap_m),
+            loop_gap_m: (scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),
             invariants: invariants.iter().map(FindingReport::from).collect(),
         }
     }
 }
 
 /// The touch-downs of both models, the i-th of one beside the i-th of the other.
-fn impacts(analytic: &Recording, engine: &Recording) -> Vec<ImpactReport> {
+fn impacts(layout: &Layout, analytic: &Recording, engine: &Recording) -> Vec<ImpactReport> {
     let mut rows = Vec::new();
-    for site in [Site::Proximal, Site::Distal] {
-        let (mut ours, mut theirs) = (analytic.impacts.of(site as usize), engine.impacts.of(site as usize));
+    for site in layout.surfaces() {
+        let (mut ours, mut theirs) = (analytic.impacts.of(site), engine.impacts.of(site));
         loop {
             let pair = (ours.next(), theirs.next());
             if let (None, None) = pair {
                 break;
             }
             rows.push(ImpactReport {
-                site: site.name(),
+                site: layout.contacts[site].name.clone(),
                 analytic_s: pair.0.map(|impact| impact.time_s),
                 engine_s: pair.1.map(|impact| impact.time_s),
                 window_s: pair.0.or(pair.1).map_or(IMPACT_S, |impact| impact.end_s() - impact.time_s),

@@ -23,11 +23,11 @@ pub fn validation_text(report: &ValidationReport) -> Sheet {
     sections.extend(report.impacts.as_deref().filter(|all| !all.is_empty()).map(impacts));
     sections.extend(report.statistics.iter().flatten().map(statistics_text));
     sections.push(differences(&report.differences));
-    let left_out = match report.is_of_finger() {
+    let left_out = match report.has_coordinates() {
         true => "fixed steps below 1e-5 s, reduced coordinates",
         false => "fixed steps below 1e-5 s",
     };
-    sections.push(settings(&report.settings, report.is_of_finger(), report.quick.then_some(left_out)));
+    sections.push(settings(report, report.quick.then_some(left_out)));
     Sheet::join(sections)
 }
 
@@ -50,7 +50,7 @@ fn heading(report: &ValidationReport) -> String {
     let _ = writeln!(text, "analytic: {} (the reference)", cost_of(&report.analytic));
     let _ = writeln!(text, "engine:   {} (the scene's settings)", cost_of(&report.engine));
     // What differs from one run of the ensemble to the next.
-    let apart = if report.is_of_finger() { "motor torque" } else { "speeds and gravity" };
+    let apart = if report.is_of_discs() { "speeds and gravity" } else { "motor torque" };
     let step = report.ensemble_torque_step.or(report.ensemble_speed_step).unwrap_or_default();
     let _ = writeln!(
         text,
@@ -110,7 +110,7 @@ fn impacts(impacts: &[ImpactReport]) -> Sheet {
             _ => None,
         };
         rows.push(row([
-            impact.site,
+            &impact.site,
             &or_dash(impact.analytic_s.map(|s| s * 1e3), 7),
             &or_dash(impact.engine_s.map(|s| s * 1e3), 7),
             &figure(impact.window_s * 1e6, 5),
@@ -127,13 +127,19 @@ fn impacts(impacts: &[ImpactReport]) -> Sheet {
 }
 
 /// Heads of the columns of errors, in two lines.
-fn heads(finger: bool) -> [Vec<String>; 2] {
-    match finger {
-        true => [
+fn heads(errors: &Errors) -> [Vec<String>; 2] {
+    match errors {
+        Errors::Finger(_) => [
             row(["angle,", "touch,", "impulse,", "force,", "gap,", "energy,"]),
             row(["rad", "µs", "%", "%", "µm", "%"]),
         ],
-        false => [row(["place,", "touch,", "impulse,", "peak,", "energy,"]), row(["µm", "µs", "%", "%", "%"])],
+        Errors::Gripper(_) => [
+            row(["angle,", "object,", "touch,", "impulse,", "force,", "gap,", "energy,"]),
+            row(["rad", "µm", "µs", "%", "%", "µm", "%"]),
+        ],
+        Errors::Discs(_) => {
+            [row(["place,", "touch,", "impulse,", "peak,", "energy,"]), row(["µm", "µs", "%", "%", "%"])]
+        }
     }
 }
 
@@ -141,6 +147,15 @@ fn heads(finger: bool) -> [Vec<String>; 2] {
 fn errors(errors: &Errors) -> Vec<String> {
     match errors {
         Errors::Finger(errors) => joint_errors(errors),
+        Errors::Gripper(errors) => vec![
+            number(errors.angle_max_rad, 2),
+            number(errors.position_max_m.map(|metres| metres * 1e6), 2),
+            number(errors.first_touch_s.map(|time_s| time_s * 1e6), 2),
+            percent(errors.impulse),
+            percent(errors.final_force),
+            number(errors.loop_gap_m.map(|metres| metres * 1e6), 2),
+            percent(errors.energy_created),
+        ],
         Errors::Discs(errors) => vec![
             number(errors.position_max_m.map(|metres| metres * 1e6), 2),
             number(errors.first_touch_s.map(|time_s| time_s * 1e6), 2),
@@ -167,13 +182,15 @@ fn joint_errors(errors: &JointErrors) -> Vec<String> {
     ]
 }
 
-fn settings(settings: &[SettingReport], finger: bool, left_out: Option<&str>) -> Sheet {
+fn settings(report: &ValidationReport, left_out: Option<&str>) -> Sheet {
+    let settings = &report.settings;
     let mut text = Sheet::default();
     let mut rows = vec![
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),
     ];
-    for (line, heads) in rows.iter_mut().zip(heads(finger)) {
+    let heads = settings.first().map(|setting| heads(&setting.errors)).unwrap_or_default();
+    for (line, heads) in rows.iter_mut().zip(heads) {
         line.extend(heads);
     }
     let mut notes = Vec::new();

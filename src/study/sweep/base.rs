@@ -55,11 +55,13 @@ pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result
 
 /// Checks a scene or a part of one, which stands under `path` in its file.
 pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, problems: &mut Vec<Problem>) -> Table {
-    let [finger, bodies] = [SceneKind::Finger, SceneKind::Bodies];
-    if let Some(kind) = document.get_ref().get("kind").filter(|kind| kind.get_ref().as_str() == Some(bodies.word())) {
+    let finger = SceneKind::Finger;
+    let others = || SceneKind::ALL.into_iter().filter(|other| *other != finger);
+    let said = document.get_ref().get("kind").and_then(|kind| Some((kind.span(), kind.get_ref().as_str()?)));
+    if let Some((span, word)) = said.filter(|(_, word)| others().any(|other| other.word() == *word)) {
         problems.push(problem(
-            Some(kind.span()),
-            "a sweep simulates fingers, but this is a scene of kind \"bodies\"".to_string(),
+            Some(span),
+            format!("a sweep simulates fingers, but this is a scene of kind \"{word}\""),
             "another kind".to_string(),
             "give the scene of a finger (kind = \"finger\", or no kind at all)".to_string(),
         ));
@@ -68,8 +70,7 @@ pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, problems: &mut Vec<
     let allowed = keys::Allowed {
         kind: finger.word(),
         schema: schema_of(finger),
-        other_kind: bodies.word(),
-        other_schema: schema_of(bodies),
+        others: others().map(|other| (other.word(), schema_of(other))).collect(),
     };
     problems.extend(keys::weed(document.get_mut(), &allowed));
     leaves(document.get_ref(), schema_of(finger), path, problems);

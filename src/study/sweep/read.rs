@@ -63,8 +63,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let inline = take(document.get_mut(), "scene");
     let set = take(document.get_mut(), "set");
     let schema = schema_json();
-    let allowed =
-        keys::Allowed { kind: "study", schema: &schema, other_kind: "", other_schema: &serde_json::Value::Null };
+    let allowed = keys::Allowed { kind: "study", schema: &schema, others: Vec::new() };
     let mut problems = keys::weed(document.get_mut(), &allowed);
     let raw = RawStudy::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
     let has_scene = inline.is_some();
