@@ -41,6 +41,9 @@ pub struct RunReport {
     /// Of a gripper: what it grasps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<Option<DiscReport>>,
+    /// When that was thrown out of the gripper, which ends the run; null if it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ejected_s: Option<Option<f64>>,
     /// Of a scene of discs, by their names, as they are at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discs: Option<Option<BTreeMap<String, DiscReport>>>,
@@ -177,6 +180,7 @@ impl RunReport {
             last: finger.then(|| outcome.map(|outcome| Final::from(outcome.last.finger()))),
             fingers: gripper.then(|| outcome.map(|outcome| finals(&layout, outcome))),
             object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
+            ejected_s: gripper.then(|| outcome.and_then(|outcome| outcome.ejected_s)),
             discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
             contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
             criteria: finger.then(|| came.criteria.filter(|_| error.is_none()).map(Dynamics::from)),

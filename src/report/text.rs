@@ -34,6 +34,9 @@ fn heading(report: &RunReport) -> Sheet {
     if let Some(gap_m) = report.loop_gap_m.flatten() {
         let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
     }
+    if let Some(ejected_s) = report.ejected_s.flatten() {
+        let _ = writeln!(text, "EJECTED: the object was thrown out of the gripper at {}", duration(ejected_s));
+    }
     if let Some(error) = &report.error {
         let _ = writeln!(
             text,

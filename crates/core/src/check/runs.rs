@@ -128,12 +128,14 @@ pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
     };
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts.get(*index));
+    // Runs whose object is thrown out end where their own steps see it: that end is nothing to compare.
+    let ejected = outcome.ejected_s.is_some();
     Path {
-        last: coordinates(&outcome.last, keep.points.last()),
+        last: if ejected { Vec::new() } else { coordinates(&outcome.last, keep.points.last()) },
         points: keep.points,
         first_s: contacts.map(|contact| contact.first_s).collect(),
-        normal_n: forces.map(|contact| contact.normal_n).collect(),
-        end_s: outcome.last.time_s,
+        normal_n: forces.filter(|_| !ejected).map(|contact| contact.normal_n).collect(),
+        end_s: outcome.ejected_s.unwrap_or(outcome.last.time_s),
         failure,
         units: units(&layout),
         steps: outcome.work.steps,

@@ -1,5 +1,6 @@
 //! Runs the analytic model of a scene and tells a sink about it.
 
+use super::ejection::up_to_ejection;
 use super::grid::Span;
 use super::reading::{DiscsReader, Reader};
 use super::recorder::Recorder;
@@ -34,10 +35,10 @@ pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) ->
                 Err(RunError::Simulation { failure, so_far: Box::default() })
             }
         },
-        Simulated::Gripper(scene) => match scene.object.motion {
+        Simulated::Gripper(scene) => up_to_ejection(scene, sink, |sink| match scene.object.motion {
             ObjectMotion::Free { .. } => gripper::<7>(scene, span, sink),
             ObjectMotion::Fixed => gripper::<4>(scene, span, sink),
-        },
+        }),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Runs the engine model of a scene and tells a sink about it.
 
+use super::ejection::up_to_ejection;
 use super::engine_reading::{EngineReader, FingerReader};
 use super::engine_recorder::EngineRecorder;
 use super::follow::Follow;
@@ -25,7 +26,7 @@ pub fn run_engine<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> R
     match scene {
         Simulated::Finger(scene) => finger(scene, span, sink),
         Simulated::Discs(scene) => discs(scene, span, sink),
-        Simulated::Gripper(scene) => gripper(scene, span, sink),
+        Simulated::Gripper(scene) => up_to_ejection(scene, sink, |sink| gripper(scene, span, sink)),
     }
 }
 

@@ -251,7 +251,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
             self.sink.sample(&self.last)?;
         }
         let contacts = self.places.iter().map(|tracked| tracked.summary).collect();
-        Ok(Outcome { last: self.last, contacts, work: self.work, loop_gap_m: self.loop_gap_m })
+        Ok(Outcome { last: self.last, contacts, work: self.work, loop_gap_m: self.loop_gap_m, ejected_s: None })
     }
 }
 

@@ -9,11 +9,13 @@
 //! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
 //! | `between`, `grid` | a sample between two others; the even grid of times |
 //! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
+//! | `ejection` | the end of a run whose object is thrown out of the gripper |
 //! | `engine`, `engine_recorder`, `moments`, `tracked`, `engine_reading` | runs of the engine, and how its nodes are read |
 
 mod analytic;
 mod between;
 pub mod columns;
+mod ejection;
 mod engine;
 mod engine_reading;
 mod engine_recorder;
@@ -36,6 +38,7 @@ mod tracked;
 
 pub use analytic::run_analytic;
 pub use between::between;
+pub use ejection::EJECTED_RADII;
 pub use engine::run_engine;
 pub use error::RunError;
 pub use layout::{Layout, Place};

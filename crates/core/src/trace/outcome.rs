@@ -63,6 +63,8 @@ pub struct Outcome {
     pub work: Work,
     /// Largest opening of a joint; 0 for the analytic model, whose loop is closed by construction, and where there is no joint.
     pub loop_gap_m: f64,
+    /// When the object of a gripper was thrown out of it, which ends the run; `None` otherwise.
+    pub ejected_s: Option<f64>,
 }
 
 impl Outcome {

@@ -85,7 +85,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         }
         let summary = |(index, place): (usize, &Place)| ContactSummary { impulse_n_s: end.z[index], ..place.summary };
         let contacts = self.places.iter().enumerate().map(summary).collect();
-        Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0 })
+        Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0, ejected_s: None })
     }
 
     /// Samples of one step: the grid points and extremes inside it, and its end where steps are short, extremes lie there, or
