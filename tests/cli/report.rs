@@ -40,6 +40,7 @@ fn outcome() -> Outcome {
             ..Work::default()
         },
         loop_gap_m: 0.0,
+        ejected_s: None,
     }
 }
 

@@ -7,7 +7,7 @@ use phalanx::study::step_size::{Formulation, StepSize, step_size};
 fn study() -> StepSize {
     let scene = match scene::load_any("scenes/laws/step-size.toml").unwrap_or_else(|error| panic!("{error}")) {
         AnyScene::Bodies(scene) => scene,
-        AnyScene::Finger(_) => panic!("a scene of discs"),
+        _ => panic!("a scene of discs"),
     };
     step_size(&scene, true, &mut |_, _, _| {}, &|| true).unwrap_or_else(|error| panic!("{error}"))
 }

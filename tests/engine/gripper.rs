@@ -1,7 +1,7 @@
 //! Grippers in both models, held to each other and to an independent program.
 
 use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Place, Preset, Side, Stepping};
-use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run_gripper};
+use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
 
 use crate::support::grippers::{anchor, anchors};
 
@@ -37,7 +37,7 @@ impl Kept {
 
 fn kept(model: Model, scene: &GripperScene) -> (Kept, Outcome) {
     let mut kept = Kept::default();
-    let outcome = run_gripper(model, scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
+    let outcome = run(model, scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     (kept, outcome)
 }
 

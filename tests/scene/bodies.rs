@@ -14,7 +14,7 @@ const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 m
 fn parse(text: &str) -> BodiesScene {
     match scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}")) {
         AnyScene::Bodies(scene) => *scene,
-        AnyScene::Finger(_) => panic!("a finger:\n{text}"),
+        _ => panic!("no discs:\n{text}"),
     }
 }
 
@@ -255,7 +255,7 @@ proptest! {
         }
         match scene::parse_any(&lines.join("\n"), "swapped.toml") {
             Ok(AnyScene::Bodies(scene)) => assert_round_trip(&scene),
-            Ok(AnyScene::Finger(_)) => prop_assert!(false, "a finger"),
+            Ok(_) => prop_assert!(false, "no discs"),
             Err(error) => prop_assert!(error.to_string().starts_with("error: ")),
         }
     }

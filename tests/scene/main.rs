@@ -9,6 +9,7 @@ mod bodies;
 mod broken;
 mod engine;
 mod fuzz_corpus;
+mod gripper;
 mod resolve;
 mod run;
 mod settings;

@@ -25,6 +25,7 @@ fn without_source(scene: &AnyScene) -> AnyScene {
     match &mut scene {
         AnyScene::Finger(scene) => scene.source.clear(),
         AnyScene::Bodies(scene) => scene.source.clear(),
+        AnyScene::Gripper(scene) => scene.source.clear(),
     }
     scene
 }

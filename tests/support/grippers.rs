@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Bounds, Contacts, Differential, Engine, GripperFinger, GripperObject, GripperScene, Initial, Integrator,
-    LogRates, Motor, ObjectMotion, Preset, Table,
+    Actuation, Contacts, Differential, Engine, GripperBounds, GripperFinger, GripperObject, GripperScene, Initial,
+    Integrator, LogRates, Motor, ObjectMotion, Preset, Table,
 };
 use serde_json::Value;
 
@@ -150,7 +150,7 @@ fn scene(value: &Value) -> GripperScene {
         duration_s,
         integrator: Integrator::preset(Preset::Engineering),
         engine: Engine::DEFAULT,
-        bounds: Bounds::over(duration_s),
+        bounds: GripperBounds::over(duration_s),
         log: LogRates { numeric_hz: 1e4, picture_hz: 0.0 },
     }
 }

@@ -95,7 +95,7 @@ pub fn read_head(path: &Path) -> Result<Reading, ReadError> {
     go_through(open_log(path)?, &mut (), Extent::Head)
 }
 
-/// Reads the log of a finger into a sink, see [`read_file`].
+/// Reads the log of one finger into a sink, see [`read_file`].
 pub fn read(source: impl Read + Seek, sink: &mut impl Sink) -> Result<Reading, ReadError> {
     read_any(source, &mut Fingers { sink, are_there: true })
 }

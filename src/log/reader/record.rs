@@ -103,7 +103,7 @@ pub(super) struct Fingers<'a, S> {
 
 impl<S: Sink> LogSink for Fingers<'_, S> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.are_there = !layout.fingers.is_empty();
+        self.are_there = layout.fingers.len() == 1;
         Ok(())
     }
 

@@ -1,0 +1,171 @@
+//! Scenes of grippers: what they say when they say little, what one finger alone has, and where both start.
+
+use phalanx::scene::{
+    self, Actuation, AnyScene, GripperBounds, GripperScene, Motor, ObjectMotion, Placement, Preset, Side, SpringKind,
+    show_gripper,
+};
+use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
+
+use crate::support::grippers::anchor;
+
+const DESIGN: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
+const DRIVE: &str = "[motor]\ntorque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
+
+#[track_caller]
+fn parse(text: &str) -> GripperScene {
+    match scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|error| panic!("{error}\n{text}")) {
+        AnyScene::Gripper(scene) => *scene,
+        other => panic!("no gripper: {other:?}"),
+    }
+}
+
+/// Design 95's gripper with `top` above and `rest` below.
+#[track_caller]
+fn with(top: &str, rest: &str) -> GripperScene {
+    parse(&format!("kind = \"gripper\"\n{top}{DESIGN}{DRIVE}{rest}"))
+}
+
+/// `show` then `parse`: the same scene, bit for bit, but for its source.
+#[track_caller]
+fn comes_back(scene: &GripperScene) {
+    let text = show_gripper(scene);
+    let back = parse(&text);
+    let back = GripperScene { source: scene.source.clone(), ..back };
+    assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
+}
+
+#[test]
+fn a_gripper_that_says_little_is_that_of_the_specification() {
+    let scene = with("", "");
+    let wanted = anchor("a").scene;
+    let [right, left] = &scene.fingers;
+    assert_eq!(right, left);
+    assert_eq!((scene.name.as_str(), scene.duration_s, scene.gravity_m_s2), ("test", 0.02, [0.0, 9.81]));
+    assert_eq!((scene.palm_width_m, scene.object.centre_m, scene.object.angle_rad), (0.031, [0.0, 0.02], 0.0));
+    let mass_and_inertia = |scene: &GripperScene| match scene.object.motion {
+        ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => [mass_kg, inertia_kg_m2],
+        ObjectMotion::Fixed => panic!("fixed"),
+    };
+    for (found, wanted) in mass_and_inertia(&scene).into_iter().zip(mass_and_inertia(&wanted)) {
+        assert!((found / wanted - 1.0).abs() < 1e-14, "{found} {wanted}");
+    }
+    let start = &right.initial;
+    assert!((start.q11_rad - wanted.fingers[0].initial.q11_rad).abs() < 1e-9, "{start:?}");
+    assert!((start.q21_rad - wanted.fingers[0].initial.q21_rad).abs() < 1e-9, "{start:?}");
+    assert!(scene.palm.is_some() && scene.table.is_none() && scene.differential.is_none());
+    assert_eq!((right.motor.inertia_kg_m2, right.motor.no_load_speed_rad_s), (0.0, None));
+    assert_eq!((scene.bounds, scene.integrator.preset), (GripperBounds::over(0.02), Preset::Engineering));
+    comes_back(&scene);
+}
+
+#[test]
+fn both_fingers_start_where_the_nearer_one_would() {
+    let case_c = with("palm_width = \"34 mm\"\n", "[object]\noffset = \"3.5 mm\"\n[table]\n");
+    let wanted = anchor("c").scene;
+    for (found, wanted) in case_c.fingers.iter().zip(&wanted.fingers) {
+        assert!((found.initial.q11_rad - wanted.initial.q11_rad).abs() < 1e-9, "{:?}", found.initial);
+        assert!((found.initial.q21_rad - wanted.initial.q21_rad).abs() < 1e-9, "{:?}", found.initial);
+    }
+    assert_eq!(case_c.fingers[0].initial, case_c.fingers[1].initial);
+    // The error that is reckoned with decides, and not where the object happens to lie.
+    let start = |offset: &str| {
+        let top = "palm_width = \"34 mm\"\npositioning_error = \"3.5 mm\"\n";
+        with(top, &format!("[object]\noffset = \"{offset}\"\n")).fingers.map(|finger| finger.initial)
+    };
+    for offset in ["0 mm", "-1 mm", "3.5 mm", "-3.5 mm"] {
+        assert_eq!(start(offset), case_c.fingers.clone().map(|finger| finger.initial), "{offset}");
+    }
+}
+
+#[test]
+fn motors_and_springs_are_sized_for_both_ends_of_the_error() {
+    let sized = |error: &str| {
+        let top = format!("palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"{error}\"\n");
+        parse(&format!("kind = \"gripper\"\n{top}{DESIGN}"))
+    };
+    let scene = sized("3.5 mm");
+    let finger = scene.finger(Side::Right);
+    let at = |base_m: f64| {
+        let disc = phalanx::gripper::Circle { radius_m: 0.02, centre_m: [-base_m, 0.02] };
+        let task = Task { disc, opening_rad: 25f64.to_radians(), gravity_m_s2: scene.gravity_m_s2, closing_s: 0.01 };
+        size_with(&finger.finger, &task, Rule::Rigid, Placement::Phalanges, INTERVALS).expect("a size")
+    };
+    let (near, far) = (at(0.0135), at(0.0205));
+    let Actuation::Constant { torque_n_m } = finger.motor.actuation else { panic!("{:?}", finger.motor) };
+    assert!((torque_n_m - near.motor_n_m.max(far.motor_n_m)).abs() < 1e-12 * torque_n_m);
+    let SpringKind::Constant { torque_n_m } = finger.spring.expect("a spring").kind else { panic!() };
+    assert!((torque_n_m - near.spring_n_m.max(far.spring_n_m)).abs() < 1e-12 * torque_n_m);
+    assert!(near.motor_n_m != far.motor_n_m && near.spring_n_m != far.spring_n_m, "both ends are not alike");
+    // A differential has one motor for both.
+    let top = "palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"3.5 mm\"\n";
+    let seesaw = parse(&format!("kind = \"gripper\"\n{top}{DESIGN}[differential]\n"));
+    let input = &seesaw.differential.as_ref().expect("one").motor;
+    let one = scene::torque(&scene.finger(Side::Left).motor.actuation, 0.0).0;
+    assert_eq!(scene::torque(&input.actuation, 0.0).0, 2.0 * one);
+    assert_eq!(seesaw.fingers.clone().map(|finger| finger.motor), [Motor::NONE, Motor::NONE]);
+    comes_back(&seesaw);
+}
+
+#[test]
+fn one_finger_may_be_another() {
+    let scene = with(
+        "palm_width = \"34 mm\"\nhalf_width = \"2 mm\"\n",
+        "[contact.friction]\nmu_static = 0.8\n[contact.distal]\ndamping = \"2e5 N*s/m\"\n[contact.palm.friction]\nmu_static = 0.1\n\
+         [right]\nhalf_width = \"3 mm\"\n[right.motor]\nprofile = \"ramp\"\ntorque = \"500 N*mm\"\nrise = \"1 ms\"\n\
+         inertia = \"1e-6 kg*m^2\"\n[left.lengths]\nl21 = \"23 mm\"\nl22 = \"7 mm\"\nt22 = \"13 mm\"\nphi22 = \"118 deg\"\n\
+         [left.spring]\ntype = \"torsional\"\nstiffness = \"40 N*mm/rad\"\n[left.contact.friction]\nmu_static = 0.3\n",
+    );
+    let [right, left] = &scene.fingers;
+    assert_eq!((right.finger.lengths.half_width_m, left.finger.lengths.half_width_m), (0.003, 0.002));
+    assert_eq!(right.motor.actuation, Actuation::Ramp { torque_n_m: 0.5, rise_s: 1e-3 });
+    assert_eq!((right.motor.inertia_kg_m2, left.motor.inertia_kg_m2), (1e-6, 0.0));
+    assert_eq!(left.motor.actuation, Actuation::Constant { torque_n_m: 0.48 });
+    assert_eq!((left.finger.lengths.l21_m, right.finger.lengths.l22_m), (0.023, 0.0075));
+    assert!(matches!(left.spring.expect("one").kind, SpringKind::Torsional { .. }));
+    assert!(matches!(right.spring.expect("one").kind, SpringKind::Constant { .. }));
+    assert_eq!((right.contact.mu_static(), left.contact.mu_static()), ([0.8; 2], [0.3; 2]));
+    assert_eq!(left.contact.distal.normal.damping_max_n_s_per_m, 2e5);
+    assert_eq!(scene.palm.and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
+    comes_back(&scene);
+}
+
+#[test]
+fn table_and_motors_as_bought() {
+    let scene = with(
+        "",
+        "[table]\n[contact.table]\nstiffness_si = 1e6\nexponent = 1.5\n[object]\nheight = \"21 mm\"\n\
+         radius = \"20.5 mm\"\n[differential]\ninput_inertia = \"2e-5 kg*m^2\"\nseesaw_inertia = \"5e-6 kg*m^2\"\n",
+    );
+    let table = scene.table.expect("a table");
+    assert!((table.level_m - 0.0415).abs() < 1e-17, "it touches the object: {}", table.level_m);
+    assert_eq!(table.contact.normal.stiffness_n_per_m_e, 1e6);
+    assert_eq!(scene.palm.expect("a palm").normal.stiffness_n_per_m_e, 1e8);
+    let differential = scene.differential.as_ref().expect("one");
+    assert_eq!((differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2), (2e-5, 5e-6));
+    comes_back(&scene);
+    // Nothing of it is there where the scene takes it away from one that it extends.
+    let without = with("palm = false\n", "[table]\npresent = false\n[differential]\npresent = false\n");
+    assert!(without.table.is_none() && without.differential.is_none() && without.palm.is_none());
+    comes_back(&without);
+}
+
+#[test]
+fn shipped_grippers_say_what_they_are_and_come_back_bit_for_bit() {
+    let files = ["scenes/gripper", "scenes/hard"].into_iter().flat_map(|directory| {
+        let entries = std::fs::read_dir(directory).expect("scenes");
+        let named = entries.map(|entry| entry.expect("entry").path());
+        named.filter(|path| path.to_string_lossy().contains("gripper")).collect::<Vec<_>>()
+    });
+    let files: Vec<_> = files.collect();
+    assert!(files.len() >= 17, "{}", files.len());
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("text");
+        assert!(text.starts_with("# ") && text.contains("\n# Expect: "), "{}", file.display());
+        let AnyScene::Gripper(scene) = scene::load_any(&file).unwrap_or_else(|e| panic!("{e}")) else { panic!() };
+        let stem = file.file_stem().expect("a name").to_string_lossy().into_owned();
+        let stem = if stem.starts_with("gripper-") { stem } else { format!("gripper-{stem}") };
+        assert_eq!(scene.name, stem);
+        assert!(!scene.description.is_empty());
+        comes_back(&scene);
+    }
+}
