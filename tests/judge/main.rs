@@ -11,6 +11,7 @@ mod check;
 mod criteria_anchor;
 mod criteria_tracker;
 mod dice;
+mod grippers;
 mod hard_scenes;
 mod random_scenes;
 mod validate_command;

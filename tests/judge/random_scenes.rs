@@ -13,6 +13,7 @@ mod trial;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::dice::{self, Dice};
+use crate::grippers;
 use phalanx::trace::Model;
 use trial::{Counts, trial};
 
@@ -73,6 +74,16 @@ fn discs_in_the_engine() {
     through(Model::Engine, discs::text, 0, 400);
 }
 
+#[test]
+fn grippers_in_the_analytic_model() {
+    through(Model::Analytic, grippers::text, 0, 400);
+}
+
+#[test]
+fn grippers_in_the_engine() {
+    through(Model::Engine, grippers::text, 0, 300);
+}
+
 /// Ten times as many: `cargo nextest run --test judge random_scenes --run-ignored only --no-capture`.
 #[test]
 #[ignore = "takes minutes"]
@@ -80,5 +91,6 @@ fn ten_times_as_many() {
     for (model, fingers) in [(Model::Analytic, 20_000), (Model::Engine, 8_000)] {
         through(model, finger::text, 100_000, fingers);
         through(model, discs::text, 100_000, 4_000);
+        through(model, grippers::text, 100_000, 4_000);
     }
 }

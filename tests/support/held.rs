@@ -2,7 +2,7 @@
 
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant, Invariants, Tolerances};
-use phalanx::scene::{BodiesScene, Engine, Scene, Stepping};
+use phalanx::scene::{BodiesScene, Engine, GripperScene, Scene, Stepping};
 use phalanx::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
 use phalanx::validate::steps_only;
 
@@ -72,6 +72,34 @@ pub fn run_bodies(model: Model, scene: &BodiesScene, sink: &mut impl Sink) -> Re
 /// One line for each.
 pub fn lines(found: &[Finding]) -> String {
     found.iter().map(Finding::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// The same for a gripper.
+pub fn judged_gripper(
+    model: Model,
+    scene: &GripperScene,
+    sink: &mut impl Sink,
+) -> (Result<Outcome, RunError>, Vec<Finding>) {
+    let (result, found) = watched_gripper(model, scene, sink);
+    match between_steps(model, &found) {
+        true => (result, watched_gripper(model, &steps_only(scene), &mut ()).1),
+        false => (result, found),
+    }
+}
+
+fn watched_gripper(
+    model: Model,
+    scene: &GripperScene,
+    sink: &mut impl Sink,
+) -> (Result<Outcome, RunError>, Vec<Finding>) {
+    let mut held = Held { invariants: Invariants::new(model, scene), sink };
+    let result = trace::run(model, scene, &mut held);
+    let loop_gap_m = match &result {
+        Ok(outcome) => outcome.loop_gap_m,
+        Err(RunError::Simulation { so_far, .. }) => so_far.loop_gap_m,
+        Err(RunError::Sink(error)) => panic!("{error}"),
+    };
+    (result, broken(held.invariants.findings(loop_gap_m)))
 }
 
 fn watched(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {

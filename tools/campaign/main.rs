@@ -10,6 +10,8 @@
 mod dice;
 mod discs;
 mod fingers;
+#[path = "../../tests/judge/grippers.rs"]
+mod grippers;
 mod record;
 mod trial;
 
@@ -28,8 +30,13 @@ use trial::{Trial, Verdict, trial};
 /// Makes the text of a scene.
 type Family = fn(&mut Dice) -> String;
 
-const FAMILIES: [(&str, Family); 4] =
-    [("mixed", fingers::mixed), ("soft", fingers::soft), ("stick", fingers::stick), ("discs", discs::text)];
+const FAMILIES: [(&str, Family); 5] = [
+    ("mixed", fingers::mixed),
+    ("soft", fingers::soft),
+    ("stick", fingers::stick),
+    ("discs", discs::text),
+    ("grippers", grippers::text),
+];
 
 #[derive(Parser)]
 struct Args {

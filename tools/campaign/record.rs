@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use phalanx::check::{pushed, pushed_bodies};
+use phalanx::check::{LENGTH_M, pushed, pushed_bodies, pushed_gripper};
 use phalanx::scene::{AnyScene, Integrator, Method, Preset, Stepping};
 use phalanx::trace::{Event, Model, Numerics, RunError, Sample, Sink, SinkError, run};
 use phalanx::validate::turned;
@@ -70,12 +70,14 @@ impl Keep {
 impl Sink for Keep {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
         // Readings of passive angles jump by a turn.
-        let before = self.path.last().and_then(|before| before.get(2)).copied();
-        let angles = s.fingers.iter().flat_map(|finger| {
-            let before = before.unwrap_or(finger.q22_rad);
+        let before = self.path.last();
+        let angles = s.fingers.iter().enumerate().flat_map(|(index, finger)| {
+            let before = before.and_then(|before| before.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
             [finger.q11_rad, finger.q21_rad, before + turned(finger.q22_rad - before)]
         });
-        let centres = s.bodies.iter().flat_map(|disc| disc.centre_m);
+        // Beside angles places count in lengths.
+        let unit = if s.fingers.is_empty() { 1.0 } else { LENGTH_M };
+        let centres = s.bodies.iter().flat_map(|disc| disc.centre_m.map(|place| place / unit));
         self.take(s.time_s, || angles.chain(centres).collect());
         Ok(())
     }
@@ -96,6 +98,7 @@ pub fn record(scene: &AnyScene, setting: Setting, push: f64) -> Run {
     let mut scene = match scene {
         AnyScene::Finger(scene) => AnyScene::Finger(Box::new(pushed(scene, push))),
         AnyScene::Bodies(scene) => AnyScene::Bodies(Box::new(pushed_bodies(scene, push))),
+        AnyScene::Gripper(scene) => AnyScene::Gripper(Box::new(pushed_gripper(scene, push))),
     };
     let mut run = run_in(&mut scene, setting);
     run.wall = start.elapsed();
@@ -148,7 +151,7 @@ fn run_in(scene: &mut AnyScene, setting: Setting) -> Run {
         Err(RunError::Sink(error)) => panic!("{error}"),
     };
     Run {
-        end_s: outcome.last.time_s,
+        end_s: outcome.ejected_s.unwrap_or(outcome.last.time_s),
         failure,
         steps: outcome.work.steps,
         events: outcome.work.events,

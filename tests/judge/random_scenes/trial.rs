@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant};
-use phalanx::log::{self, Reading, RunInfo, Severity, Writer};
-use phalanx::scene::{AnyScene, BodiesScene, Scene, parse_any};
-use phalanx::trace::{BodyState, Event, Model, RunError, Sample, Simulated, Sink, SinkError};
+use phalanx::log::{self, LogSink, Reading, RunInfo, Severity, Writer};
+use phalanx::scene::{AnyScene, BodiesScene, GripperScene, Scene, parse_any};
+use phalanx::trace::{BodyState, Event, Layout, Model, RunError, Sample, Simulated, Sink, SinkError};
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
 
 use crate::support::held;
@@ -109,6 +109,7 @@ pub fn trial(model: Model, text: &str, counts: &mut Counts) -> Result<(), String
     let ended = match &scene {
         AnyScene::Finger(scene) => finger(model, scene, counts)?,
         AnyScene::Bodies(scene) => discs(model, scene, counts)?,
+        AnyScene::Gripper(scene) => gripper(model, scene, counts)?,
     };
     let took = start.elapsed();
     counts.slowest = counts.slowest.max(took);
@@ -173,6 +174,31 @@ fn finger(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Fai
     Ok(failure)
 }
 
+fn gripper(model: Model, scene: &GripperScene, counts: &mut Counts) -> Result<Option<Failure>, String> {
+    let mut writer = writer(model, scene);
+    let (result, found) = held::judged_gripper(model, scene, &mut writer);
+    let (outcome, failure) = match result {
+        Ok(outcome) => (outcome, None),
+        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
+        Err(RunError::Sink(error)) => return Err(error.to_string()),
+    };
+    let found = serious(found, ceiling(model), counts);
+    if !found.is_empty() {
+        return Err(format!("{}{}", held::lines(&found), after(failure.as_ref())));
+    }
+    let bytes = finish(writer, outcome.last.time_s, failure.as_ref());
+    let mut last = Last::default();
+    let reading = log::read_any(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
+    whole(&reading, failure.as_ref())?;
+    if last.0.as_ref() != Some(&outcome.last) && reading.samples > 0 {
+        return Err(format!("the log ends with {:?}, the run with {:?}", last.0, outcome.last));
+    }
+    if failure.is_none() && outcome.ejected_s.is_none() && outcome.last.time_s != scene.duration_s {
+        return Err(format!("completed at {} s of {} s", outcome.last.time_s, scene.duration_s));
+    }
+    Ok(failure)
+}
+
 fn discs(model: Model, scene: &BodiesScene, counts: &mut Counts) -> Result<Option<Failure>, String> {
     let mut writer = writer(model, scene);
     let (result, found) = held::judged_bodies(model, scene, &mut writer);
@@ -224,6 +250,20 @@ impl Sink for Last {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.0 = Some(sample.clone());
         Ok(())
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+impl LogSink for Last {
+    fn layout(&mut self, _: &Layout) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        Sink::sample(self, sample)
     }
 
     fn event(&mut self, _: &Event) -> Result<(), SinkError> {
