@@ -1,8 +1,9 @@
 //! Contact geometry in closed form: a phalanx is a capsule, the object a disc (thesis (B.1)–(B.2), errata 5).
 
+pub use crate::fivebar::capsule::{Capsule, nearest};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::numeric::Real;
-use crate::numeric::plane::{Vector, add, cross, dot, perp, rotate, scale, scale_by, sub};
+use crate::numeric::plane::{Vector, dot, perp, rotate, scale_by, sub};
 
 /// Geometry of one unilateral contact: gap, and the rows that give its rates from q̇_a.
 #[derive(Clone, Copy, Debug)]
@@ -17,37 +18,6 @@ pub struct Geometry<T> {
     pub normal: Vector<T>,
     /// On the surface of the phalanx.
     pub point: Vector<T>,
-}
-
-/// A phalanx in the world: segment from `base` along unit `axis`, and the disc it may touch.
-#[derive(Clone, Copy, Debug)]
-pub struct Capsule<T> {
-    pub base: Vector<T>,
-    pub axis: Vector<T>,
-    pub length: f64,
-    pub radius: f64,
-}
-
-/// Point of the segment nearest to the disc's centre, unit normal there (object → phalanx), and the gap.
-///
-/// On the face the normal is ± the axis turned by 90°; past an end it turns about that end (the slip to the tip of (2.29)).
-#[inline(always)]
-pub fn nearest<T: Real>(capsule: &Capsule<T>, centre: Vector<T>, disc_radius: f64) -> (Vector<T>, Vector<T>, T) {
-    let to_centre = sub(centre, capsule.base);
-    let along = dot(to_centre, capsule.axis);
-    let reach = capsule.radius + disc_radius;
-    let s = along.value();
-    if s > 0.0 && s < capsule.length {
-        let offset = cross(capsule.axis, to_centre);
-        let side = if offset.value() >= 0.0 { -1.0 } else { 1.0 };
-        let normal = scale_by(perp(capsule.axis), side);
-        (add(capsule.base, scale(capsule.axis, along)), normal, offset * -side - reach)
-    } else {
-        let point = if s <= 0.0 { capsule.base } else { add(capsule.base, scale_by(capsule.axis, capsule.length)) };
-        let away = sub(point, centre);
-        let distance = dot(away, away).sqrt();
-        (point, scale(away, distance.recip()), distance - reach)
-    }
 }
 
 /// Contact of l21: a body turning about O at q̇21.

@@ -12,16 +12,27 @@
 //! [`Rebounds`] finds restitution in a scene of discs.
 //!
 //! [`Tracker`] finds these figures while a run streams by, keeping nothing but the last sample.
+//!
+//! A gripper has other criteria: [`GraspCriteria`], which [`GraspTracker`] finds. Whether its grasp is form-closed is a question to
+//! [`gripper_closure`](crate::statics::gripper_closure) about its [`stance`] in the last sample.
 
 mod at_rest;
 mod formula;
+mod grasp;
+mod grasp_tracker;
 mod hermite;
+mod pieces;
+mod pressing;
 mod rebounds;
+mod stance;
 mod tracker;
 
 pub use at_rest::{AtRest, at_rest};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
+pub use grasp::{ContactCriteria, Fate, GraspCriteria, Travel};
+pub use grasp_tracker::GraspTracker;
 pub use rebounds::{Rebound, Rebounds};
+pub use stance::{normal_forces, stance};
 pub use tracker::{FinalAngles, Tracker};
 
 /// The dynamic criteria of one run.

@@ -6,8 +6,10 @@
 //! |---|---|
 //! | `kinematics` | loop closure, first and second order, singularities |
 //! | `dynamics` | mass matrix, centrifugal, Coriolis and gravity terms; inverse dynamics |
+//! | `capsule` | a phalanx against a disc: nearest point, normal and gap |
 //! | `spring` | where a spring acts, its extension, torque and energy |
 
+pub mod capsule;
 pub mod dynamics;
 pub mod kinematics;
 pub mod spring;

@@ -1,5 +1,7 @@
 //! Why there is no statics.
 
+use crate::gripper::PostureError;
+
 /// Why forces or form closure of a grasp cannot be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StaticsError {
@@ -30,4 +32,6 @@ pub enum StaticsError {
         "the linear programme of form closure has no answer ({reason}); the grasp is close to singular, change it a little"
     )]
     Program { reason: String },
+    #[error(transparent)]
+    Loop(#[from] PostureError),
 }

@@ -13,8 +13,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::linear::{Scaled, basis, beside, orthogonal, scaled, solve};
-use super::{Hand, NecessaryCount, Row, StaticsError, Unilateral, Unknown, program, unilateral};
-use crate::gripper::{FinalPosture, Finger, Site};
+use super::{Hand, Kind, NecessaryCount, Row, StaticsError, Unilateral, Unknown, program, unilateral};
+use crate::gripper::{FinalPosture, Finger};
 
 /// Smallest over largest multiplier (rows and unknowns scaled alike) from which on a grasp counts as closed. Nearer to the
 /// boundary than this, rounding decides, and a motion violates no constraint by more than it: that grasp is not closed.
@@ -31,11 +31,11 @@ const ROUNDING: f64 = 1e-13;
 
 /// Whether a grasp is form-closed, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FormClosure {
+pub struct FormClosure<R = Row> {
     pub closed: bool,
     pub certificate: Certificate,
     /// What the rows and columns of U are.
-    pub rows: Vec<Row>,
+    pub rows: Vec<R>,
     pub unknowns: Vec<Unknown>,
     /// Rank of U; full if it is the number of unknowns.
     pub rank: usize,
@@ -79,7 +79,7 @@ pub fn form_closure(finger: &Finger, end: &FinalPosture) -> Result<FormClosure, 
 ///
 /// # Errors
 /// A set so near to the boundary that nothing can be proven.
-pub fn decide(u: &Unilateral) -> Result<FormClosure, StaticsError> {
+pub fn decide<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
     let scaled = scaled(u);
     let (m, n) = scaled.matrix.shape();
     let columns = basis(&scaled.matrix);
@@ -106,7 +106,7 @@ pub fn decide(u: &Unilateral) -> Result<FormClosure, StaticsError> {
 ///
 /// # Errors
 /// See [`decide`]; and a programme without an answer.
-pub fn decide_by_program(u: &Unilateral) -> Result<FormClosure, StaticsError> {
+pub fn decide_by_program<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Result<FormClosure<R>, StaticsError> {
     let scaled = scaled(u);
     let columns = basis(&scaled.matrix);
     match columns.ncols() < u.unknowns.len() {
@@ -116,13 +116,21 @@ pub fn decide_by_program(u: &Unilateral) -> Result<FormClosure, StaticsError> {
 }
 
 /// A motion that no row notices.
-fn unhindered(u: &Unilateral, scaled: &Scaled, rank: usize) -> Result<FormClosure, StaticsError> {
+fn unhindered<R: Copy + Into<Kind>>(
+    u: &Unilateral<R>,
+    scaled: &Scaled,
+    rank: usize,
+) -> Result<FormClosure<R>, StaticsError> {
     let motion = orthogonal(&basis(&scaled.matrix.transpose()));
     free(u, scaled, rank, &motion, Decision::Rank, None)
 }
 
 /// The motion first: a programme without a solution, as that of the multipliers mostly is, costs several times as much.
-fn by_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>) -> Result<FormClosure, StaticsError> {
+fn by_program<R: Copy + Into<Kind>>(
+    u: &Unilateral<R>,
+    scaled: &Scaled,
+    columns: &DMatrix<f64>,
+) -> Result<FormClosure<R>, StaticsError> {
     let rank = columns.ncols();
     let Some(found) = program::motion(&scaled.matrix)? else {
         return Err(StaticsError::Program { reason: "no motion, not even rest, is allowed".to_string() });
@@ -145,17 +153,12 @@ fn by_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>) -> Result
 
 /// s ≥ 0 with λ·s = 0 for multipliers that are not all positive. Rows of one kind move alike, so that a symmetric gripper moves
 /// symmetrically, and motors that advance are preferred: what the motors do by themselves is the motion to fear most.
-fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
-    let kind = |i: usize| match rows[i] {
-        Row::Motor { .. } => 0,
-        Row::Palm => 1,
-        Row::Contact { site: Site::Distal, .. } => 2,
-        Row::Contact { .. } => 3,
-    };
+fn separations<R: Copy + Into<Kind>>(lambda: &DVector<f64>, rows: &[R]) -> DVector<f64> {
+    let order = [Kind::Motor, Kind::Palm, Kind::Distal, Kind::Proximal];
     let none = BOUNDARY * lambda.amax();
     let first = |wanted: &dyn Fn(f64) -> bool| -> Vec<usize> {
-        let of = |k| (0..rows.len()).filter(|&i| kind(i) == k && wanted(lambda[i])).collect::<Vec<_>>();
-        (0..4).map(of).find(|found| !found.is_empty()).unwrap_or_default()
+        let of = |kind| (0..rows.len()).filter(|&i| rows[i].into() == kind && wanted(lambda[i])).collect::<Vec<_>>();
+        order.into_iter().map(of).find(|found| !found.is_empty()).unwrap_or_default()
     };
     let (up, down, idle) = (first(&|l| l > none), first(&|l| l < -none), first(&|l| l.abs() <= none));
     let mut s = DVector::zeros(rows.len());
@@ -171,19 +174,19 @@ fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
 }
 
 /// Checks and reports multipliers.
-fn closed(
-    u: &Unilateral,
+fn closed<R: Copy + Into<Kind>>(
+    u: &Unilateral<R>,
     scaled: &Scaled,
     lambda: &DVector<f64>,
     decision: Decision,
-) -> Result<FormClosure, StaticsError> {
+) -> Result<FormClosure<R>, StaticsError> {
     let residual = scaled.matrix.tr_mul(lambda).amax() / lambda.amax();
     if residual.is_nan() || residual > RESIDUAL {
         return Err(StaticsError::Undecided { motion_residual: f64::NAN, multiplier_residual: residual });
     }
     // Rows were divided by their lengths, so multipliers are too.
     let physical: Vec<f64> = lambda.iter().zip(&scaled.norms).map(|(l, norm)| l / norm).collect();
-    let motor = u.rows.iter().position(|row| matches!(row, Row::Motor { .. }));
+    let motor = u.rows.iter().position(|&row| row.into() == Kind::Motor);
     let unit = motor.map_or(physical.iter().copied().fold(0.0, f64::max), |i| physical[i]);
     Ok(FormClosure {
         closed: true,
@@ -198,14 +201,14 @@ fn closed(
 }
 
 /// Checks and reports a motion.
-fn free(
-    u: &Unilateral,
+fn free<R: Copy + Into<Kind>>(
+    u: &Unilateral<R>,
     scaled: &Scaled,
     rank: usize,
     motion: &DVector<f64>,
     decision: Decision,
     margin: Option<f64>,
-) -> Result<FormClosure, StaticsError> {
+) -> Result<FormClosure<R>, StaticsError> {
     let size = motion.amax();
     let clean = |v: f64| if v.abs() <= ROUNDING * size { 0.0 } else { v };
     let motion = motion.map(clean);

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Unilateral;
+use super::{Kind, Unilateral};
 
 /// Relative size of a pivot below which a row adds nothing to the others.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -16,7 +16,7 @@ pub struct Scaled {
 }
 
 /// Scales U: column j by 1/scale_j, row i by 1/norm_i.
-pub fn scaled(u: &Unilateral) -> Scaled {
+pub fn scaled<R: Copy + Into<Kind>>(u: &Unilateral<R>) -> Scaled {
     let (m, n) = (u.rows.len(), u.unknowns.len());
     let mut matrix = DMatrix::from_fn(m, n, |i, j| u.row(i)[j] / u.scale[j]);
     let norms: Vec<f64> =

@@ -1,15 +1,18 @@
 //! The grasp at rest (thesis §1.2, §2.1.4, §3.4): contact forces, the force on the palm, form closure.
 //!
-//! Everything is evaluated at the final posture, where both phalanges touch the object, and nothing here moves.
+//! Forces are evaluated at the final posture, where both phalanges touch the object; form closure in any. Nothing here moves.
 //!
 //! | file | job |
 //! |---|---|
-//! | `posture` | link directions and passive rates at the final posture |
+//! | `posture` | link directions and passive rates of a posture |
 //! | `equilibrium` | loads, contact Jacobian and normal forces (2.31), (2.32); what ejects |
 //! | `palm` | the force of the object on the palm (3.2) |
 //! | `birglen` | the same forces in Birglen's frame: J (1.8), T (1.10), f (1.11) |
+//! | `hand` | what holds the object: fingers, the phalanges that touch, and the palm |
+//! | `stance` | the hand that a posture of a gripper makes |
 //! | `unilateral` | what a motion of the grasp may not do, row by row: U (1.15)–(1.18) |
 //! | `form_closure` | whether nothing is left that it may do, with a certificate either way |
+//! | `gripper_closure` | the same of a whole gripper, with a differential or without |
 //! | `linear` | ranks, null vectors and projections of U |
 //! | `program` | the linear programmes |
 //! | `error` | why there is no statics |
@@ -18,16 +21,22 @@ mod birglen;
 mod equilibrium;
 mod error;
 mod form_closure;
+mod gripper_closure;
+mod hand;
 mod linear;
 mod palm;
 mod posture;
 mod program;
+mod stance;
 mod unilateral;
 
 pub use birglen::{Birglen, birglen};
 pub use equilibrium::{Ejection, Equilibrium, contact_jacobian, drive_loads, equilibrium, equilibrium_each};
 pub use error::StaticsError;
 pub use form_closure::{BOUNDARY, Certificate, Decision, FormClosure, decide, decide_by_program, form_closure};
+pub use gripper_closure::{Blocked, GripperRow, gripper_closure, gripper_unilateral};
+pub use hand::{Grip, Hand, Side, Touch};
 pub use palm::{palm_force, palm_force_each};
 pub use posture::{AtRest, at_rest};
-pub use unilateral::{Grip, Hand, NecessaryCount, Row, Side, Unilateral, Unknown, unilateral};
+pub use stance::{PerContact, Stance};
+pub use unilateral::{Kind, NecessaryCount, Row, Unilateral, Unknown, unilateral};

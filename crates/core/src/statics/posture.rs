@@ -1,8 +1,8 @@
-//! The five-bar at the final posture: link directions and passive rates.
+//! The five-bar at rest: link directions and passive rates.
 
 use super::StaticsError;
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, passive_rates};
-use crate::gripper::{FinalPosture, Finger};
+use crate::gripper::{FinalPosture, Finger, Posture};
 use crate::numeric::plane::cross;
 
 /// |∂q22/∂q11| below which the motor cannot move the tip.
@@ -22,8 +22,12 @@ pub struct AtRest {
 /// # Errors
 /// [`StaticsError::InLine`] where l12 and l22 are in line, [`StaticsError::DeadPoint`] where l11 and l12 are.
 pub fn at_rest(finger: &Finger, end: &FinalPosture) -> Result<AtRest, StaticsError> {
+    at_posture(finger, &end.posture)
+}
+
+/// [`at_rest`] in any posture.
+pub fn at_posture(finger: &Finger, q: &Posture) -> Result<AtRest, StaticsError> {
     let e = |angle: f64| [angle.cos(), angle.sin()];
-    let q = &end.posture;
     let pose =
         Directions { e1: e(q.q11_rad), e2: e(q.q21_rad), e3: e(q.q11_rad + q.q12_rad), e4: e(q.q21_rad + q.q22_rad) };
     let sine = cross(pose.e3, pose.e4);

@@ -1,51 +1,8 @@
 //! What a motion of the grasp may not do: U of (1.18), row by row.
 
-use super::{AtRest, StaticsError, at_rest};
-use crate::gripper::{FinalPosture, Finger, Site};
-use crate::numeric::plane::{perp, rotate};
-
-/// Which way a finger stands: the modelled one is to the right of the object, its mirror image to the left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    Right,
-    Left,
-}
-
-/// One finger on the object.
-#[derive(Clone, Copy, Debug)]
-pub struct Grip<'a> {
-    pub finger: &'a Finger,
-    /// As of the finger on the right; a finger on the left is its mirror image.
-    pub end: &'a FinalPosture,
-    pub side: Side,
-    /// Which phalanges touch (S of (1.17)).
-    pub proximal: bool,
-    pub distal: bool,
-    /// Whether the motor can be turned back from the finger; if not, θ̇_a ≥ 0.
-    pub backdrivable: bool,
-}
-
-impl<'a> Grip<'a> {
-    /// Both phalanges touch, and the motor cannot be turned back.
-    pub fn firm(finger: &'a Finger, end: &'a FinalPosture, side: Side) -> Self {
-        Self { finger, end, side, proximal: true, distal: true, backdrivable: false }
-    }
-}
-
-/// All that holds the object.
-#[derive(Clone, Debug)]
-pub struct Hand<'a> {
-    pub fingers: Vec<Grip<'a>>,
-    /// Whether the object rests on the palm.
-    pub palm: bool,
-}
-
-impl<'a> Hand<'a> {
-    /// The gripper of the thesis: a finger, its mirror image and the palm.
-    pub fn symmetric(finger: &'a Finger, end: &'a FinalPosture) -> Self {
-        Self { fingers: [Side::Right, Side::Left].map(|side| Grip::firm(finger, end, side)).to_vec(), palm: true }
-    }
-}
+use super::posture::at_posture;
+use super::{AtRest, Hand, StaticsError, Touch};
+use crate::gripper::Site;
 
 /// One constraint; fingers are counted from 0 as in [`Hand::fingers`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +13,27 @@ pub enum Row {
     Palm,
     /// Rate θ̇_a of a motor that cannot be turned back, in rad/s.
     Motor { finger: usize },
+}
+
+/// What a constraint is, as far as a decision asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Its rate is in rad/s and its multiplier a torque; of all others they are a speed and a force.
+    Motor,
+    Palm,
+    Distal,
+    Proximal,
+}
+
+impl From<Row> for Kind {
+    fn from(row: Row) -> Self {
+        match row {
+            Row::Motor { .. } => Kind::Motor,
+            Row::Palm => Kind::Palm,
+            Row::Contact { site: Site::Distal, .. } => Kind::Distal,
+            Row::Contact { .. } => Kind::Proximal,
+        }
+    }
 }
 
 /// One coordinate of a motion of the grasp. The object is a disc under central forces: its rotation is none of them (d = 2).
@@ -76,8 +54,8 @@ pub enum Unknown {
 
 /// U ω ≥ 0 (1.18): each row is a rate that must not be negative, each column an unknown of ω.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unilateral {
-    pub rows: Vec<Row>,
+pub struct Unilateral<R = Row> {
+    pub rows: Vec<R>,
     pub unknowns: Vec<Unknown>,
     /// U by rows, in the units of [`Row`] for each unit of [`Unknown`].
     pub matrix: Vec<f64>,
@@ -104,16 +82,28 @@ impl NecessaryCount {
     }
 }
 
-impl Unilateral {
+impl<R: Copy + Into<Kind>> Unilateral<R> {
     /// No constraints yet on these unknowns.
     pub fn new(unknowns: Vec<Unknown>, scale: Vec<f64>) -> Self {
         Self { rows: Vec::new(), unknowns, matrix: Vec::new(), scale }
     }
 
     /// Adds a row: its entry for each unknown.
-    pub fn push(&mut self, row: Row, entry: impl Fn(Unknown) -> f64) {
+    pub fn push(&mut self, row: R, entry: impl Fn(Unknown) -> f64) {
         self.rows.push(row);
         self.matrix.extend(self.unknowns.iter().map(|&unknown| entry(unknown)));
+    }
+
+    /// Adds a row whose entries are known, in the order of the unknowns.
+    pub fn append(&mut self, row: R, entries: &[f64]) {
+        self.rows.push(row);
+        self.matrix.extend(entries);
+    }
+
+    /// The same constraints by other names.
+    pub fn named<S>(&self, name: impl Fn(R) -> S) -> Unilateral<S> {
+        let Self { rows, unknowns, matrix, scale } = self.clone();
+        Unilateral { rows: rows.into_iter().map(name).collect(), unknowns, matrix, scale }
     }
 
     /// Entries of one row.
@@ -124,7 +114,7 @@ impl Unilateral {
 
     /// The count of (1.19).
     pub fn necessary_count(&self) -> NecessaryCount {
-        let motors = self.rows.iter().filter(|row| matches!(row, Row::Motor { .. })).count();
+        let motors = self.rows.iter().filter(|&&row| row.into() == Kind::Motor).count();
         let object = self.unknowns.iter().filter(|u| matches!(u, Unknown::ObjectX | Unknown::ObjectY)).count();
         NecessaryCount { contacts: self.rows.len() - motors, motors, hand: self.unknowns.len() - object, object }
     }
@@ -149,18 +139,11 @@ pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral, StaticsError> {
     let mut u = Unilateral::new(unknowns, scale);
     let mut motors = Vec::with_capacity(hand.fingers.len());
     for (finger, grip) in hand.fingers.iter().enumerate() {
-        let AtRest { pose, tip_slope: [alpha, _], .. } = at_rest(grip.finger, grip.end)?;
-        let lengths = &grip.finger.lengths;
-        let (sin, cos) = lengths.phi22_rad.sin_cos();
+        let AtRest { tip_slope: [alpha, _], .. } = at_posture(grip.finger, &grip.posture)?;
         // The object is to the left of the phalanges of a finger on the right.
-        let mirror = if grip.side == Side::Right { 1.0 } else { -1.0 };
-        let bend = grip.end.posture.q22_rad + lengths.phi22_rad;
-        let (l_c21, l_c22) = (grip.end.l_c21_m, grip.end.l_c22_m);
-        let contacts = [
-            (grip.proximal, Site::Proximal, perp(pose.e2), [l_c21, 0.0]),
-            (grip.distal, Site::Distal, perp(rotate(pose.e4, [cos, sin])), [l_c22 + lengths.l21_m * bend.cos(), l_c22]),
-        ];
-        for (_, site, [x, y], levers) in contacts.into_iter().filter(|contact| contact.0) {
+        let mirror = grip.side.mirror();
+        for (site, touch) in [(Site::Proximal, grip.proximal), (Site::Distal, grip.distal)] {
+            let Some(Touch { normal: [x, y], levers_m: levers }) = touch else { continue };
             u.push(Row::Contact { finger, site }, |unknown| match unknown {
                 Unknown::ObjectX => mirror * x,
                 Unknown::ObjectY => y,

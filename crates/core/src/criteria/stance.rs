@@ -1,0 +1,27 @@
+//! The posture of a gripper in a sample, for those who judge how it is held.
+
+use crate::gripper::{Circle, Site};
+use crate::scene::{GripperScene, Place, Side};
+use crate::statics::{PerContact, Stance};
+use crate::trace::{FingerState, Sample};
+
+/// Where fingers and object of a gripper are in a sample of its run.
+pub fn stance<'a>(scene: &'a GripperScene, sample: &Sample) -> Stance<'a> {
+    let angles = |FingerState { q11_rad, q21_rad, .. }: &FingerState| [*q11_rad, *q21_rad];
+    Stance {
+        fingers: Side::BOTH.map(|side| &scene.finger(side).finger),
+        angles_rad: Side::BOTH.map(|side| angles(&sample.fingers[side as usize])),
+        palm_width_m: scene.palm_width_m,
+        object: Circle { radius_m: scene.object.radius_m, centre_m: sample.bodies[0].centre_m },
+    }
+}
+
+/// Normal forces in a sample of those contacts that can hold an object fast, N.
+pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
+    let force = |wanted: Place| {
+        let all = Place::ALL.into_iter().zip(&sample.contacts);
+        all.filter(|(place, _)| *place == wanted).map(|(_, contact)| contact.normal_n).sum()
+    };
+    let phalanges = |side| [Site::Proximal, Site::Distal].map(|site| force(Place::Finger(side, site)));
+    PerContact { phalanges: Side::BOTH.map(phalanges), palm: force(Place::Palm) }
+}

@@ -1,0 +1,101 @@
+//! The hand that a posture of a gripper makes: both fingers where they are, the object where it is, no symmetry assumed.
+
+use super::{Grip, Hand, Side, StaticsError, Touch};
+use crate::fivebar::capsule::{Capsule, nearest};
+use crate::gripper::{Circle, Finger, close, joints};
+use crate::numeric::plane::{Vector, dot, scale, sub};
+
+/// A gripper in one posture. The frame is the palm's: origin in its middle, x along it, y out of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stance<'a> {
+    /// Right and left.
+    pub fingers: [&'a Finger; 2],
+    /// (q11, q21) of each, of the left one those of its mirror image.
+    pub angles_rad: [[f64; 2]; 2],
+    /// Distance between the ground joints.
+    pub palm_width_m: f64,
+    pub object: Circle,
+}
+
+/// Something of every contact that a hand can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PerContact<T> {
+    /// Right and left; of each, proximal and distal.
+    pub phalanges: [[T; 2]; 2],
+    pub palm: T,
+}
+
+impl<T> PerContact<T> {
+    pub fn map<S>(self, f: impl Fn(T) -> S) -> PerContact<S> {
+        PerContact { phalanges: self.phalanges.map(|finger| finger.map(&f)), palm: f(self.palm) }
+    }
+}
+
+/// A finger near the object: its grip if all of it touches, and the gaps of its phalanges, proximal and distal.
+type Near<'a> = (Grip<'a>, [f64; 2]);
+
+impl<'a> Stance<'a> {
+    /// Distances between the surfaces, in m; negative in penetration. Those within a tolerance are the contacts:
+    /// `gaps()?.map(|gap| gap <= tolerance)`.
+    ///
+    /// # Errors
+    /// A posture in which a loop does not close.
+    pub fn gaps(&self) -> Result<PerContact<f64>, StaticsError> {
+        let [(_, right), (_, left)] = self.near()?;
+        Ok(PerContact { phalanges: [right, left], palm: self.object.centre_m[1] - self.object.radius_m })
+    }
+
+    /// The hand whose contacts are these. A phalanx that is said to touch does so with the normal that it has, at whatever gap: contacts
+    /// of a simulation are some micrometres deep.
+    ///
+    /// # Errors
+    /// A posture in which a loop does not close.
+    pub fn hand(&self, touching: &PerContact<bool>) -> Result<Hand<'a>, StaticsError> {
+        let grips = self.near()?.into_iter().zip(touching.phalanges).map(|((grip, _), [proximal, distal])| Grip {
+            proximal: grip.proximal.filter(|_| proximal),
+            distal: grip.distal.filter(|_| distal),
+            ..grip
+        });
+        Ok(Hand { fingers: grips.collect(), palm: touching.palm })
+    }
+
+    fn near(&self) -> Result<[Near<'a>; 2], StaticsError> {
+        Ok([self.finger(Side::Right)?, self.finger(Side::Left)?])
+    }
+
+    fn finger(&self, side: Side) -> Result<Near<'a>, StaticsError> {
+        let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
+        let posture = close(&finger.lengths, finger.assembly, q11, q21)?;
+        let at = joints(&finger.lengths, &posture);
+        // Into the finger's own frame: its ground joint is the origin, and the object is to its left.
+        let [x, y] = self.object.centre_m;
+        let disc =
+            Circle { centre_m: [side.mirror() * x - 0.5 * self.palm_width_m, y], radius_m: self.object.radius_m };
+        let w = finger.lengths.half_width_m;
+        let [proximal, distal] = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, disc));
+        let grip = Grip {
+            finger,
+            posture,
+            side,
+            proximal: Some(Touch::proximal(proximal.foot, proximal.normal)),
+            distal: Some(Touch::distal(distal.foot, distal.normal, at.a22_m)),
+            backdrivable: false,
+        };
+        Ok((grip, [proximal.gap, distal.gap]))
+    }
+}
+
+/// Where a phalanx is nearest to the object: on its centre line, with the normal into the object.
+struct Meeting {
+    foot: Vector<f64>,
+    normal: Vector<f64>,
+    gap: f64,
+}
+
+fn meet(from: Vector<f64>, to: Vector<f64>, half_width: f64, disc: Circle) -> Meeting {
+    let along = sub(to, from);
+    let length = dot(along, along).sqrt();
+    let capsule = Capsule { base: from, axis: scale(along, 1.0 / length), length, radius: half_width };
+    let (foot, normal, gap) = nearest(&capsule, disc.centre_m, disc.radius_m);
+    Meeting { foot, normal: scale(normal, -1.0), gap }
+}
