@@ -10,6 +10,7 @@ mod contact_geometry;
 mod dynamics_independent;
 mod energy;
 mod gripper;
+mod gripper_criteria;
 mod integrator_events;
 mod integrator_impact;
 mod integrator_order;

@@ -1,7 +1,7 @@
 //! Form closure: the counts of the thesis, signs against linear programmes and against statics, certificates both ways.
 
 use crate::support::gripper::{THIRDS, design_95, sweep};
-use crate::support::statics::{Grasp, Random, grasp};
+use crate::support::statics::{Grasp, Random, check, grasp};
 use phalanx::gripper::{FinalPosture, Finger, Posture, Site, close, joints};
 use phalanx::statics::{
     BOUNDARY, Certificate, Decision, FormClosure, Grip, Hand, Row, Side, Unilateral, Unknown, decide,
@@ -90,37 +90,6 @@ fn linear_programmes_decide_as_the_signs_do() {
             // There is only one set of them.
             let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs() / a.abs()).fold(0.0, f64::max);
             assert!(apart < 1e-6, "{a:?}\n{b:?}");
-        }
-    }
-}
-
-/// A certificate proves what it says, by plain sums over the rows and columns of U.
-#[track_caller]
-fn check(u: &Unilateral, found: &FormClosure) {
-    match &found.certificate {
-        Certificate::Multipliers { values, residual } => {
-            assert!(found.closed && found.rank == u.unknowns.len());
-            assert!(values.iter().all(|&lambda| lambda > 0.0), "{values:?}");
-            for (j, unknown) in u.unknowns.iter().enumerate() {
-                let terms: Vec<f64> = values.iter().enumerate().map(|(i, l)| l * u.row(i)[j]).collect();
-                let size = terms.iter().map(|t| t.abs()).fold(0.0, f64::max);
-                assert!(terms.iter().sum::<f64>().abs() < 1e-9 * size, "{unknown:?}: {terms:?}");
-            }
-            assert!(*residual < 1e-12, "{residual:e}");
-        }
-        Certificate::Motion { values, rates, residual } => {
-            assert!(!found.closed);
-            assert!(values.iter().any(|v| v.abs() > 1e-9), "{values:?}");
-            let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-            let speed = largest(&mut values.iter().zip(&u.scale).map(|(w, scale)| w * scale));
-            for (i, row) in u.rows.iter().enumerate() {
-                let terms: Vec<f64> = values.iter().zip(u.row(i)).map(|(w, u)| w * u).collect();
-                let size = speed * largest(&mut u.row(i).iter().zip(&u.scale).map(|(u, scale)| u / scale));
-                let sum = terms.iter().sum::<f64>();
-                assert!(sum >= -1e-9 * size, "{row:?}: {terms:?}");
-                assert!((sum - rates[i]).abs() <= 1e-12 * size);
-            }
-            assert!(*residual < 1e-12, "{residual:e}");
         }
     }
 }
@@ -237,7 +206,7 @@ fn parts_of_the_gripper_are_not_closed_and_more_than_it_may_be() {
         (
             "tips alone",
             {
-                let tips = symmetric.fingers.iter().map(|grip| Grip { proximal: false, ..*grip });
+                let tips = symmetric.fingers.iter().map(|grip| Grip { proximal: None, ..*grip });
                 Hand { fingers: tips.collect(), palm: true }
             },
             [3, 2, 4],

@@ -1,9 +1,12 @@
 //! Fingers on their discs, at random and of the thesis's grid.
 
+use std::fmt::Debug;
+
 use phalanx::gripper::{
     Assembly, Circle, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies,
     disc, final_posture, lengths,
 };
+use phalanx::statics::{Certificate, FormClosure, Kind, Unilateral};
 
 /// A finger that holds its disc.
 #[derive(Clone, Debug)]
@@ -59,6 +62,37 @@ impl Random {
             if let Some(grasp) = grasp(&design) {
                 return grasp;
             }
+        }
+    }
+}
+
+/// A certificate proves what it says, by plain sums over the rows and columns of U.
+#[track_caller]
+pub fn check<R: Copy + Debug + Into<Kind>>(u: &Unilateral<R>, found: &FormClosure<R>) {
+    match &found.certificate {
+        Certificate::Multipliers { values, residual } => {
+            assert!(found.closed && found.rank == u.unknowns.len());
+            assert!(values.iter().all(|&lambda| lambda > 0.0), "{values:?}");
+            for (j, unknown) in u.unknowns.iter().enumerate() {
+                let terms: Vec<f64> = values.iter().enumerate().map(|(i, l)| l * u.row(i)[j]).collect();
+                let size = terms.iter().map(|t| t.abs()).fold(0.0, f64::max);
+                assert!(terms.iter().sum::<f64>().abs() < 1e-9 * size, "{unknown:?}: {terms:?}");
+            }
+            assert!(*residual < 1e-12, "{residual:e}");
+        }
+        Certificate::Motion { values, rates, residual } => {
+            assert!(!found.closed);
+            assert!(values.iter().any(|v| v.abs() > 1e-9), "{values:?}");
+            let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+            let speed = largest(&mut values.iter().zip(&u.scale).map(|(w, scale)| w * scale));
+            for (i, row) in u.rows.iter().enumerate() {
+                let terms: Vec<f64> = values.iter().zip(u.row(i)).map(|(w, u)| w * u).collect();
+                let size = speed * largest(&mut u.row(i).iter().zip(&u.scale).map(|(u, scale)| u / scale));
+                let sum = terms.iter().sum::<f64>();
+                assert!(sum >= -1e-9 * size, "{row:?}: {terms:?}");
+                assert!((sum - rates[i]).abs() <= 1e-12 * size);
+            }
+            assert!(*residual < 1e-12, "{residual:e}");
         }
     }
 }

@@ -3,11 +3,12 @@
 use crate::scene::Place;
 use crate::trace::BodyState;
 
-/// The criteria of one run of a gripper. Poses are in the palm's frame.
+/// The criteria of one run of a gripper (6-gripper §6.8). Poses are in the palm's frame.
 ///
-/// A grasp *holds from both sides* while two phalanges press with normals whose components along the palm (x) have opposite signs. Palm
-/// and table push neither way: an object that lies on the palm under the table, or is pushed along them by one finger, is not grasped.
-/// A single finger that has bent around the object holds it from both sides too.
+/// "At least two contacts on opposite sides" are two phalanges that press with normals whose components along the palm (x) have opposite
+/// signs: the fingers come from there, and nothing else keeps the object from leaving that way. Palm and table push neither way: an
+/// object that lies on the palm under the table, or is pushed along them by one finger, is not grasped. A single finger that has bent
+/// around the object holds it from both sides too. No force is compared with a threshold: a contact presses, or does not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspCriteria {
     /// Of every contact that is no joint limit (four phalanges, palm, table), in the order of [`Place::ALL`].
@@ -63,9 +64,11 @@ pub struct ContactCriteria {
 /// What became of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// At the end it is held from both sides, and its centre is within its radius of where it was when it was first.
+    /// At the end it is held from both sides, and its centre is within its radius of where it was at
+    /// [`GraspCriteria::grasped_s`].
     Held,
-    /// It was held once, and is no longer since then.
+    /// It was held once, and is no longer: since this time one of the two has been missing. What is let go and caught again in between
+    /// has not been dropped.
     Dropped { since_s: f64 },
     /// At this time its centre was further than three radii from the palm's middle, whatever came later.
     Ejected { at_s: f64 },

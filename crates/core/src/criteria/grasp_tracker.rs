@@ -374,10 +374,10 @@ mod tests {
 
     #[test]
     fn what_slides_out_between_fingers_is_dropped_where_it_is_a_radius_away() {
-        let slides = |t: f64| BodyState { velocity_m_s: [0.0, 0.05], centre_m: [0.0, 0.02 + 0.05 * t], ..at_rest(0.0) };
+        let slides = |t: f64| BodyState { velocity_m_s: [0.0, 0.03], centre_m: [0.0, 0.02 + 0.03 * t], ..at_rest(0.0) };
         let found = run(&[(RIGHT, 0.2, 2.0), (LEFT, 0.3, 2.0)], slides);
         let Fate::Dropped { since_s } = found.fate else { panic!("{:?}", found.fate) };
-        assert!((since_s - 0.7).abs() < 1e-8, "{since_s}");
+        assert!((since_s - (0.3 + 0.02 / 0.03)).abs() < 1e-8, "{since_s}");
         assert_eq!(found.tts_s, Some(0.3), "the contacts hold all the same");
     }
 
