@@ -135,7 +135,7 @@ fn a_differential_whose_input_alone_is_blocked_holds_no_object_fast() {
 fn mirror_images_are_held_alike() {
     let mut random = Random(7);
     let mut closed = 0;
-    for _ in 0..500 {
+    for _ in 0..2000 {
         let grasps = [random.grasp(), random.grasp()];
         let stance = disturbed(&mut random, [&grasps[0], &grasps[1]]);
         for blocked in [Blocked::Outputs, Blocked::Input] {
@@ -170,7 +170,7 @@ fn mirror_images_are_held_alike() {
 fn linear_programmes_decide_as_signs_and_ranks_do() {
     let mut random = Random(11);
     let (mut closed, mut ways) = (0, Vec::new());
-    for _ in 0..2000 {
+    for _ in 0..8000 {
         let grasps = [random.grasp(), random.grasp()];
         let stance = disturbed(&mut random, [&grasps[0], &grasps[1]]);
         let mut any = || random.within(0.0, 1.0) < 0.9;
