@@ -9,7 +9,7 @@ use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
 use super::simulate::grasp;
-use crate::criteria::{AtRest, Criteria, Tracker};
+use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, Tracker};
 use crate::log::{self, LARGEST_RECORD, LogSink, ReadError, Reading};
 use crate::report::{ReplayReport, Summary, csv_head, csv_sample};
 use crate::scene::words::SceneKind;
@@ -22,6 +22,8 @@ pub(super) struct Listeners<'a> {
     summary: Summary,
     grasp: Option<AtRest>,
     tracker: Option<Tracker>,
+    /// Of a gripper.
+    gripper: Option<GraspTracker>,
     /// The scene of a log of bodies, if there is one that this phalanx reads: how they are moved.
     moved: Option<AnyScene>,
     progress: Progress,
@@ -37,6 +39,7 @@ impl<'a> Listeners<'a> {
             summary: Summary::default(),
             grasp: None,
             tracker: None,
+            gripper: None,
             moved: None,
             progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)),
             interrupt,
@@ -46,7 +49,12 @@ impl<'a> Listeners<'a> {
                 listeners.grasp = grasp(&scene);
                 listeners.tracker = listeners.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
             }
-            Some(Ok(scene)) => listeners.moved = Some(scene),
+            Some(Ok(scene)) => {
+                if let AnyScene::Gripper(gripper) = &scene {
+                    listeners.gripper = Some(GraspTracker::new(gripper.object.radius_m));
+                }
+                listeners.moved = Some(scene);
+            }
             Some(Err(error)) => {
                 let missing = match head.kind() {
                     SceneKind::Finger => "no dynamic criteria",
@@ -72,14 +80,24 @@ impl<'a> Listeners<'a> {
 
     /// The summary of what was read.
     pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
-        ReplayReport::new(name, reading, &self.summary, self.criteria(reading), self.moved.as_ref())
+        ReplayReport::new(
+            name,
+            reading,
+            &self.summary,
+            self.criteria(reading),
+            self.grasp(reading).as_ref(),
+            self.moved.as_ref(),
+        )
+    }
+
+    /// What became of the object of a gripper.
+    fn grasp(&self, reading: &Reading) -> Option<GraspCriteria> {
+        self.gripper.as_ref().filter(|_| is_of_whole_run(reading))?.criteria()
     }
 
     /// Of a run that was completed, and of which nothing is missing.
     fn criteria(&self, reading: &Reading) -> Option<Criteria> {
-        let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
-        let whole = completed && reading.losses.is_empty() && reading.recovered.is_none();
-        let judged = self.tracker.as_ref().zip(self.grasp.as_ref()).filter(|_| whole);
+        let judged = self.tracker.as_ref().zip(self.grasp.as_ref()).filter(|_| is_of_whole_run(reading));
         judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()))
     }
 
@@ -88,11 +106,18 @@ impl<'a> Listeners<'a> {
     }
 }
 
+/// Whether a run was completed and nothing of its log is missing.
+fn is_of_whole_run(reading: &Reading) -> bool {
+    let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
+    completed && reading.losses.is_empty() && reading.recovered.is_none()
+}
+
 impl LogSink for Listeners<'_> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         self.summary = Summary::new(layout.clone());
         // The scene may be of another kind than the log.
         self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == 1);
+        self.gripper = self.gripper.take().filter(|_| layout.fingers.len() == 2);
         Ok(())
     }
 
@@ -100,11 +125,13 @@ impl LogSink for Listeners<'_> {
         self.check()?;
         Sink::sample(&mut self.progress, sample)?;
         self.summary.sample(sample)?;
+        self.gripper.sample(sample)?;
         self.tracker.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.summary.event(event)?;
+        self.gripper.event(event)?;
         self.tracker.event(event)
     }
 }

@@ -7,7 +7,7 @@ use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
 use crate::check::{self, Check};
-use crate::criteria::{AtRest, Criteria, Rebound, at_rest};
+use crate::criteria::{AtRest, Criteria, GraspCriteria, Rebound, at_rest};
 use crate::log::{self, Beside, Ran};
 use crate::report::{self, Came, RunCheckReport, RunReport};
 use crate::scene::Scene;
@@ -19,6 +19,8 @@ pub(super) struct Finished<W> {
     pub result: Result<Outcome, Broken>,
     /// Of a finger, if it can grasp its object and the run was completed.
     pub criteria: Option<Criteria>,
+    /// Of a gripper.
+    pub grasp: Option<GraspCriteria>,
     /// Of every pair of discs.
     pub rebounds: Vec<Rebound>,
     pub wall_s: f64,
@@ -42,7 +44,8 @@ impl<W> Finished<W> {
             Ok(outcome) => (Some(outcome), None),
             Err(Broken { error, so_far }) => (so_far.as_ref(), Some(error.clone())),
         };
-        let came = Came { wall_s: self.wall_s, outcome, criteria: self.criteria, rebounds: &self.rebounds };
+        let (grasp, rebounds) = (self.grasp.as_ref(), self.rebounds.as_slice());
+        let came = Came { wall_s: self.wall_s, outcome, criteria: self.criteria, grasp, rebounds };
         RunReport { check: self.check.clone(), ..RunReport::new(scene, model, &came, error) }
     }
 }
@@ -89,7 +92,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
         grasp(scene);
     }
     let mut watched = Watched::new(scene.duration_s(), limits, also);
-    let Ran { result, criteria, rebounds, last_s, wall_s, log } = log::simulate(model, scene, log, &mut watched);
+    let Ran { result, criteria, grasp, rebounds, last_s, wall_s, log } = log::simulate(model, scene, log, &mut watched);
     watched.progress.clear();
     let result = result.map_err(|error| match error {
         RunError::Simulation { failure, so_far } => {
@@ -109,7 +112,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
     let stopped = result.as_ref().err().map(|broken| (broken.error.time_s, broken.error.reason.as_str()));
     let log = log.close(stopped, check.as_ref());
     let check = check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
-    Finished { result, criteria, rebounds, wall_s, check, log }
+    Finished { result, criteria, grasp, rebounds, wall_s, check, log }
 }
 
 /// The grasp at rest that a run is judged by; `None`, and said why, if the criteria make no sense for this scene.

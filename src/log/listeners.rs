@@ -8,7 +8,7 @@ use super::beside::Beside;
 use super::core::Severity;
 use super::metadata::{CHECK_NAME, check_entries};
 use crate::check::Check;
-use crate::criteria::{Criteria, Rebound, Rebounds, Tracker, at_rest};
+use crate::criteria::{Criteria, Fate, GraspCriteria, GraspTracker, Rebound, Rebounds, Tracker, at_rest};
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run};
 
 /// A run that is over, and its log, which is not.
@@ -16,6 +16,8 @@ pub struct Ran<W: Write + Send + 'static> {
     pub result: Result<Outcome, RunError>,
     /// Of a finger, if it can grasp its object and the run was completed.
     pub criteria: Option<Criteria>,
+    /// Of a gripper.
+    pub grasp: Option<GraspCriteria>,
     /// Of every pair of discs; empty where there is a finger.
     pub rebounds: Vec<Rebound>,
     /// Time of the latest sample.
@@ -41,24 +43,27 @@ pub fn simulate<W: Write + Send + 'static>(
     log: Option<Beside<W>>,
     also: &mut impl Sink,
 ) -> Ran<W> {
-    let (grasp, rebounds) = match scene {
-        Simulated::Finger(scene) => (scene.object.and_then(|object| at_rest(scene, object).ok()), None),
-        Simulated::Discs(scene) => (None, Some(Rebounds::new(scene.pairs().len()))),
-        Simulated::Gripper(_) => (None, None),
-    };
+    let (mut grasp, mut rebounds, mut gripper) = (None, None, None);
+    match scene {
+        Simulated::Finger(scene) => grasp = scene.object.and_then(|object| at_rest(scene, object).ok()),
+        Simulated::Discs(scene) => rebounds = Some(Rebounds::new(scene.pairs().len())),
+        Simulated::Gripper(scene) => gripper = Some(GraspTracker::new(scene.object.radius_m)),
+    }
     let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
-    let listeners = Listeners { log, tracker, rebounds, last_s: 0.0, also };
+    let listeners = Listeners { log, tracker, gripper, rebounds, last_s: 0.0, also };
     let mut thinned = Thinned::new(scene.log().numeric_hz, listeners);
     let start = Instant::now();
     let result = run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
     let last = thinned.end();
-    let Listeners { log, tracker, rebounds, last_s, .. } = thinned.sink;
+    let Listeners { log, tracker, gripper, rebounds, last_s, .. } = thinned.sink;
     let rebounds = rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default();
     let judged = tracker.as_ref().zip(grasp).filter(|_| result.is_ok());
     let criteria = judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()));
-    let log = Open { log, last, last_s, verdict: criteria.as_ref().map(verdict) };
-    Ran { result, criteria, rebounds, last_s, wall_s, log }
+    let grasp = gripper.and_then(|tracker| tracker.criteria());
+    let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
+    let log = Open { log, last, last_s, verdict: said };
+    Ran { result, criteria, grasp, rebounds, last_s, wall_s, log }
 }
 
 impl<W: Write + Send + 'static> Open<W> {
@@ -99,10 +104,23 @@ fn verdict(criteria: &Criteria) -> String {
     }
 }
 
+/// The same of a gripper.
+fn fate(found: &GraspCriteria) -> String {
+    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
+    match (found.fate, found.tts_s) {
+        (Fate::Held, Some(tts_s)) => format!("held: all contacts hold for good from {}", ms(tts_s)),
+        (Fate::Held, None) => "held".to_string(),
+        (Fate::Dropped { since_s }, _) => format!("dropped: no longer held from both sides from {}", ms(since_s)),
+        (Fate::Ejected { at_s }, _) => format!("ejected: the object left the gripper at {}", ms(at_s)),
+        (Fate::NotGrasped, _) => "not grasped: never held from both sides".to_string(),
+    }
+}
+
 /// Everything that listens to a run.
 struct Listeners<'a, W: Write + Send + 'static, A> {
     log: Option<Beside<W>>,
     tracker: Option<Tracker>,
+    gripper: Option<GraspTracker>,
     rebounds: Option<Rebounds>,
     /// Time of the latest sample.
     last_s: f64,
@@ -114,6 +132,7 @@ impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.tracker.sample(sample)?;
+        self.gripper.sample(sample)?;
         self.rebounds.sample(sample)?;
         self.also.sample(sample)?;
         self.log.sample(sample)
@@ -121,6 +140,7 @@ impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.tracker.event(event)?;
+        self.gripper.event(event)?;
         self.rebounds.event(event)?;
         self.also.event(event)?;
         self.log.event(event)

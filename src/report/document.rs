@@ -9,8 +9,9 @@ use serde::Serialize;
 use super::check::RunCheckReport;
 use super::contacts::Contacts;
 use super::discs::{DiscReport, discs};
+use super::grasp::GraspReport;
 use super::named::Named;
-use crate::criteria::{Criteria, Rebound};
+use crate::criteria::{Criteria, GraspCriteria, Rebound};
 use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
 use crate::scene::words::SceneKind;
 use crate::scene::{Engine, Integrator, Stepping, Words};
@@ -41,9 +42,6 @@ pub struct RunReport {
     /// Of a gripper: what it grasps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<Option<DiscReport>>,
-    /// When that was thrown out of the gripper, which ends the run; null if it was not.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ejected_s: Option<Option<f64>>,
     /// Of a scene of discs, by their names, as they are at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discs: Option<Option<BTreeMap<String, DiscReport>>>,
@@ -51,6 +49,9 @@ pub struct RunReport {
     /// Of a finger; null without an object, without a grasp of it, or if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub criteria: Option<Option<Dynamics>>,
+    /// Of a gripper: what became of the object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grasp: Option<Option<GraspReport>>,
     pub completed: bool,
     /// Time reached.
     pub end_s: Option<f64>,
@@ -159,6 +160,8 @@ pub struct Came<'a> {
     pub outcome: Option<&'a Outcome>,
     /// Of a finger, if its run was completed.
     pub criteria: Option<Criteria>,
+    /// Of a gripper.
+    pub grasp: Option<&'a GraspCriteria>,
     /// Of pairs of discs.
     pub rebounds: &'a [Rebound],
 }
@@ -180,10 +183,11 @@ impl RunReport {
             last: finger.then(|| outcome.map(|outcome| Final::from(outcome.last.finger()))),
             fingers: gripper.then(|| outcome.map(|outcome| finals(&layout, outcome))),
             object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
-            ejected_s: gripper.then(|| outcome.and_then(|outcome| outcome.ejected_s)),
             discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
             contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
             criteria: finger.then(|| came.criteria.filter(|_| error.is_none()).map(Dynamics::from)),
+            grasp: gripper
+                .then(|| came.grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, Some(scene), &of.last))),
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
             error,

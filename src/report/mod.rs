@@ -5,6 +5,7 @@ mod contacts;
 mod csv;
 mod discs;
 mod document;
+mod grasp;
 mod named;
 mod paper;
 mod replay;
@@ -25,6 +26,7 @@ pub use check::RunCheckReport;
 pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 pub use discs::DiscReport;
 pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
+pub use grasp::{GraspReport, HeldContactReport, TravelReport};
 pub use named::Named;
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
 pub use replay::{

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::check;
 use super::document::{EngineUsed, IntegratorUsed, RunReport};
+use super::grasp::{GraspReport, grasp_text};
 use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, object};
 use crate::wording::duration;
 use crate::wording::figures::figure;
@@ -20,6 +21,7 @@ pub fn text(report: &RunReport) -> Sheet {
     sections.extend(report.contacts.as_ref().and_then(contacts));
     sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.has_joints())));
     sections.extend(report.criteria.flatten().map(|criteria| dynamics(&criteria)));
+    sections.extend(report.grasp.iter().flatten().map(grasp_text));
     sections.extend(check::line(report.check.as_ref(), report.steps));
     Sheet::join(sections)
 }
@@ -34,8 +36,12 @@ fn heading(report: &RunReport) -> Sheet {
     if let Some(gap_m) = report.loop_gap_m.flatten() {
         let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
     }
-    if let Some(ejected_s) = report.ejected_s.flatten() {
-        let _ = writeln!(text, "EJECTED: the object was thrown out of the gripper at {}", duration(ejected_s));
+    if let Some(at_s) = report.grasp.iter().flatten().find_map(GraspReport::ejected_s) {
+        let _ = writeln!(
+            text,
+            "EJECTED: the object was thrown out of the gripper at {}, which ends the run",
+            duration(at_s)
+        );
     }
     if let Some(error) = &report.error {
         let _ = writeln!(

@@ -7,10 +7,11 @@ use serde::Serialize;
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
 use super::super::document::{Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, finals};
+use super::super::grasp::GraspReport;
 use super::super::named::Named;
 use super::summary::Summary;
 use super::verify::VerificationReport;
-use crate::criteria::Criteria;
+use crate::criteria::{Criteria, GraspCriteria};
 use crate::log::{Loss, Reading, Solver, settings};
 use crate::scene::AnyScene;
 use crate::scene::words::SceneKind;
@@ -72,6 +73,9 @@ pub struct ReplayReport {
     pub contacts: Option<Contacts>,
     /// Null without an object or a scene, or if the log does not reach the end of a completed run.
     pub criteria: Option<Dynamics>,
+    /// Of a log of a gripper.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grasp: Option<GraspReport>,
     pub energy: Option<Energies>,
     /// Whether simulating again gives the same; null unless that was asked for.
     pub verification: Option<VerificationReport>,
@@ -103,6 +107,7 @@ impl ReplayReport {
         reading: &Reading,
         summary: &Summary,
         criteria: Option<Criteria>,
+        grasp: Option<&GraspCriteria>,
         scene: Option<&AnyScene>,
     ) -> Self {
         let (layout, outcome, kind) = (&summary.layout, summary.outcome(), reading.kind());
@@ -116,6 +121,7 @@ impl ReplayReport {
             discs: of(SceneKind::Bodies).map(bodies),
             contacts: outcome.map(|outcome| Contacts::new(layout, outcome, summary.rebounds())),
             criteria: criteria.map(Dynamics::from),
+            grasp: grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, scene, &of.last)),
             energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
             ..ReplayReport::of_log(log, reading)
         }
@@ -162,6 +168,7 @@ impl ReplayReport {
             discs: None,
             contacts: None,
             criteria: None,
+            grasp: None,
             energy: None,
             verification: None,
         }

@@ -21,6 +21,7 @@ use crate::scene::{Problem, SceneError, keys, layers, parse_layers};
 /// A base scene.
 pub struct Base {
     pub table: Table,
+    pub kind: SceneKind,
     /// The text of its file; empty if it stands in the study.
     pub text: String,
 }
@@ -46,34 +47,39 @@ pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result
     let read = |text: &str, file: &str| {
         let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
         let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
-        let mut problems = Vec::new();
-        let table = check(document, "", &mut problems);
-        if problems.is_empty() { Ok(Base { table, text: text.to_string() }) } else { Err(refuse(problems)) }
+        let (mut problems, kind) = (Vec::new(), kind_of(document.get_ref()));
+        let table = check(document, "", kind, &mut problems);
+        if problems.is_empty() { Ok(Base { table, kind, text: text.to_string() }) } else { Err(refuse(problems)) }
     };
     parse_layers(&layers, &[], read).map_err(Refusal::Scene)
 }
 
-/// Checks a scene or a part of one, which stands under `path` in its file.
-pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, problems: &mut Vec<Problem>) -> Table {
-    let finger = SceneKind::Finger;
-    let others = || SceneKind::ALL.into_iter().filter(|other| *other != finger);
-    let said = document.get_ref().get("kind").and_then(|kind| Some((kind.span(), kind.get_ref().as_str()?)));
-    if let Some((span, word)) = said.filter(|(_, word)| others().any(|other| other.word() == *word)) {
+/// The kind of scene a document says it is; of a finger if it says nothing that is known.
+pub fn kind_of(document: &DeTable<'_>) -> SceneKind {
+    let said = document.get("kind").and_then(|kind| kind.get_ref().as_str());
+    SceneKind::ALL.into_iter().find(|kind| Some(kind.word()) == said).unwrap_or(SceneKind::Finger)
+}
+
+/// Checks a scene of this kind or a part of one, which stands under `path` in its file.
+pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, kind: SceneKind, problems: &mut Vec<Problem>) -> Table {
+    if kind == SceneKind::Bodies {
         problems.push(problem(
-            Some(span),
-            format!("a sweep simulates fingers, but this is a scene of kind \"{word}\""),
+            document.get_ref().get("kind").map(Spanned::span),
+            "a sweep simulates fingers and grippers, but this is a scene of kind \"bodies\"".to_string(),
             "another kind".to_string(),
-            "give the scene of a finger (kind = \"finger\", or no kind at all)".to_string(),
+            "give the scene of a finger (kind = \"finger\", or no kind at all) or of a gripper (kind = \"gripper\")"
+                .to_string(),
         ));
         return Table::new();
     }
+    let others = SceneKind::ALL.into_iter().filter(|other| *other != kind);
     let allowed = keys::Allowed {
-        kind: finger.word(),
-        schema: schema_of(finger),
-        others: others().map(|other| (other.word(), schema_of(other))).collect(),
+        kind: kind.word(),
+        schema: schema_of(kind),
+        others: others.map(|other| (other.word(), schema_of(other))).collect(),
     };
     problems.extend(keys::weed(document.get_mut(), &allowed));
-    leaves(document.get_ref(), schema_of(finger), path, problems);
+    leaves(document.get_ref(), schema_of(kind), path, problems);
     Table::deserialize(Deserializer::from(document)).unwrap_or_default()
 }
 

@@ -14,7 +14,7 @@
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
 //! | `template` | scene texts |
-//! | `one`, `row` | one run and its row |
+//! | `one`, `one_gripper`, `row` | one run, of a finger or a gripper, and its row |
 //! | `run` | all of them, on all cores |
 //! | `summary` | what came out |
 //! | `trust` | whether results found on the disk are of this study |
@@ -24,6 +24,7 @@ mod base;
 mod error;
 mod field;
 mod one;
+mod one_gripper;
 mod problem;
 mod raw;
 mod read;
@@ -47,6 +48,7 @@ use axis::{Axis, Points};
 use sequence::Sequence;
 use template::Template;
 
+use crate::scene::words::SceneKind;
 use crate::trace::Model;
 
 /// Most runs of one study: their rows are sorted in memory in the end, a kilobyte each.
@@ -63,6 +65,8 @@ pub struct Filter {
 /// A study that can be run.
 #[derive(Clone, Debug)]
 pub struct Study {
+    /// Of the base scene: fingers or grippers.
+    pub kind: SceneKind,
     pub name: String,
     pub description: String,
     pub model: Model,

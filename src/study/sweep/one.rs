@@ -1,10 +1,12 @@
 //! One run: scene, statics, simulation, row.
 
+use super::one_gripper::of_gripper;
 use super::row::{Cells, Row, Status};
 use super::{Filter, Study};
 use crate::check::check;
 use crate::criteria::{AtRest, Class, Tracker, at_rest};
 use crate::gripper::{SpringKind, total_mass};
+use crate::scene::words::SceneKind;
 use crate::scene::{self, LogRates, Scene, SceneError};
 use crate::statics::{Equilibrium, form_closure, palm_force_each};
 use crate::table::Value;
@@ -21,7 +23,11 @@ pub(super) fn one(study: &Study, run: u64, go_on: &(dyn Fn() -> bool + Sync)) ->
     let points = study.points(run);
     let text = study.fill(&points);
     let first = [Value::Integer(run as i64), Value::Integer(study.design(run) as i64)];
-    let mut cells = Cells::new(first.into_iter().chain(points.into_iter().map(|point| point.value)).collect());
+    let mut cells =
+        Cells::new(study.kind, first.into_iter().chain(points.into_iter().map(|point| point.value)).collect());
+    if study.kind == SceneKind::Gripper {
+        return of_gripper(study, run, &text, cells, go_on);
+    }
     let scene = match scene::parse(&text, "run.toml") {
         // The criteria follow the steps: a grid between them would only cost.
         Ok(scene) => Scene { log: LogRates { numeric_hz: 1.0 / scene.duration_s, ..scene.log }, ..scene },
@@ -48,18 +54,27 @@ pub(super) fn one(study: &Study, run: u64, go_on: &(dyn Fn() -> bool + Sync)) ->
             // A check that was broken off is not one.
             go_on().then(|| cells.row(run, Status::Completed, ""))
         }
-        Err(error) if error.is_stop() => None,
-        Err(RunError::Simulation { failure, so_far }) => {
-            cells.set("steps", so_far.work.steps as i64);
-            let reason = format!("at {:.6} ms: {}", failure.time_s * 1e3, failure.reason);
-            Some(cells.row(run, Status::Failed, &reason))
-        }
-        Err(RunError::Sink(error)) => Some(cells.row(run, Status::Failed, &error.to_string())),
+        Err(error) => unfinished(cells, run, error),
     }
 }
 
+/// The row of a run that did not get to its end; `None` if it was told to stop.
+pub(super) fn unfinished(mut cells: Cells, run: u64, error: RunError) -> Option<Row> {
+    if error.is_stop() {
+        return None;
+    }
+    let reason = match error {
+        RunError::Simulation { failure, so_far } => {
+            cells.set("steps", so_far.work.steps as i64);
+            format!("at {:.6} ms: {}", failure.time_s * 1e3, failure.reason)
+        }
+        RunError::Sink(error) => error.to_string(),
+    };
+    Some(cells.row(run, Status::Failed, &reason))
+}
+
 /// What is wrong with a scene, in one line: its place would be one in a text that nobody wrote.
-fn refusal(error: &SceneError) -> String {
+pub(super) fn refusal(error: &SceneError) -> String {
     let messages: Vec<&str> = error.problems().iter().map(|problem| problem.message.as_str()).collect();
     if messages.is_empty() { error.to_string() } else { messages.join("; ") }
 }

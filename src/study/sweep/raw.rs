@@ -146,11 +146,21 @@ impl Words for Method {
 pub fn schema() -> String {
     let mut schema = schema_json();
     let text = schema["properties"]["scene"].take();
-    let mut table = schema_of(SceneKind::Finger).clone();
-    table.as_object_mut().map(|map| map.remove("$schema"));
+    let [finger, gripper] = swept();
     schema["properties"]["scene"] =
-        json!({ "description": text["description"], "anyOf": [{ "type": "string" }, table] });
+        json!({ "description": text["description"], "anyOf": [{ "type": "string" }, finger, gripper] });
+    let set = schema["properties"]["set"].take();
+    schema["properties"]["set"] = json!({ "description": set["description"], "anyOf": swept() });
     format!("{schema:#}\n")
+}
+
+/// The kinds of scenes that a study takes.
+fn swept() -> [Json; 2] {
+    [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
+        let mut schema = schema_of(kind).clone();
+        schema.as_object_mut().map(|map| map.remove("$schema"));
+        schema
+    })
 }
 
 /// The schema by which unknown keys are found. A [scene] or [set] that is a table is judged as a scene, not by this.
@@ -158,8 +168,7 @@ pub(super) fn schema_json() -> Json {
     let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<RawStudy>().to_value();
     unwrap_lines(&mut schema);
-    let mut set = schema_of(SceneKind::Finger).clone();
-    set.as_object_mut().map(|map| map.remove("$schema"));
+    let [mut set, _] = swept();
     set["description"] = "Fields of the base scene that the whole study replaces.".into();
     schema["properties"]["set"] = set;
     schema

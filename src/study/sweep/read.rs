@@ -22,7 +22,9 @@ use crate::scene::check::Checker;
 use crate::scene::entry::Section;
 use crate::scene::error::line_column;
 use crate::scene::file::too_large;
+use crate::scene::kinds::{Kind, Text};
 use crate::scene::text::syntax;
+use crate::scene::words::SceneKind;
 use crate::scene::{SceneError, keys};
 use crate::trace::Model;
 
@@ -67,8 +69,16 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let mut problems = keys::weed(document.get_mut(), &allowed);
     let raw = RawStudy::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
     let has_scene = inline.is_some();
+    // What the axes and [set] may say depends on the kind of scene, so its file is looked at first; what is wrong there is said last.
+    let named = raw.scene.given.as_ref().and_then(|given| Text::read("scene", given).ok());
+    let base = named.map(|scene| base::load(&scene, file_name, raw.scene.span()));
+    let kind = match (&inline, &base) {
+        (Some(inline), _) => base::kind_of(inline.get_ref()),
+        (None, Some(Ok(base))) => base.kind,
+        (None, _) => SceneKind::Finger,
+    };
     let mut part = |table: Option<Spanned<DeTable<'_>>>, path: &str| {
-        table.map_or(Table::new(), |table| base::check(table, path, &mut problems))
+        table.map_or(Table::new(), |table| base::check(table, path, kind, &mut problems))
     };
     let (inline, set) = (part(inline, "scene"), part(set, "set"));
 
@@ -78,7 +88,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         let help = "say which scene is the base: scene = \"experiment-95.toml\", or give it here as a table [scene]";
         c.push(None, "`scene` is missing", "", help);
     }
-    let axes = read_axis::axes(&mut c, &raw.axes);
+    let axes = read_axis::axes(&mut c, &raw.axes, kind);
     let range = raw.axes.iter().find(|axis| axis.from.is_given() && axis.to.is_given() && !axis.count.is_given());
     let sequence = sample(&mut c, &raw.sample, &axes, raw.axes.len(), range.map(|axis| axis.from.span()));
     let filter = Filter {
@@ -86,6 +96,14 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         palm_force_positive: c.get("filter.palm_force_positive", &raw.filter.palm_force_positive),
         form_closed: c.get("filter.form_closed", &raw.filter.form_closed),
     };
+    if kind == SceneKind::Gripper && raw.filter.is_given() {
+        c.push(
+            raw.filter.span.clone(),
+            "[filter] is about the statics of one finger, but the base scene is a gripper",
+            "has no effect",
+            "remove it: the results say of every run what became of the grasp and whether it is form-closed",
+        );
+    }
     let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
     let description = c.get("description", &raw.description).unwrap_or_default();
     let model = c.or("model", &raw.model, Model::Analytic);
@@ -101,12 +119,12 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         return Err(refuse(c.into_problems()));
     }
 
-    let Base { mut table, text: base } = match scene {
-        Some(scene) => base::load(&scene, file_name, raw.scene.span()).map_err(|error| match error {
+    let Base { mut table, text: base, .. } = match base {
+        Some(base) => base.map_err(|error| match error {
             base::Refusal::Study(problem) => refuse(vec![problem]),
             base::Refusal::Scene(error) => StudyError::Invalid(error),
         })?,
-        None => Base { table: inline, text: String::new() },
+        None => Base { table: inline, kind, text: String::new() },
     };
     super::template::merge(&mut table, set);
     let fields: Vec<&str> = axes.iter().flat_map(|axis| &axis.fields).map(|field| field.path.as_str()).collect();
@@ -114,6 +132,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let template = Template::new(table, &fields).map_err(broken)?;
     let runs = total(&axes, sequence.as_ref()).unwrap_or(0);
     Ok(Study {
+        kind,
         name,
         description,
         model,

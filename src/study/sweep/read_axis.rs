@@ -15,11 +15,11 @@ use crate::scene::words::SceneKind;
 use crate::table::Value;
 
 /// All axes that can be made out; what is wrong is noted. A study without axes runs its scene once.
-pub fn axes(c: &mut Checker<'_>, raw: &[Section<RawAxis>]) -> Vec<Axis> {
+pub fn axes(c: &mut Checker<'_>, raw: &[Section<RawAxis>], kind: SceneKind) -> Vec<Axis> {
     let mut found: Vec<Axis> = Vec::new();
     for axis in raw {
         let span = axis.field.span().or(axis.fields.span());
-        let Some(axis) = one(c, axis) else { continue };
+        let Some(axis) = one(c, axis, kind) else { continue };
         for field in &axis.fields {
             let twice = found.iter().flat_map(|other| &other.fields).any(|other| other.path == field.path);
             if twice {
@@ -32,11 +32,11 @@ pub fn axes(c: &mut Checker<'_>, raw: &[Section<RawAxis>]) -> Vec<Axis> {
     found
 }
 
-fn one(c: &mut Checker<'_>, raw: &Section<RawAxis>) -> Option<Axis> {
+fn one(c: &mut Checker<'_>, raw: &Section<RawAxis>, kind: SceneKind) -> Option<Axis> {
     let again = c.or("again", &raw.again, false);
     match (raw.field.is_given(), raw.fields.is_given()) {
-        (true, false) => single(c, raw, again),
-        (false, true) => together(c, raw, again),
+        (true, false) => single(c, raw, again, kind),
+        (false, true) => together(c, raw, again, kind),
         (true, true) => {
             c.push(raw.fields.span(), "an axis has both `field` and `fields`", "and here again", "keep one of them");
             None
@@ -49,10 +49,10 @@ fn one(c: &mut Checker<'_>, raw: &Section<RawAxis>) -> Option<Axis> {
 }
 
 /// An axis of one field: values, or a range.
-fn single(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool) -> Option<Axis> {
+fn single(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool, kind: SceneKind) -> Option<Axis> {
     c.unused("rows", &raw.rows, "in an axis of one field: its values are `values`");
     let path = c.get("field", &raw.field)?;
-    let field = field(c, &path, raw.field.span())?;
+    let field = field(c, &path, raw.field.span(), kind)?;
     let ranged = raw.from.is_given() || raw.to.is_given();
     if raw.values.is_given() {
         for (key, given) in [("from", raw.from.is_given()), ("to", raw.to.is_given())] {
@@ -133,7 +133,7 @@ fn range(c: &mut Checker<'_>, raw: &Section<RawAxis>, field: Field, again: bool)
 }
 
 /// An axis of several fields by rows of values.
-fn together(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool) -> Option<Axis> {
+fn together(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool, kind: SceneKind) -> Option<Axis> {
     let why = "in an axis of several fields: their values are `rows`";
     c.unused("values", &raw.values, why);
     c.unused("from", &raw.from, why);
@@ -147,7 +147,7 @@ fn together(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool) -> Option<
             c.push(Some(name.span()), message, "a text", "write fields = [\"motor.torque\", \"spring.torque\"]");
             return None;
         };
-        let field = field(c, path, Some(name.span()))?;
+        let field = field(c, path, Some(name.span()), kind)?;
         if fields.iter().any(|other| other.path == field.path) {
             c.push(Some(name.span()), format!("`{path}` is there twice"), "and here again", "remove one of them");
             return None;
@@ -184,8 +184,8 @@ fn values(c: &mut Checker<'_>, fields: &[Field], row: &Spanned<Any>) -> Option<V
     }
 }
 
-fn field(c: &mut Checker<'_>, path: &str, span: Option<Span<usize>>) -> Option<Field> {
-    let found = Field::find(path, schema_of(SceneKind::Finger));
+fn field(c: &mut Checker<'_>, path: &str, span: Option<Span<usize>>, kind: SceneKind) -> Option<Field> {
+    let found = Field::find(path, schema_of(kind));
     found.map_err(|(message, label, help)| c.push(span, message, label, help)).ok()
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Study;
+use crate::scene::words::SceneKind;
 use crate::table::{Column, Kind, Table, Value};
 
 /// How a run ended.
@@ -42,7 +43,56 @@ pub struct Row {
 }
 
 /// Columns after those of the axes, in order.
-const FOUND: [(&str, Kind); 27] = [
+fn found(kind: SceneKind) -> &'static [(&'static str, Kind)] {
+    if kind == SceneKind::Gripper { &OF_GRIPPER } else { &OF_FINGER }
+}
+
+/// Of grippers: lengths and forces of both fingers, what became of the object and where it is.
+const OF_GRIPPER: [(&str, Kind); 41] = [
+    ("palm_width_m", Kind::Number),
+    ("right_l21_m", Kind::Number),
+    ("left_l21_m", Kind::Number),
+    ("right_motor_n_m", Kind::Number),
+    ("left_motor_n_m", Kind::Number),
+    ("right_spring_n_m", Kind::Number),
+    ("left_spring_n_m", Kind::Number),
+    ("status", Kind::Text),
+    ("reason", Kind::Text),
+    ("grasp", Kind::Text),
+    ("grasped_s", Kind::Number),
+    ("tts_s", Kind::Number),
+    ("until_s", Kind::Number),
+    ("form_closed", Kind::Flag),
+    ("x_start_m", Kind::Number),
+    ("x_m", Kind::Number),
+    ("y_m", Kind::Number),
+    ("angle_rad", Kind::Number),
+    ("offset_ratio", Kind::Number),
+    ("speed_m_s", Kind::Number),
+    ("slip_m", Kind::Number),
+    ("slip_rad", Kind::Number),
+    ("contacts_lost", Kind::Integer),
+    ("right_proximal_first_s", Kind::Number),
+    ("left_proximal_first_s", Kind::Number),
+    ("right_distal_first_s", Kind::Number),
+    ("left_distal_first_s", Kind::Number),
+    ("right_proximal_n", Kind::Number),
+    ("right_distal_n", Kind::Number),
+    ("left_proximal_n", Kind::Number),
+    ("left_distal_n", Kind::Number),
+    ("palm_n", Kind::Number),
+    ("table_n", Kind::Number),
+    ("peak_right_proximal_n", Kind::Number),
+    ("peak_right_distal_n", Kind::Number),
+    ("peak_left_proximal_n", Kind::Number),
+    ("peak_left_distal_n", Kind::Number),
+    ("peak_palm_n", Kind::Number),
+    ("steps", Kind::Integer),
+    ("check", Kind::Text),
+    ("check_error_rad", Kind::Number),
+];
+
+const OF_FINGER: [(&str, Kind); 27] = [
     ("l12_m", Kind::Number),
     ("l21_m", Kind::Number),
     ("l22_m", Kind::Number),
@@ -76,7 +126,7 @@ const FOUND: [(&str, Kind); 27] = [
 pub fn columns(study: &Study) -> Vec<Column> {
     let first = [Column::new("run", Kind::Integer), Column::new("design", Kind::Integer)];
     let axes = study.axes.iter().flat_map(|axis| &axis.fields).map(|field| Column::new(field.column(), field.kind()));
-    let found = FOUND.map(|(name, kind)| Column::new(name, kind));
+    let found = found(study.kind).iter().map(|(name, kind)| Column::new(*name, *kind));
     first.into_iter().chain(axes).chain(found).collect()
 }
 
@@ -99,16 +149,17 @@ pub fn sorted(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Tabl
 /// The cells of a row, named while it is made.
 pub(super) struct Cells {
     cells: Vec<Value>,
-    /// Where the found ones begin.
+    /// Where the found ones begin, and which they are.
     from: usize,
+    found: &'static [(&'static str, Kind)],
 }
 
 impl Cells {
-    pub fn new(first: Vec<Value>) -> Self {
-        let from = first.len();
+    pub fn new(kind: SceneKind, first: Vec<Value>) -> Self {
+        let (from, found) = (first.len(), found(kind));
         let mut cells = first;
-        cells.resize(from + FOUND.len(), Value::Missing);
-        Cells { cells, from }
+        cells.resize(from + found.len(), Value::Missing);
+        Cells { cells, from, found }
     }
 
     /// Sets what was found; numbers that are not finite are missing.
@@ -117,8 +168,8 @@ impl Cells {
             Value::Number(number) if !number.is_finite() => Value::Missing,
             value => value,
         };
-        debug_assert!(FOUND.iter().any(|(found, _)| *found == name), "{name}");
-        if let Some(at) = FOUND.iter().position(|(found, _)| *found == name) {
+        debug_assert!(self.found.iter().any(|(found, _)| *found == name), "{name}");
+        if let Some(at) = self.found.iter().position(|(found, _)| *found == name) {
             self.cells[self.from + at] = value;
         }
     }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Status;
 use super::one::CLASSES;
+use crate::criteria::{Class, Fate};
 use crate::table::{Table, TableError};
 
 /// Counts of a sweep's rows.
@@ -14,7 +15,7 @@ pub struct Summary {
     pub runs: u64,
     /// Runs by how they ended, in the order of [`Status::ALL`].
     pub by_status: Vec<(String, u64)>,
-    /// Completed runs by dynamic class, from good to bad.
+    /// Completed runs by dynamic class, from good to bad; of grippers by what became of the grasp.
     pub by_class: Vec<(String, u64)>,
     /// Why runs were not completed: status, reason without its numbers, how many, and the first run of them.
     pub reasons: Vec<Reason>,
@@ -43,7 +44,12 @@ impl Summary {
 /// The table is no sweep's.
 pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let (runs, status) = (table.integers("run")?, table.texts("status")?);
-    let (class, reason) = (table.texts("class")?, table.texts("reason")?);
+    let of_grippers = table.texts("grasp");
+    let (class, classes) = match of_grippers {
+        Ok(fates) => (fates, Fate::NAMES.to_vec()),
+        Err(_) => (table.texts("class")?, CLASSES.map(Class::name).to_vec()),
+    };
+    let reason = table.texts("reason")?;
     let count = |column: &[Option<&str>], name: &str| column.iter().filter(|cell| **cell == Some(name)).count() as u64;
     let mut reasons: BTreeMap<(usize, String), Reason> = BTreeMap::new();
     for ((run, status), reason) in runs.iter().zip(&status).zip(&reason) {
@@ -67,7 +73,7 @@ pub fn summary(table: &Table) -> Result<Summary, TableError> {
     Ok(Summary {
         runs: table.rows.len() as u64,
         by_status: Status::ALL.map(|of| (of.name().to_string(), count(&status, of.name()))).to_vec(),
-        by_class: CLASSES.map(|of| (of.name().to_string(), count(&class, of.name()))).to_vec(),
+        by_class: classes.into_iter().map(|of| (of.to_string(), count(&class, of))).collect(),
         reasons,
     })
 }

@@ -76,6 +76,30 @@ pub enum Fate {
     NotGrasped,
 }
 
+impl Fate {
+    /// Names of all fates, from good to bad.
+    pub const NAMES: [&str; 4] = ["held", "dropped", "ejected", "not grasped"];
+
+    /// In results and reports.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[match self {
+            Fate::Held => 0,
+            Fate::Dropped { .. } => 1,
+            Fate::Ejected { .. } => 2,
+            Fate::NotGrasped => 3,
+        }]
+    }
+
+    /// Since when the object is no longer held, or when it left the gripper; `None` for the other fates.
+    pub fn until_s(self) -> Option<f64> {
+        match self {
+            Fate::Dropped { since_s } => Some(since_s),
+            Fate::Ejected { at_s } => Some(at_s),
+            Fate::Held | Fate::NotGrasped => None,
+        }
+    }
+}
+
 /// How far the object got from a pose, at most: at the samples and changes of contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Travel {

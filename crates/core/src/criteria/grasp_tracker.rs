@@ -5,14 +5,11 @@ use super::hermite::Hermite;
 use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
 use crate::scene::Place;
-use crate::trace::{BodyState, Event, Sample, Sink, SinkError};
-
-/// Object radii from the palm's middle beyond which the object has been ejected.
-const EJECTED_RADII: f64 = 3.0;
+use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError};
 
 const PLACES: usize = Place::ALL.len();
 
-/// A [`Sink`] that finds the [`GraspCriteria`] of a run of [`run_gripper`](crate::trace::run_gripper), in constant memory.
+/// A [`Sink`] that finds the [`GraspCriteria`] of the run of a gripper, in constant memory.
 ///
 /// Contacts change at the times of their events. Between two samples the object follows the cubic Hermite interpolant of poses and
 /// rates, and so does its distance from a point; the times at which it passes a limit are found to 1e-9 s.

@@ -2,7 +2,7 @@
 
 use crate::gripper::{Circle, Site};
 use crate::scene::{GripperScene, Place, Side};
-use crate::statics::{PerContact, Stance};
+use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
 use crate::trace::{FingerState, Sample};
 
 /// Where fingers and object of a gripper are in a sample of its run.
@@ -24,4 +24,12 @@ pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
     };
     let phalanges = |side| [Site::Proximal, Site::Distal].map(|site| force(Place::Finger(side, site)));
     PerContact { phalanges: Side::BOTH.map(phalanges), palm: force(Place::Palm) }
+}
+
+/// Whether the grasp of a sample is form-closed by the contacts that press in it, with both motors blocked, or the input of the
+/// differential that drives both fingers; `None` where that cannot be decided.
+pub fn is_form_closed(scene: &GripperScene, sample: &Sample) -> Option<bool> {
+    let blocked = if scene.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
+    let touching = normal_forces(sample).map(|normal_n| normal_n > 0.0);
+    gripper_closure(&stance(scene, sample), &touching, blocked).ok().map(|found| found.closed)
 }

@@ -44,8 +44,20 @@ impl<'a> Checker<'a> {
     /// All problems in the order of the file, each once.
     pub fn into_problems(mut self) -> Vec<Problem> {
         self.problems.sort_by_key(|p| p.span.as_ref().map_or((usize::MAX, 0), |s| (s.start, s.end)));
-        self.problems.dedup();
-        self.problems
+        // Those without a place need not stand beside each other.
+        let mut all: Vec<Problem> = Vec::with_capacity(self.problems.len());
+        for problem in self.problems {
+            if !all.contains(&problem) {
+                all.push(problem);
+            }
+        }
+        all
+    }
+
+    /// Says more of the problems of this label that have been found since there were so many.
+    pub fn add_since(&mut self, before: usize, label: &str, more: &str) {
+        let since = self.problems.iter_mut().skip(before);
+        since.filter(|problem| problem.label == label).for_each(|problem| problem.message.push_str(more));
     }
 
     pub fn push(

@@ -17,7 +17,7 @@ use super::super::{
 use super::finger::Plan;
 use super::sizing::Sized;
 use super::{Heading, contact, drive, finger, heading, run, sizing, start};
-use crate::gripper::{Circle, Finger};
+use crate::gripper::{Circle, Finger, Lengths};
 use crate::units::{Dimension, format};
 
 /// Deepest overlap of the object with palm or table that a scene may start with.
@@ -36,7 +36,15 @@ pub fn gripper(
     let object = object(&mut c, &raw.object);
     let plans = fingers.each_ref().map(|finger| finger::plan(&mut c, &finger.raw, object.radius_m));
     let palm_width = palm_width(&mut c, raw, &plans);
-    let room = palm_width.and_then(|palm_width_m| room(&mut c, raw, object, palm_width_m));
+    let table = raw.table.is_given().then(|| read(&mut c, "table", &raw.table, Support::usual()));
+    let table = table.filter(|table| table.present);
+    let palm = c.or("palm", &raw.palm, true);
+    let [_, height] = object.centre_m;
+    let level_m = table.map(|table| if table.level_m.is_nan() { height + object.radius_m } else { table.level_m });
+    let before = c.count();
+    judge_object(&mut c, raw, object, palm, level_m);
+    let mut room = palm_width.and_then(|palm_width_m| room(&mut c, raw, object, palm_width_m));
+    room = room.filter(|_| c.count() == before);
 
     let seesaw = raw.differential.is_given().then(|| read(&mut c, "differential", &raw.differential, Seesaw::usual()));
     let seesaw = seesaw.filter(|seesaw| seesaw.present);
@@ -45,7 +53,7 @@ pub fn gripper(
     let resolved = Side::BOTH.map(|side| {
         let (raw, plan) = (&fingers[side as usize], &plans[side as usize]);
         let place = Place { side, gravity_m_s2, seesaw, object, span: span.clone() };
-        let (sizing, finger) = resolve_finger(&mut c, raw, plan, place, room);
+        let (sizing, finger) = resolve_finger(&mut c, raw, plan, place, &mut room);
         sized[side as usize] = sizing;
         finger
     });
@@ -54,9 +62,6 @@ pub fn gripper(
         None => Some(None),
     };
 
-    let table = raw.table.is_given().then(|| read(&mut c, "table", &raw.table, Support::usual()));
-    let table = table.filter(|table| table.present);
-    let palm = c.or("palm", &raw.palm, true);
     let planes = contact::planes(&mut c, &raw.contact, [palm, table.is_some()], object.radius_m);
     let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
     let mu_static = resolved[0].as_ref().map(|finger| finger.contact.mu_static()[0]);
@@ -65,11 +70,6 @@ pub fn gripper(
     let bounds = run::gripper_bounds(&mut c, &raw.validate, duration);
     let log = run::log(&mut c, &raw.log, duration);
 
-    let [_, height] = object.centre_m;
-    let level_m = table.map(|table| if table.level_m.is_nan() { height + object.radius_m } else { table.level_m });
-    if c.is_clean() {
-        judge_object(&mut c, raw, object, palm, level_m);
-    }
     let [right, left] = resolved;
     match (right.zip(left), palm_width, differential, planes, duration) {
         (Some((right, left)), Some(palm_width_m), Some(differential), Some([palm, on_table]), Some(duration_s))
@@ -151,7 +151,7 @@ fn room(c: &mut Checker<'_>, raw: &RawGripper, object: GripperObject, palm_width
     if offset.abs() <= error_m {
         return Some(room);
     }
-    let [error, offset] = [error_m, offset].map(|value| format(value, Dimension::Length));
+    let [error, offset] = [error_m, offset.abs()].map(|value| format(value, Dimension::Length));
     c.push(
         raw.positioning_error.span(),
         format!("`positioning_error` is {error}, but the object is {offset} off the middle of the palm"),
@@ -177,13 +177,17 @@ fn resolve_finger(
     RawFinger { raw, .. }: &RawFinger,
     plan: &Plan,
     Place { side, gravity_m_s2: [x, y], seesaw, object, span: place }: Place,
-    room: Option<Room>,
+    room: &mut Option<Room>,
 ) -> (Sized, Option<GripperFinger>) {
     let finger = finger::finger(c, raw, plan);
     let radius_m = object.radius_m;
     let seen = room.map(|room| room.seen(side, object));
-    let seen = seen.zip(plan.lengths).filter(|(seen, lengths)| is_clear(c, place, side, seen, lengths.half_width_m));
-    let seen = seen.map(|(seen, _)| seen);
+    let clear = |(seen, lengths): &(Seen, Lengths)| is_clear(c, place, side, seen, lengths.half_width_m);
+    let seen = seen.zip(plan.lengths).filter(clear).map(|(seen, _)| seen);
+    if plan.lengths.is_some() && seen.is_none() {
+        // The other finger would say the same again.
+        *room = None;
+    }
     let sized = match (finger.as_ref(), seen) {
         (Some(finger), Some(seen)) => ends_sized(c, raw, finger, seen.ends, [side.mirror() * x, y]),
         _ => sizing::sizing(c, raw, None, [x, y]),
@@ -228,7 +232,7 @@ fn is_clear(c: &mut Checker<'_>, place: Option<Range<usize>>, side: Side, seen: 
     if distance >= reach {
         return true;
     }
-    let [distance, reach] = [distance, reach].map(|value| format(value, Dimension::Length));
+    let [distance, reach] = [distance, reach].map(|value| format!("{:.3} mm", value * 1e3));
     c.push(
         place,
         format!("the ground joint of the {} finger is {distance} from the object's centre, but must be at least {reach} away: the radius and half a link's width", side.word()),
@@ -246,7 +250,20 @@ fn ends_sized(
     ends: [Disc; 2],
     gravity_m_s2: [f64; 2],
 ) -> Sized {
-    let [near, far] = ends.map(|disc| sizing::sizing(c, raw, Some((finger, &Some(disc))), gravity_m_s2));
+    let differ = ends[0] != ends[1];
+    let [near, far] = ends.map(|disc| {
+        let before = c.count();
+        let sized = sizing::sizing(c, raw, Some((finger, &Some(disc))), gravity_m_s2);
+        if differ {
+            let base = -disc.centre_m[0] * 1e3;
+            c.add_since(
+                before,
+                sizing::NOT_SIZED,
+                &format!(" where the positioning error brings it, {base:.3} mm from the ground joint along the palm"),
+            );
+        }
+        sized
+    });
     near.for_both(far)
 }
 

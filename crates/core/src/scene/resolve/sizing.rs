@@ -142,6 +142,9 @@ fn opening(c: &mut Checker<'_>, raw: &RawScene, finger: &Finger, disc: Circle) -
     contact.map_err(|error| refuse(c, raw, &SizingError::from(error))).ok().map(|contact| contact - q21_rad)
 }
 
+/// What is said at the place of a sizing that is refused.
+pub const NOT_SIZED: &str = "this finger cannot be sized";
+
 fn refuse(c: &mut Checker<'_>, raw: &RawScene, error: &SizingError) {
-    geometry(c, raw.sizing.span(), "this finger cannot be sized", &error.to_string());
+    geometry(c, raw.sizing.span(), NOT_SIZED, &error.to_string());
 }

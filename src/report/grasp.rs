@@ -1,0 +1,140 @@
+//! What became of the object of a gripper, under the keys of the JSON document and in words.
+
+use serde::Serialize;
+
+use super::named::Named;
+use super::tables::milliseconds;
+use crate::criteria::{Fate, GraspCriteria, Travel, is_form_closed};
+use crate::trace::{Sample, Simulated};
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
+
+/// The grasp of a gripper, see [`crate::criteria::GraspCriteria`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GraspReport {
+    /// `held`, `dropped`, `ejected` or `not grasped`.
+    pub fate: &'static str,
+    /// When it was first held from both sides.
+    pub grasped_s: Option<f64>,
+    /// Since when all contacts that press at the end have done so; null if it is not held from both sides then.
+    pub tts_s: Option<f64>,
+    /// Since when it is no longer held, or when it left the gripper.
+    pub until_s: Option<f64>,
+    /// Whether the contacts that press at the end, with what is blocked of the drives, hold it fast; null where it is not held, or where
+    /// that cannot be decided.
+    pub form_closed: Option<bool>,
+    /// Of the object, along the palm from its middle, at the start and at the end; and |end| / |start|, null for one that started
+    /// centred.
+    pub x_start_m: f64,
+    pub x_end_m: f64,
+    pub offset_ratio: Option<f64>,
+    /// Of its centre at the end.
+    pub speed_m_s: f64,
+    /// Largest of the object since the start, and in the hand since `tts_s`.
+    pub travel: TravelReport,
+    pub slip: Option<TravelReport>,
+    /// By their names.
+    pub contacts: Named<HeldContactReport>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TravelReport {
+    pub displacement_m: f64,
+    pub rotation_rad: f64,
+}
+
+/// A contact of the grasp.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeldContactReport {
+    pub first_touch_s: Option<f64>,
+    pub presses_since_s: Option<f64>,
+    /// How often its force went to zero once it had pressed, and for how long in all.
+    pub times_lost: u32,
+    pub lost_s: f64,
+}
+
+impl From<Travel> for TravelReport {
+    fn from(travel: Travel) -> Self {
+        TravelReport { displacement_m: travel.displacement_m, rotation_rad: travel.rotation_rad }
+    }
+}
+
+impl GraspReport {
+    /// Of a run that ended with this sample; without its scene nothing is said of form closure.
+    pub fn new(found: &GraspCriteria, scene: Option<Simulated<'_>>, last: &Sample) -> Self {
+        let gripper = match scene {
+            Some(Simulated::Gripper(scene)) => Some(scene),
+            _ => None,
+        };
+        let contacts = found.contacts.iter().map(|contact| {
+            let report = HeldContactReport {
+                first_touch_s: contact.first_touch_s,
+                presses_since_s: contact.presses_since_s,
+                times_lost: contact.times_lost,
+                lost_s: contact.lost_s,
+            };
+            (contact.place.name(), report)
+        });
+        GraspReport {
+            fate: found.fate.name(),
+            grasped_s: found.grasped_s,
+            tts_s: found.tts_s,
+            until_s: found.fate.until_s(),
+            form_closed: gripper.filter(|_| found.fate == Fate::Held).and_then(|scene| is_form_closed(scene, last)),
+            x_start_m: found.start.centre_m[0],
+            x_end_m: found.end.centre_m[0],
+            offset_ratio: found.offset_ratio(),
+            speed_m_s: found.end_speed_m_s(),
+            travel: found.travel.into(),
+            slip: found.slip.map(TravelReport::from),
+            contacts: contacts.collect(),
+        }
+    }
+
+    /// When the object left the gripper, if it did.
+    pub(super) fn ejected_s(&self) -> Option<f64> {
+        self.until_s.filter(|_| self.fate == Fate::NAMES[2])
+    }
+}
+
+/// A table for people.
+pub(super) fn grasp_text(report: &GraspReport) -> Sheet {
+    let closed = match report.form_closed {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => "–",
+    };
+    let [displacement, rotation] = match report.slip {
+        Some(slip) => [figure(slip.displacement_m * 1e3, 4), figure(slip.rotation_rad.to_degrees(), 4)],
+        None => ["–".to_string(), "–".to_string()],
+    };
+    let lost: u32 = report.contacts.iter().map(|(_, contact)| contact.times_lost).sum();
+    let mut text = table(&[
+        row(["grasp", "held first, ms", "tts, ms", "form-closed", "contacts lost", "slip since, mm", "turn, deg"]),
+        row([
+            report.fate,
+            &milliseconds(report.grasped_s),
+            &milliseconds(report.tts_s),
+            closed,
+            &lost.to_string(),
+            &displacement,
+            &rotation,
+        ]),
+    ]);
+    if let Some(ratio) = report.offset_ratio {
+        let (start, end) = (report.x_start_m * 1e3, report.x_end_m * 1e3);
+        let what = if ratio < 1.0 { "centres" } else { "does not centre" };
+        text.push_str(&format!(
+            "The grasp {what} the object: from {} mm off the middle to {} mm.\n",
+            figure(start, 4),
+            figure(end, 4)
+        ));
+    }
+    if let (Some(until_s), "dropped") = (report.until_s, report.fate) {
+        text.push_str(&format!(
+            "Dropped: no longer held from both sides from {} ms on.\n",
+            milliseconds(Some(until_s))
+        ));
+    }
+    text
+}

@@ -1,0 +1,117 @@
+//! One run of a gripper: scene, simulation, row.
+
+use super::Study;
+use super::one::{refusal, unfinished};
+use super::row::{Cells, Row, Status};
+use crate::check::check;
+use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
+use crate::gripper::SpringKind;
+use crate::scene::{self, AnyScene, GripperScene, LogRates, Place, SceneError, Side};
+use crate::trace::{self, Event, Outcome, Sample, Sink, SinkError};
+
+/// Makes one run of a study of grippers, of which `text` is the scene; `None` if it was told to stop.
+pub(super) fn of_gripper(
+    study: &Study,
+    run: u64,
+    text: &str,
+    mut cells: Cells,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Option<Row> {
+    let scene = match gripper(text) {
+        Ok(scene) => scene,
+        Err(error) => return Some(cells.row(run, Status::Refused, &refusal(&error))),
+    };
+    design(&mut cells, &scene);
+    let mut watch = Watch { tracker: GraspTracker::new(scene.object.radius_m), go_on };
+    match trace::run(study.model, &scene, &mut watch) {
+        Ok(outcome) => {
+            if let Some(found) = watch.tracker.criteria() {
+                closing(&mut cells, &scene, &found, &outcome);
+            }
+            cells.set("steps", outcome.work.steps as i64);
+            if study.checked {
+                let check = check(study.model, &scene, go_on);
+                cells.set("check", check.verdict.name());
+                cells.set("check_error_rad", check.errors.path);
+            }
+            // A check that was broken off is not one.
+            go_on().then(|| cells.row(run, Status::Completed, ""))
+        }
+        Err(error) => unfinished(cells, run, error),
+    }
+}
+
+/// The scene of a run; the criteria follow the steps: a grid between them would only cost.
+fn gripper(text: &str) -> Result<GripperScene, SceneError> {
+    match scene::parse_any(text, "run.toml")? {
+        AnyScene::Gripper(scene) => {
+            Ok(GripperScene { log: LogRates { numeric_hz: 1.0 / scene.duration_s, ..scene.log }, ..*scene })
+        }
+        // The study has made sure of the kind.
+        _ => Err(SceneError::Invalid { file: "run.toml".to_string(), text: text.to_string(), problems: Vec::new() }),
+    }
+}
+
+fn design(cells: &mut Cells, scene: &GripperScene) {
+    cells.set("palm_width_m", scene.palm_width_m);
+    cells.set("x_start_m", scene.object.centre_m[0]);
+    for side in Side::BOTH {
+        let (of, name) = (scene.finger(side), |what: &str| format!("{}_{what}", side.word()));
+        cells.set(&name("l21_m"), of.finger.lengths.l21_m);
+        // The torque in the end.
+        let own = scene::torque(&of.motor.actuation, scene.duration_s).0;
+        let input = scene.differential.as_ref().map(|of| scene::torque(&of.motor.actuation, scene.duration_s).0);
+        cells.set(&name("motor_n_m"), own + 0.5 * input.unwrap_or(0.0));
+        if let Some(SpringKind::Constant { torque_n_m }) = of.spring.map(|spring| spring.kind) {
+            cells.set(&name("spring_n_m"), torque_n_m);
+        }
+    }
+}
+
+fn closing(cells: &mut Cells, scene: &GripperScene, found: &GraspCriteria, outcome: &Outcome) {
+    let (last, end) = (&outcome.last, &found.end);
+    cells.set("grasp", found.fate.name());
+    cells.set("grasped_s", found.grasped_s);
+    cells.set("tts_s", found.tts_s);
+    cells.set("until_s", found.fate.until_s());
+    cells.set("x_m", end.centre_m[0]);
+    cells.set("y_m", end.centre_m[1]);
+    cells.set("angle_rad", end.angle_rad);
+    cells.set("offset_ratio", found.offset_ratio());
+    cells.set("speed_m_s", found.end_speed_m_s());
+    cells.set("slip_m", found.slip.map(|slip| slip.displacement_m));
+    cells.set("slip_rad", found.slip.map(|slip| slip.rotation_rad));
+    cells.set("contacts_lost", found.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
+    cells.set("form_closed", is_form_closed(scene, last).filter(|_| found.fate == Fate::Held));
+    let places = Place::ALL.into_iter().zip(outcome.contacts.iter().zip(&last.contacts));
+    for (place, (summary, last)) in places.filter(|(place, (_, last))| !place.is_stop() && last.gap_m.is_finite()) {
+        let name = place.name();
+        cells.set(&format!("{name}_n"), last.normal_n);
+        if place != Place::Table {
+            cells.set(&format!("peak_{name}_n"), summary.peak_normal_n);
+        }
+        if let Place::Finger(..) = place {
+            cells.set(&format!("{name}_first_s"), summary.first_s);
+        }
+    }
+}
+
+/// Listens to a run: what becomes of the grasp, and whether the run may go on.
+struct Watch<'a> {
+    tracker: GraspTracker,
+    go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Sink for Watch<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.tracker.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.tracker.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        (self.go_on)()
+    }
+}
