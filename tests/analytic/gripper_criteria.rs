@@ -6,14 +6,14 @@ use phalanx::scene::{GripperScene, Place, Side};
 use phalanx::statics::{
     Blocked, Decision, FormClosure, GripperRow, PerContact, form_closure, gripper_closure, gripper_unilateral,
 };
-use phalanx::trace::{Model, Sample, run_gripper};
+use phalanx::trace::{Model, Sample, run};
 
 use crate::support::grippers::{anchor, anchors};
 use crate::support::statics::check;
 
 fn watch(scene: &GripperScene) -> (GraspCriteria, Sample) {
     let mut tracker = GraspTracker::new(scene.object.radius_m);
-    let outcome = run_gripper(Model::Analytic, scene, &mut tracker).expect("a run to its end");
+    let outcome = run(Model::Analytic, scene, &mut tracker).expect("a run to its end");
     (tracker.criteria().expect("samples"), outcome.last)
 }
 

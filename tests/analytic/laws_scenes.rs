@@ -29,7 +29,7 @@ const NAMES: [&str; 10] = [
 fn load(name: &str) -> BodiesScene {
     match scene::load_any(format!("scenes/laws/{name}.toml")).unwrap_or_else(|e| panic!("{e}")) {
         AnyScene::Bodies(scene) => *scene,
-        AnyScene::Finger(_) => panic!("{name} is a finger"),
+        _ => panic!("{name} is a finger"),
     }
 }
 

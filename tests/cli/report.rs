@@ -62,7 +62,7 @@ fn came(
     criteria: Option<Criteria>,
     failure: Option<Failure>,
 ) -> RunReport {
-    RunReport::new(scene, Model::Analytic, &Came { wall_s, outcome, criteria, rebounds: &[] }, failure)
+    RunReport::new(scene, Model::Analytic, &Came { wall_s, outcome, criteria, grasp: None, rebounds: &[] }, failure)
 }
 
 fn report() -> RunReport {

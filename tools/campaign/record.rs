@@ -70,9 +70,10 @@ impl Keep {
 impl Sink for Keep {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
         // Readings of passive angles jump by a turn.
-        let before = self.path.last();
+        let before = self.path.last().cloned();
         let angles = s.fingers.iter().enumerate().flat_map(|(index, finger)| {
-            let before = before.and_then(|before| before.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
+            let before =
+                before.as_ref().and_then(|before| before.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
             [finger.q11_rad, finger.q21_rad, before + turned(finger.q22_rad - before)]
         });
         // Beside angles places count in lengths.
