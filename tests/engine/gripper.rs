@@ -1,5 +1,6 @@
 //! Grippers in both models, held to each other and to an independent program.
 
+use phalanx::criteria::{GraspCriteria, GraspTracker};
 use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Place, Preset, Side, Stepping};
 use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
 
@@ -98,6 +99,36 @@ fn touches_and_impulses_are_those_of_an_independent_program() {
                 let off = (found - wanted).abs() / wanted.max(0.02);
                 assert!(off < part, "{} {}: impulse {place} {found}, not {wanted}", model.name(), anchor.name);
             }
+        }
+    }
+}
+
+/// First touches agree to a microsecond. When a contact that an impact has thrown off presses again is off by up to 8 µs (case f), how
+/// long it was off, over several impacts, by up to 11 µs (case c).
+#[test]
+fn criteria_of_a_grasp_are_those_of_the_analytic_model() {
+    for anchor in anchors() {
+        let judged = |model| -> GraspCriteria {
+            let mut tracker = GraspTracker::new(anchor.scene.object.radius_m);
+            run_gripper(model, &anchor.scene, &mut tracker).expect("a run to its end");
+            tracker.criteria().expect("samples")
+        };
+        let [exact, engine] = [Model::Analytic, Model::Engine].map(judged);
+        assert_eq!(exact.fate, engine.fate, "{}", anchor.name);
+        let near = |a: Option<f64>, b: Option<f64>, within: f64, what: &str| match (a, b) {
+            (Some(a), Some(b)) => assert!((a - b).abs() < within, "{}: {what} {a} and {b}", anchor.name),
+            _ => assert_eq!(a, b, "{}: {what}", anchor.name),
+        };
+        near(exact.grasped_s, engine.grasped_s, 1e-6, "grasped");
+        near(exact.tts_s, engine.tts_s, 1e-5, "stable");
+        near(exact.offset_ratio(), engine.offset_ratio(), 1e-3, "offset");
+        let [slip, other] = [&exact, &engine].map(|found| found.slip.expect("a grasp"));
+        near(Some(slip.displacement_m), Some(other.displacement_m), 1e-6, "slip");
+        near(Some(slip.rotation_rad), Some(other.rotation_rad), 1e-4, "rotation");
+        for (a, b) in exact.contacts.iter().zip(&engine.contacts) {
+            near(a.first_touch_s, b.first_touch_s, 1e-6, &a.place.name());
+            near(a.presses_since_s, b.presses_since_s, 1e-5, &a.place.name());
+            near(Some(a.lost_s), Some(b.lost_s), 2e-5, &a.place.name());
         }
     }
 }
