@@ -9,6 +9,7 @@
 
 mod answer;
 mod browser;
+mod capture;
 mod completions;
 mod folder;
 mod interrupt;
@@ -115,6 +116,7 @@ enum Command {
                       schema > scene.schema.json"
     )]
     Scene(scene::SceneCommand),
+    Capture(capture::CaptureArgs),
     Size(size::SizeArgs),
     Statics(statics::StaticsArgs),
     Volume(volume::VolumeArgs),
@@ -179,6 +181,7 @@ pub fn main() -> ExitCode {
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
+        Command::Capture(args) => capture::run(args),
         Command::Size(args) => size::run(args),
         Command::Statics(args) => statics::run(args),
         Command::Volume(args) => volume::run(args),

@@ -32,6 +32,12 @@ impl SetArgs {
         scene::parse_layers(&[own], &self.set, scene::parse_any)
     }
 
+    /// These fields, and then others: lines of a scene.
+    pub fn and(&self, more: &[String]) -> Self {
+        let more = more.iter().map(|text| Layer { file: "the study".to_string(), text: text.clone() });
+        SetArgs { set: self.set.iter().cloned().chain(more).collect() }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.set.is_empty()
     }

@@ -4,12 +4,13 @@
 //! |---|---|
 //! | `axis` | ranges and ticks, linear and logarithmic |
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
+//! | `capture` | where an object ends, over where it lay |
 //! | `closings` | angles of closings over time |
 //! | `dark` | the same colours for a dark ground |
 //! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
-//! | `overlay` | two runs over time |
+//! | `overlay`, `overlay_gripper` | two runs over time |
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
@@ -21,6 +22,7 @@
 
 mod axis;
 mod canvas;
+mod capture;
 mod closings;
 pub mod colours;
 mod curve;
@@ -38,6 +40,7 @@ mod step_size;
 mod volume;
 
 pub use canvas::{DrawError, PICTURE_MARK};
+pub use capture::capture;
 pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, difference, difference_of, paths_apart, touches};
 pub use grasp::grasp;

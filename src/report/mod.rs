@@ -1,5 +1,6 @@
 //! What a run is reported as: one document of plain figures, printed for people or as JSON.
 
+mod capture;
 mod check;
 mod contacts;
 mod csv;
@@ -22,6 +23,7 @@ mod validation;
 mod volume;
 mod volume_points;
 
+pub use capture::{CaptureReport, PlaceReport as CapturePlaceReport, capture_csv, capture_json, capture_text};
 pub use check::RunCheckReport;
 pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 pub use discs::DiscReport;

@@ -2,6 +2,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `capture` | which positioning errors a gripper captures |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
@@ -11,6 +12,7 @@
 //! | `sweep` | a scene again and again, with other values in some of its fields |
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
+pub mod capture;
 pub mod grasp;
 mod pool;
 pub mod reproduce;

@@ -110,7 +110,7 @@ fn criteria_of_a_grasp_are_those_of_the_analytic_model() {
     for anchor in anchors() {
         let judged = |model| -> GraspCriteria {
             let mut tracker = GraspTracker::new(anchor.scene.object.radius_m);
-            run_gripper(model, &anchor.scene, &mut tracker).expect("a run to its end");
+            run(model, &anchor.scene, &mut tracker).expect("a run to its end");
             tracker.criteria().expect("samples")
         };
         let [exact, engine] = [Model::Analytic, Model::Engine].map(judged);
