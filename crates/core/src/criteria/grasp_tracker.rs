@@ -1,7 +1,8 @@
 //! The criteria of a gripper found while a run streams by.
 
-use super::grasp::{ContactCriteria, Fate, GraspCriteria, Travel};
+use super::grasp::{ContactCriteria, Fate, GraspCriteria};
 use super::hermite::Hermite;
+use super::history::{History, Onset, Pose};
 use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
 use crate::scene::Place;
@@ -34,50 +35,6 @@ struct Found {
     ejected_s: Option<f64>,
 }
 
-/// One contact.
-#[derive(Clone, Copy, Debug, Default)]
-struct History {
-    first_touch_s: Option<f64>,
-    /// Since it presses without a break. Which contact of those that press at the end is the last is known only then, so that every one
-    /// watches how far the object goes.
-    presses: Option<Onset>,
-    has_pressed: bool,
-    times_lost: u32,
-    lost_s: f64,
-}
-
-/// An instant, where the object was, and how far it has got since.
-#[derive(Clone, Copy, Debug)]
-struct Onset {
-    time_s: f64,
-    pose: Pose,
-    travel: Travel,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Pose {
-    centre_m: [f64; 2],
-    angle_rad: f64,
-}
-
-impl Pose {
-    fn distance(&self, [x, y]: [f64; 2]) -> f64 {
-        (self.centre_m[0] - x).hypot(self.centre_m[1] - y)
-    }
-}
-
-impl Onset {
-    fn new(time_s: f64, pose: Pose) -> Self {
-        Onset { time_s, pose, travel: Travel::default() }
-    }
-
-    fn reach(&mut self, pose: &Pose) {
-        let Travel { displacement_m, rotation_rad } = &mut self.travel;
-        *displacement_m = displacement_m.max(pose.distance(self.pose.centre_m));
-        *rotation_rad = rotation_rad.max((pose.angle_rad - self.pose.angle_rad).abs());
-    }
-}
-
 impl Found {
     fn fate(&self) -> Fate {
         match (self.ejected_s, self.grasped, self.dropped_s) {
@@ -85,21 +42,6 @@ impl Found {
             (None, None, _) => Fate::NotGrasped,
             (None, Some(_), Some(since_s)) => Fate::Dropped { since_s },
             (None, Some(_), None) => Fate::Held,
-        }
-    }
-}
-
-impl History {
-    fn judge(&mut self, (touched, pressing): (bool, bool), [from_s, to_s]: [f64; 2], [from, to]: &[Pose; 2]) {
-        if touched {
-            self.first_touch_s.get_or_insert(from_s);
-        }
-        if pressing {
-            self.has_pressed = true;
-            self.presses.get_or_insert(Onset::new(from_s, *from)).reach(to);
-        } else if self.has_pressed {
-            self.times_lost += u32::from(self.presses.take().is_some());
-            self.lost_s += to_s - from_s;
         }
     }
 }

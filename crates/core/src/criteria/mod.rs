@@ -21,6 +21,7 @@ mod formula;
 mod grasp;
 mod grasp_tracker;
 mod hermite;
+mod history;
 mod pieces;
 mod pressing;
 mod rebounds;

@@ -101,8 +101,8 @@ impl<R: Copy + Into<Kind>> Unilateral<R> {
     }
 
     /// The same constraints by other names.
-    pub fn named<S>(&self, name: impl Fn(R) -> S) -> Unilateral<S> {
-        let Self { rows, unknowns, matrix, scale } = self.clone();
+    pub fn named<S>(self, name: impl Fn(R) -> S) -> Unilateral<S> {
+        let Self { rows, unknowns, matrix, scale } = self;
         Unilateral { rows: rows.into_iter().map(name).collect(), unknowns, matrix, scale }
     }
 
@@ -128,7 +128,7 @@ impl<R: Copy + Into<Kind>> Unilateral<R> {
 /// * Palm: the object does not go into it.
 ///
 /// # Errors
-/// The singular postures of [`at_rest`].
+/// The singular postures of [`at_rest`](super::at_rest).
 pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral, StaticsError> {
     let mut unknowns = vec![Unknown::ObjectX, Unknown::ObjectY];
     let mut scale = vec![1.0, 1.0];
