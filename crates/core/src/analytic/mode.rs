@@ -195,6 +195,30 @@ impl<const S: usize> Mode<S> {
         mode
     }
 
+    /// Whether a site has no branch that could end.
+    #[inline(always)]
+    pub fn is_left_alone(&self, site: usize) -> bool {
+        self.sites[site] == SiteState::Natural && self.slips[site] == FrictionRange::Any
+    }
+
+    /// One guard, whose site is as `at` says, without its strain.
+    #[inline(always)]
+    pub fn guard<const N: usize>(
+        &self,
+        guard: usize,
+        (law, friction): (&NormalLaw, Option<&FrictionLaw>),
+        landing: &Landing,
+        at: &Contact<N>,
+    ) -> Guard<N> {
+        let site = guard % S;
+        match (guard / S, friction) {
+            (0, _) => self.normal_guard(site, law, landing, at, &Press::of(law, at)),
+            (1, Some(friction)) => self.slip_guard(site, friction, at, &Press::default()),
+            (1, None) => Guard::QUIET,
+            _ => self.damper_guard(site, law, at),
+        }
+    }
+
     /// Guard of the normal law of a site.
     #[inline(always)]
     pub fn normal_guard<const N: usize>(

@@ -6,7 +6,7 @@ use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, Settled, System, Tolerances, Watch};
-use crate::law::{FrictionRange, NormalLaw, damping};
+use crate::law::{NormalLaw, damping};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_corner;
 
@@ -33,7 +33,7 @@ impl Model {
         Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), row, tangent })
     }
 
-    /// The wanted guards of a state; a slip's strain is whole only beside its normal law's guard.
+    /// All guards of a state.
     #[inline(always)]
     fn guards(
         &self,
@@ -41,31 +41,33 @@ impl Model {
         rates: &PassiveRates<f64>,
         v: &[f64; 2],
         mode: &Mode,
-        wanted: &[bool; GUARDS],
     ) -> [Guard<2>; GUARDS] {
         const SITES: usize = Site::ALL.len();
         let mut guards = [Guard::QUIET; GUARDS];
         for site in Site::ALL {
             let index = site as usize;
-            let asked = wanted[index] || wanted[index + SITES] || wanted[index + 2 * SITES];
-            if !asked || mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
+            if mode.is_left_alone(index) {
                 continue;
             }
             let Some((at, law)) = self.contact(pose, rates, v, site).zip(self.finger.normal_law(site)) else {
                 continue;
             };
-            let press = if wanted[index] { Press::of(law, &at) } else { Press::default() };
-            if wanted[index] {
-                guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
-            }
-            if wanted[index + 2 * SITES] {
-                guards[index + 2 * SITES] = mode.damper_guard(index, law, &at);
-            }
-            if let Some(friction) = self.finger.friction_law(site).filter(|_| wanted[index + SITES]) {
+            let press = Press::of(law, &at);
+            guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
+            guards[index + 2 * SITES] = mode.damper_guard(index, law, &at);
+            if let Some(friction) = self.finger.friction_law(site) {
                 guards[index + SITES] = mode.slip_guard(index, friction, &at, &press);
             }
         }
         guards
+    }
+
+    /// One guard without its strain.
+    #[inline(always)]
+    fn guard(&self, place: &(Directions<f64>, PassiveRates<f64>), v: &[f64; 2], mode: &Mode, guard: usize) -> Guard<2> {
+        let (site, (pose, rates)) = (site_of(guard), place);
+        let at = self.contact(pose, rates, v, site).zip(self.finger.normal_law(site));
+        at.map_or(Guard::QUIET, |(at, law)| mode.guard(guard, (law, self.finger.friction_law(site)), &LANDING, &at))
     }
 }
 
@@ -139,7 +141,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         let (pose, rates) = self.finger.place(*q);
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(&rates, *v);
-        let guards = self.guards(&pose, &rates, v, mode, &[true; GUARDS]);
+        let guards = self.guards(&pose, &rates, v, mode);
         Watch {
             guards,
             clearance: sine.abs() - SINGULAR_SINE,
@@ -148,9 +150,14 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 
     #[inline(always)]
-    fn glance(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, wanted: &[bool; GUARDS]) -> [Guard<2>; GUARDS] {
-        let (pose, rates) = self.finger.place(*q);
-        self.guards(&pose, &rates, v, mode, wanted)
+    fn glance(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, guard: usize) -> Guard<2> {
+        self.guard(&self.finger.place(*q), v, mode, guard)
+    }
+
+    #[inline(always)]
+    fn values(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
+        let place = self.finger.place(*q);
+        std::array::from_fn(|guard| if wanted[guard] { self.guard(&place, v, mode, guard).value } else { f64::NAN })
     }
 
     fn landing_tolerance(&self, guard: usize, mode: &Mode) -> f64 {

@@ -34,25 +34,24 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     let dense = dense();
     let guard = |theta: f64, site: usize| {
         let state = dense.at(theta);
-        let alone = std::array::from_fn(|other| other == site);
-        system.glance(&state.q, &state.v, mode, &alone)[site]
+        system.glance(&state.q, &state.v, mode, site)
     };
     // Of all suspects at once: most steps ask no more.
-    let thirds = OnceCell::new();
-    let at_thirds = |site: usize| {
-        let guards = thirds.get_or_init(|| {
-            THIRDS.map(|theta| {
-                let state = dense.at(theta);
-                system.glance(&state.q, &state.v, mode, &suspects)
-            })
-        });
-        [guards[0][site].value, guards[1][site].value]
+    let values = |theta: f64, wanted: &[bool; S]| {
+        let state = dense.at(theta);
+        system.values(&state.q, &state.v, mode, wanted)
     };
+    let looks: [Look; S] = std::array::from_fn(|site| look(&start[site], &end[site]));
+    let gaps = || std::array::from_fn(|site| suspects[site] && looks[site] == Look::Gap);
+    let (half_way, thirds) = (OnceCell::new(), OnceCell::new());
+    let at_half = |site: usize| half_way.get_or_init(|| values(0.5, &gaps()))[site];
+    let at_thirds =
+        |site: usize| thirds.get_or_init(|| THIRDS.map(|theta| values(theta, &suspects))).map(|at: [f64; S]| at[site]);
     let mut first: Option<Crossing> = None;
     for site in (0..S).filter(|site| suspects[*site]) {
         let value = |theta: f64| guard(theta, site).value;
         let over = end[site].value < 0.0;
-        let bracket = match look(&start[site], &end[site]) {
+        let bracket = match looks[site] {
             Look::End => over.then_some((0.0, 1.0)),
             Look::Smooth | Look::Fading if !over && !bends(start[site].value, end[site].value, at_thirds(site)) => None,
             Look::Inside | Look::Smooth | Look::Fading => {
@@ -60,7 +59,7 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
                     (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
                 first_dip(start[site].value, end[site].value, parting, value)
             }
-            Look::Gap if value(0.5) < 0.0 => Some((0.0, 0.5)),
+            Look::Gap if at_half(site) < 0.0 => Some((0.0, 0.5)),
             Look::Gap if over => Some((0.5, 1.0)),
             Look::Gap if start[site].rate < 0.0 && end[site].rate > 0.0 => {
                 let lowest = lowest_point(|theta| guard(theta, site).rate);

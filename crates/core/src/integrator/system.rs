@@ -126,10 +126,16 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
 
     fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Watch<N, S>;
 
-    /// The wanted guards as [`Hybrid::watch`] has them, but for their strain: looks within a step, several in most, ask no more.
+    /// One guard as [`Hybrid::watch`] has it, but for its strain: looks within a step, several in most, ask no more.
     #[inline(always)]
-    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _wanted: &[bool; S]) -> [Guard<N>; S] {
-        self.watch(q, v, mode).guards
+    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, guard: usize) -> Guard<N> {
+        self.watch(q, v, mode).guards[guard]
+    }
+
+    /// Values of the wanted guards, of others anything.
+    #[inline(always)]
+    fn values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _wanted: &[bool; S]) -> [f64; S] {
+        self.watch(q, v, mode).guards.map(|guard| guard.value)
     }
 
     /// How near to zero a guard must be for its event to be taken.

@@ -311,25 +311,36 @@ impl Touch<Dual<4>, 5> {
 }
 
 impl<const N: usize> GripperModel<N> {
-    /// Poses of both fingers with their passive rates.
+    /// Pose of a finger with its passive rates.
     #[inline(always)]
-    pub(super) fn places(&self, q: &[f64; N]) -> Places {
-        Side::BOTH.map(|side| self.fingers[side as usize].place(Self::own(side, q)))
+    pub(super) fn posture(&self, side: Side, q: &[f64; N]) -> Posture {
+        self.fingers[side as usize].place(Self::own(side, q))
+    }
+
+    /// Those of both.
+    #[inline(always)]
+    pub(super) fn postures(&self, q: &[f64; N]) -> [Posture; 2] {
+        Side::BOTH.map(|side| self.posture(side, q))
     }
 
     /// A contact at any place with plain numbers, its rows among all coordinates; `None` where the scene has no such contact.
     #[inline(always)]
-    pub(super) fn touch(&self, q: &[f64; N], places: &Places, place: Place) -> Option<Touch<f64, N>> {
+    pub(super) fn touch(
+        &self,
+        q: &[f64; N],
+        posture: impl FnOnce(Side) -> Posture,
+        place: Place,
+    ) -> Option<Touch<f64, N>> {
         self.normal_law(place)?;
         let [x, y, _] = self.object_of(q);
         match place {
             Place::Finger(side, site) => {
-                let (finger, (pose, rates)) = (&self.fingers[side as usize], &places[side as usize]);
+                let (finger, (pose, rates)) = (&self.fingers[side as usize], posture(side));
                 if site == Site::Limit {
-                    return Some(spread(&touch::limit(&finger.limit_geometry(pose, rates)), &of_finger(side)));
+                    return Some(spread(&touch::limit(&finger.limit_geometry(&pose, &rates)), &of_finger(side)));
                 }
                 let centre = self.in_finger(side, [x, y]);
-                Some(spread(&self.phalanx(finger, (pose, rates), site, centre), &of_phalanx(side)))
+                Some(spread(&self.phalanx(finger, (&pose, &rates), site, centre), &of_phalanx(side)))
             }
             Place::Palm | Place::Table => {
                 let touch = touch::plane(self.plane(place)?, [x, y], self.object.radius);
@@ -339,8 +350,8 @@ impl<const N: usize> GripperModel<N> {
     }
 }
 
-/// Poses of both fingers with their passive rates.
-pub(super) type Places = [(Directions<f64>, PassiveRates<f64>); 2];
+/// Pose of a finger with its passive rates.
+pub(super) type Posture = (Directions<f64>, PassiveRates<f64>);
 
 /// Rows of a part as rows of all coordinates.
 #[inline(always)]

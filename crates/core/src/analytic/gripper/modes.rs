@@ -1,6 +1,8 @@
 //! Where the branches of the contacts change.
 
-use super::forces::Places;
+use std::cell::OnceCell;
+
+use super::forces::Posture;
 use super::model::GripperModel;
 use super::{GUARDS, GripperMode, PLACES, QUADRATURES, first_step};
 use crate::analytic::SiteState;
@@ -8,7 +10,6 @@ use crate::analytic::mode::{Contact, Landing, Press, along};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{Guard, Hybrid, System, Watch};
-use crate::law::FrictionRange;
 use crate::numeric::plane::{cross, dot};
 use crate::scene::{Place, Side};
 
@@ -18,8 +19,13 @@ const LANDING: Landing = Landing { depth_share: 1e-5, force: 1e-6 };
 impl<const N: usize> GripperModel<N> {
     /// What a guard asks of a place; `None` where the scene has no such contact.
     #[inline(always)]
-    fn contact(&self, q: &[f64; N], v: &[f64; N], places: &Places, place: Place) -> Option<Contact<N>> {
-        let touch = self.touch(q, places, place)?;
+    fn contact(
+        &self,
+        (q, v): (&[f64; N], &[f64; N]),
+        posture: impl FnOnce(Side) -> Posture,
+        place: Place,
+    ) -> Option<Contact<N>> {
+        let touch = self.touch(q, posture, place)?;
         Some(Contact {
             delta: -touch.gap,
             rate: -along(&touch.normal_row, v),
@@ -30,32 +36,36 @@ impl<const N: usize> GripperModel<N> {
     }
 
     #[inline(always)]
-    fn guards(
-        &self,
-        (q, v): (&[f64; N], &[f64; N]),
-        places: &Places,
-        mode: &GripperMode,
-        wanted: &[bool; GUARDS],
-    ) -> [Guard<N>; GUARDS] {
+    fn guards(&self, state: (&[f64; N], &[f64; N]), postures: &[Posture; 2], mode: &GripperMode) -> [Guard<N>; GUARDS] {
         let mut guards = [Guard::QUIET; GUARDS];
         for (index, place) in Place::ALL.into_iter().enumerate() {
-            let asked = wanted[index] || wanted[index + PLACES] || wanted[index + 2 * PLACES];
-            if !asked || mode[index] == SiteState::Natural && mode.slips[index] == FrictionRange::Any {
+            if mode.is_left_alone(index) {
                 continue;
             }
-            let Some((at, law)) = self.contact(q, v, places, place).zip(self.normal_law(place)) else { continue };
-            let press = if wanted[index] { Press::of(law, &at) } else { Press::default() };
-            if wanted[index] {
-                guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
-            }
-            if wanted[index + 2 * PLACES] {
-                guards[index + 2 * PLACES] = mode.damper_guard(index, law, &at);
-            }
-            if let Some(friction) = self.friction_law(place).filter(|_| wanted[index + PLACES]) {
+            let at = self.contact(state, |side| postures[side as usize], place);
+            let Some((at, law)) = at.zip(self.normal_law(place)) else { continue };
+            let press = Press::of(law, &at);
+            guards[index] = mode.normal_guard(index, law, &LANDING, &at, &press);
+            guards[index + 2 * PLACES] = mode.damper_guard(index, law, &at);
+            if let Some(friction) = self.friction_law(place) {
                 guards[index + PLACES] = mode.slip_guard(index, friction, &at, &press);
             }
         }
         guards
+    }
+
+    /// One guard without its strain, and without the finger that it is not about.
+    #[inline(always)]
+    fn guard(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        posture: impl FnOnce(Side) -> Posture,
+        mode: &GripperMode,
+        guard: usize,
+    ) -> Guard<N> {
+        let place = Place::ALL[guard % PLACES];
+        let at = self.contact(state, posture, place).zip(self.normal_law(place));
+        at.map_or(Guard::QUIET, |(at, law)| mode.guard(guard, (law, self.friction_law(place)), &LANDING, &at))
     }
 
     /// How easily a contact's surfaces part: row · M⁻¹ rowᵀ.
@@ -71,10 +81,10 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
 
     #[inline(always)]
     fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &GripperMode) -> Watch<N, GUARDS> {
-        let places = self.places(q);
-        let guards = self.guards((q, v), &places, mode, &[true; GUARDS]);
+        let postures = self.postures(q);
+        let guards = self.guards((q, v), &postures, mode);
         let folds = Side::BOTH.map(|side| {
-            let (pose, rates) = &places[side as usize];
+            let (pose, rates) = &postures[side as usize];
             let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
             let [_, _, rate3, rate4] = absolute_rates(rates, Self::own(side, v));
             (sine.abs() - SINGULAR_SINE, sine.signum() * cosine * (rate4 - rate3))
@@ -86,8 +96,17 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
     }
 
     #[inline(always)]
-    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &GripperMode, wanted: &[bool; GUARDS]) -> [Guard<N>; GUARDS] {
-        self.guards((q, v), &self.places(q), mode, wanted)
+    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &GripperMode, guard: usize) -> Guard<N> {
+        self.guard((q, v), |side| self.posture(side, q), mode, guard)
+    }
+
+    #[inline(always)]
+    fn values(&self, q: &[f64; N], v: &[f64; N], mode: &GripperMode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
+        let postures = [OnceCell::new(), OnceCell::new()];
+        let posture = |side: Side| *postures[side as usize].get_or_init(|| self.posture(side, q));
+        std::array::from_fn(
+            |guard| if wanted[guard] { self.guard((q, v), posture, mode, guard).value } else { f64::NAN },
+        )
     }
 
     fn landing_tolerance(&self, guard: usize, mode: &GripperMode) -> f64 {
@@ -98,7 +117,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
 
     fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &GripperMode) -> GripperMode {
         let place = Place::ALL[guard % PLACES];
-        let at = self.contact(q, v, &self.places(q), place).zip(self.normal_law(place));
+        let at = self.contact((q, v), |side| self.posture(side, q), place).zip(self.normal_law(place));
         at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.friction_law(place), &at))
     }
 
@@ -115,10 +134,10 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
     }
 
     fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> GripperMode {
-        let places = self.places(q);
+        let postures = self.postures(q);
         let at = |index: usize| {
             let place = Place::ALL[index];
-            let (at, law) = self.contact(q, v, &places, place).zip(self.normal_law(place))?;
+            let (at, law) = self.contact((q, v), |side| postures[side as usize], place).zip(self.normal_law(place))?;
             Some((at, law, self.friction_law(place)))
         };
         GripperMode::read(&LANDING, at, |mode| self.rates(t, q, v, mode).a)
@@ -130,7 +149,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
             return None;
         }
         let place = Place::ALL[place];
-        let (at, law) = self.contact(q, v, &self.places(q), place).zip(self.normal_law(place))?;
+        let (at, law) = self.contact((q, v), |side| self.posture(side, q), place).zip(self.normal_law(place))?;
         let mobility = self.mobility(q, &at.row);
         // A fixed object on a plane: nothing moves.
         (mobility > 0.0).then(|| first_step(law, at.rate.abs(), 1.0 / mobility))
@@ -138,7 +157,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
 
     fn obstacle(&self, q: &[f64; N]) -> String {
         let near = Side::BOTH.map(|side| {
-            let (pose, _) = self.fingers[side as usize].place(Self::own(side, q));
+            let (pose, _) = self.posture(side, q);
             cross(pose.e3, pose.e4).abs()
         });
         let side = if near[0] > near[1] || near[1].is_nan() { Side::Left } else { Side::Right };

@@ -35,7 +35,7 @@ impl<const N: usize> GripperModel<N> {
     /// Slip and friction are along the normal turned counter-clockwise, of a left phalanx too: of two that do the same in their mirror,
     /// signs differ.
     pub fn reading(&self, q: &[f64; N], v: &[f64; N], place: Place, state: SiteState) -> Option<SiteReading> {
-        let touch = self.touch(q, &self.places(q), place)?;
+        let touch = self.touch(q, |side| self.posture(side, q), place)?;
         let law = self.normal_law(place)?;
         let (delta, delta_rate, slip) = (-touch.gap, -along(&touch.normal_row, v), along(&touch.tangent_row, v));
         let normal = branch(law, state, delta, delta_rate).force.max(0.0);
@@ -77,9 +77,9 @@ impl<const N: usize> GripperModel<N> {
         if N > FINGERS {
             energies.gravity -= self.object.mass * dot(self.object.gravity, [q[FINGERS], q[FINGERS + 1]]);
         }
-        let places = [0, 1].map(|side: usize| (fingers[side].pose, fingers[side].rates));
+        let posture = |side: Side| (fingers[side as usize].pose, fingers[side as usize].rates);
         for place in Place::ALL {
-            let Some((touch, law)) = self.touch(q, &places, place).zip(self.normal_law(place)) else { continue };
+            let Some((touch, law)) = self.touch(q, posture, place).zip(self.normal_law(place)) else { continue };
             energies.elastic += elastic_energy(law, -touch.gap);
         }
         energies
