@@ -6,8 +6,8 @@ use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_r
 use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, Finger, Site, Spring};
 use crate::law::{FrictionLaw, NormalLaw};
-use crate::numeric::Real;
 use crate::numeric::plane::{Vector, angle_between, opening_angle, rotate};
+use crate::numeric::{Dual, Real};
 use crate::scene::{Contacts, Initial};
 
 /// A finger with everything that does not change in time worked out.
@@ -110,6 +110,21 @@ impl FingerModel {
         let Some(spring) = &self.spring else { return load };
         let force = spring.generalised_force(&terms.pose, &terms.rates);
         [load[0] + force[0], load[1] + force[1]]
+    }
+
+    /// [`FingerModel::load`] without its motor: with derivatives by both angles, and apart from those by both rates, of which it has squares only.
+    #[inline(always)]
+    pub(super) fn load_with_slopes(&self, terms: &Terms<Dual<2>>, v: [f64; 2]) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
+        let turning = |row: [Dual<2>; 2]| row[0] * v[0] + row[1] * v[1];
+        let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], v.map(Dual::constant));
+        let rates = [first, second, turning(a3), turning(a4)];
+        let c = bias(terms, rates);
+        let by_rates = terms.quadratic.map(|row| {
+            let slope: [f64; 4] = std::array::from_fn(|k| -2.0 * row[k].value * rates[k].value);
+            std::array::from_fn(|j| slope[j] + (slope[2] * a3[j].value + slope[3] * a4[j].value))
+        });
+        let force = self.spring.as_ref().map_or([Dual::zero(); 2], |s| s.generalised_force(&terms.pose, &terms.rates));
+        ([force[0] - c[0], force[1] - c[1]], by_rates)
     }
 
     /// Gravity's and the spring's energy in a pose, J.

@@ -230,22 +230,36 @@ impl Geometry<Dual<2>> {
     }
 }
 
+impl Directions<Dual<2>> {
+    #[inline(always)]
+    pub(super) fn widen(&self) -> Directions<Dual<4>> {
+        let Directions { e1, e2, e3, e4 } = *self;
+        Directions {
+            e1: e1.map(Dual::widen),
+            e2: e2.map(Dual::widen),
+            e3: e3.map(Dual::widen),
+            e4: e4.map(Dual::widen),
+        }
+    }
+}
+
+impl PassiveRates<Dual<2>> {
+    #[inline(always)]
+    pub(super) fn widen(&self) -> PassiveRates<Dual<4>> {
+        PassiveRates {
+            a3: self.a3.map(Dual::widen),
+            a4: self.a4.map(Dual::widen),
+            inverse_sine: self.inverse_sine.widen(),
+        }
+    }
+}
+
 impl Terms<Dual<2>> {
     #[inline(always)]
-    pub(super) fn widen(&self) -> Terms<Dual<4>> {
-        let Directions { e1, e2, e3, e4 } = self.pose;
+    fn widen(&self) -> Terms<Dual<4>> {
         Terms {
-            pose: Directions {
-                e1: e1.map(Dual::widen),
-                e2: e2.map(Dual::widen),
-                e3: e3.map(Dual::widen),
-                e4: e4.map(Dual::widen),
-            },
-            rates: PassiveRates {
-                a3: self.rates.a3.map(Dual::widen),
-                a4: self.rates.a4.map(Dual::widen),
-                inverse_sine: self.rates.inverse_sine.widen(),
-            },
+            pose: self.pose.widen(),
+            rates: self.rates.widen(),
             mass: self.mass.map(Dual::widen),
             quadratic: self.quadratic.map(|row| row.map(Dual::widen)),
             gravity: self.gravity.map(Dual::widen),

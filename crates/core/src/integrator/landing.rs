@@ -67,11 +67,14 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
             }
             Look::Gap => None,
         };
-        if let Some((low, high)) = bracket {
-            let theta = root(value, low, high);
-            if first.is_none_or(|f| theta < f.theta) {
-                first = Some(Crossing { site, theta, beyond: high });
-            }
+        let Some((low, high)) = bracket else { continue };
+        // Where another guard has given way this one still holds: it is later, by however much.
+        if first.is_some_and(|f| f.theta < high && value(f.theta * (1.0 - SAME)) >= 0.0) {
+            continue;
+        }
+        let theta = root(value, low, high);
+        if first.is_none_or(|f| theta < f.theta) {
+            first = Some(Crossing { site, theta, beyond: high });
         }
     }
     first
@@ -104,6 +107,9 @@ fn loses_depth<const N: usize>(start: &Guard<N>, end: &Guard<N>) -> bool {
 
 /// Points at which a value without a rate is looked at within a step, its ends included.
 const LOOKS: usize = 9;
+
+/// Crossings nearer to each other than this part of their place in a step are one.
+const SAME: f64 = 1e-9;
 
 const THIRDS: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 

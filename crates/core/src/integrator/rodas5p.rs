@@ -42,6 +42,9 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
         let Origin { system, mode, linearised: lin, tolerances, t, latest, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
         let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
+        // What nothing feeds in this mode has no derivatives: most quadratures of a gripper.
+        let is_fed = |m: usize| lin.g_q[m].iter().chain(&lin.g_v[m]).any(|slope| *slope != 0.0);
+        let fed: [bool; Z] = std::array::from_fn(is_fed);
         let k = &mut self.k;
         let mut stage = *from;
         for i in 0..STAGES {
@@ -85,8 +88,10 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
             let (q, v) = solver.solve(r_q, r_v);
             let mut z = r_z;
             for m in 0..Z {
-                for n in 0..N {
-                    z[m] += lin.g_q[m][n] * q[n] + lin.g_v[m][n] * v[n];
+                if fed[m] {
+                    for n in 0..N {
+                        z[m] += lin.g_q[m][n] * q[n] + lin.g_v[m][n] * v[n];
+                    }
                 }
                 z[m] *= h * GAMMA;
             }

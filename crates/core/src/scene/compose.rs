@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::SceneError;
 use super::error::Problem;
+use super::over::{EITHER, KINDS};
 use super::text::syntax;
 
 /// One of the texts of a scene, and what messages call it.
@@ -19,10 +20,6 @@ pub struct Layer {
     pub text: String,
 }
 
-/// Keys that say what kind of thing a section is: with another kind its other keys have no meaning.
-pub const KINDS: [&str; 2] = ["type", "profile"];
-/// Sections that say the same thing in two ways.
-pub const EITHER: [(&str, &str); 2] = [("design", "lengths"), ("lengths", "design")];
 /// Keys that belong to a file, and not to what extends it.
 const OWN: [&str; 2] = ["name", "description"];
 /// The key that names the scene a scene extends.

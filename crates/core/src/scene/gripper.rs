@@ -136,6 +136,16 @@ impl Place {
         matches!(self, Place::Finger(_, Site::Limit))
     }
 
+    /// Where it is in [`Place::ALL`].
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        match self {
+            Place::Finger(side, site) => Site::ALL.len() * side as usize + site as usize,
+            Place::Palm => 6,
+            Place::Table => 7,
+        }
+    }
+
     /// Name in reports, keys and topics: `right_distal`, `palm`.
     pub fn name(self) -> String {
         match self {

@@ -5,6 +5,7 @@
 //! | `raw`, `raw_bodies`, `raw_gripper` | the file as it is written, of each kind; source of the JSON Schema |
 //! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
 //! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
+//! | `over` | what gives way where one part goes over another |
 //! | `text`, `keys` | text → raw, unknown keys |
 //! | `check`, `error`, `suggest` | collecting and showing what is wrong |
 //! | `table` | settings: every key with its kind, default, range and use |
@@ -25,6 +26,7 @@ pub mod error;
 mod gripper;
 pub mod keys;
 pub mod kinds;
+mod over;
 mod raw;
 mod raw_bodies;
 mod raw_gripper;

@@ -9,9 +9,9 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-use super::compose::{EITHER, KINDS};
 use super::entry::{Entry, Section};
 use super::kinds::{Acceleration, Choice, Flag, Length, Pair, Text, Time};
+use super::over::{EITHER, KINDS};
 use super::raw::RawScene;
 use super::table::bounds::GripperBounds;
 use super::table::drive::BoughtMotor;

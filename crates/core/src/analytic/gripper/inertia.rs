@@ -57,26 +57,39 @@ impl Inverse {
     /// M⁻¹ load.
     #[inline(always)]
     pub fn solve<const N: usize>(&self, load: &[f64; N]) -> [f64; N] {
-        let mut a = [0.0; N];
+        self.solve_columns(&load.map(|load| [load])).map(|[a]| a)
+    }
+
+    /// M⁻¹ of a matrix of loads: row by row, so that its columns are worked on side by side.
+    #[inline(always)]
+    pub fn solve_columns<const N: usize, const C: usize>(&self, loads: &[[f64; C]; N]) -> [[f64; C]; N] {
+        let mut a = [[0.0; C]; N];
         for side in 0..2 {
-            let ([m, c, n], [f, g]) = (self.fingers[side], [load[2 * side], load[2 * side + 1]]);
-            (a[2 * side], a[2 * side + 1]) = (m * f + c * g, c * f + n * g);
+            let ([m, c, n], [first, second]) = (self.fingers[side], [2 * side, 2 * side + 1]);
+            for j in 0..C {
+                let [f, g] = [loads[first][j], loads[second][j]];
+                (a[first][j], a[second][j]) = (m * f + c * g, c * f + n * g);
+            }
         }
         if self.coupling != 0.0 {
             // Each finger also feels −c times the other one's q̈11 on its own.
-            let c = self.coupling;
-            let [right, left] = [a[0], a[2]];
-            let second = (left - c * self.fingers[1][0] * right) / self.remainder;
-            let first = right - c * self.fingers[0][0] * second;
+            let (c, [right, left]) = (self.coupling, [a[0], a[2]]);
+            let alone = c * self.fingers[1][0];
+            let second: [f64; C] = std::array::from_fn(|j| (left[j] - alone * right[j]) / self.remainder);
+            let first: [f64; C] = std::array::from_fn(|j| right[j] - c * self.fingers[0][0] * second[j]);
             for (side, other) in [second, first].into_iter().enumerate() {
-                a[2 * side] -= c * self.fingers[side][0] * other;
-                a[2 * side + 1] -= c * self.fingers[side][1] * other;
+                let [m, n] = [c * self.fingers[side][0], c * self.fingers[side][1]];
+                for j in 0..C {
+                    a[2 * side][j] -= m * other[j];
+                    a[2 * side + 1][j] -= n * other[j];
+                }
             }
         }
         if N > FINGERS {
-            a[FINGERS] = load[FINGERS] * self.object[0];
-            a[FINGERS + 1] = load[FINGERS + 1] * self.object[0];
-            a[FINGERS + 2] = load[FINGERS + 2] * self.object[1];
+            let [inverse_mass, inverse_inertia] = self.object;
+            a[FINGERS] = loads[FINGERS].map(|load| load * inverse_mass);
+            a[FINGERS + 1] = loads[FINGERS + 1].map(|load| load * inverse_mass);
+            a[FINGERS + 2] = loads[FINGERS + 2].map(|load| load * inverse_inertia);
         }
         a
     }

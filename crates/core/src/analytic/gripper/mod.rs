@@ -6,17 +6,23 @@
 //! | file | job |
 //! |---|---|
 //! | `model` | what does not change in time: fingers, drives, object, planes |
-//! | `touch` | gaps and the rows that give their rates, of a phalanx or a plane against the object |
+//! | `coordinates` | which coordinates a part depends on |
+//! | `touch` | gaps and the rows that give their rates, of a phalanx or a plane against the object, and the forces there |
+//! | `contacts` | any contact in one state, in all coordinates |
 //! | `inertia` | the mass matrix by its blocks, and what solves it |
-//! | `forces` | accelerations, and their exact Jacobian put together from the blocks' own |
+//! | `forces` | accelerations |
+//! | `slopes` | their exact Jacobian, put together from that of every finger and contact |
 //! | `modes` | branches of the laws, and where they change |
 //! | `reading` | one contact, and the energies, in one state |
 
+mod contacts;
+mod coordinates;
 mod forces;
 mod inertia;
 mod model;
 mod modes;
 mod reading;
+mod slopes;
 mod touch;
 
 pub use model::{GripperModel, start};

@@ -170,7 +170,21 @@ impl<const N: usize> GripperModel<N> {
         [side.mirror() * x - self.half_palm, y]
     }
 
-    /// The other way round.
+    /// The object's centre as a finger's frame has it.
+    #[inline(always)]
+    pub(super) fn centre_in_finger(&self, side: Side, q: &[f64; N]) -> [f64; 2] {
+        let [x, y, _] = self.object_of(q);
+        self.in_finger(side, [x, y])
+    }
+
+    /// Rates of a finger and of the object as the finger's frame has them.
+    #[inline(always)]
+    pub(super) fn rates_in_finger(&self, side: Side, v: &[f64; N]) -> [f64; 5] {
+        let ([first, second], [x, y, spin]) = (Self::own(side, v), self.object_rates(v));
+        [first, second, side.mirror() * x, y, side.mirror() * spin]
+    }
+
+    /// A point of a finger's frame as G has it.
     pub(super) fn in_palm(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
         [side.mirror() * (x + self.half_palm), y]
     }

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::forces::Posture;
+use super::contacts::Posture;
 use super::model::GripperModel;
 use super::{GUARDS, GripperMode, PLACES, QUADRATURES, first_step};
 use crate::analytic::SiteState;

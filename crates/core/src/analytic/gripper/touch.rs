@@ -5,10 +5,10 @@
 
 use super::model::Plane;
 use crate::analytic::contact::Geometry;
-use crate::analytic::mode::SiteState;
+use crate::analytic::mode::{SiteState, along};
 use crate::law::{FrictionLaw, NormalLaw, friction_force, normal_over_gap};
-use crate::numeric::Real;
 use crate::numeric::plane::{Vector, add, dot, perp, scale};
+use crate::numeric::{Dual, Real};
 
 use super::branch;
 
@@ -69,24 +69,72 @@ pub struct Press<T, const K: usize> {
     pub load: [T; K],
 }
 
-/// Forces of a contact at these rates.
+/// A number with its derivatives by the P positions that a contact's place depends on, and by its K rates.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope<const P: usize, const K: usize> {
+    pub value: f64,
+    pub by_q: [f64; P],
+    pub by_v: [f64; K],
+}
+
+/// Normal force and friction of a contact, which know of nothing but its gap, the rate of that, and its slip.
 #[inline(always)]
-pub fn press<T: Real, const K: usize>(
-    touch: &Touch<T, K>,
-    v: &[T; K],
+fn forces<T: Real>(
+    [gap, gap_rate, slip]: [T; 3],
     (law, friction): (&NormalLaw, Option<&FrictionLaw>),
     state: SiteState,
-) -> Press<T, K> {
-    let rate = |row: &[T; K]| (1..K).fold(row[0] * v[0], |sum, k| sum + row[k] * v[k]);
-    let gap_rate = rate(&touch.normal_row);
-    let normal = normal_over_gap(|depth, speed| branch(law, state, depth, speed), touch.gap, gap_rate);
-    let mut power = normal * gap_rate;
-    let mut load = touch.normal_row.map(|part| part * normal);
-    if let Some(friction) = friction {
-        let slip = rate(&touch.tangent_row);
-        let tangential = friction_force(friction, slip, normal);
-        power += tangential * slip;
-        (0..K).for_each(|k| load[k] += touch.tangent_row[k] * tangential);
+) -> [T; 2] {
+    let normal = normal_over_gap(|depth, speed| branch(law, state, depth, speed), gap, gap_rate);
+    [normal, friction.map_or(T::zero(), |friction| friction_force(friction, slip, normal))]
+}
+
+/// Forces of a contact at these rates.
+#[inline(always)]
+pub fn press<const K: usize>(
+    touch: &Touch<f64, K>,
+    v: &[f64; K],
+    laws: (&NormalLaw, Option<&FrictionLaw>),
+    state: SiteState,
+) -> Press<f64, K> {
+    let (gap_rate, slip) = (along(&touch.normal_row, v), along(&touch.tangent_row, v));
+    let [normal, tangential] = forces([touch.gap, gap_rate, slip], laws, state);
+    Press {
+        normal,
+        power: normal * gap_rate + tangential * slip,
+        load: std::array::from_fn(|k| touch.normal_row[k] * normal + touch.tangent_row[k] * tangential),
     }
-    Press { normal, power, load }
+}
+
+/// The same with its derivatives: the laws' own by their three variables, of which the rows say how they depend on the rest.
+#[inline(always)]
+pub fn press_with_slopes<const P: usize, const K: usize>(
+    touch: &Touch<Dual<P>, K>,
+    v: &[f64; K],
+    laws: (&NormalLaw, Option<&FrictionLaw>),
+    state: SiteState,
+) -> Press<Slope<P, K>, K> {
+    let (normal_row, tangent_row) = (touch.normal_row.map(|part| part.value), touch.tangent_row.map(|part| part.value));
+    let rate = |row: &[Dual<P>; K]| (1..K).fold(row[0] * v[0], |sum, k| sum + row[k] * v[k]);
+    let places = [touch.gap, rate(&touch.normal_row), rate(&touch.tangent_row)];
+    let [gap, gap_rate, slip] = std::array::from_fn(|i| Dual::<3>::variable(places[i].value, i));
+    let [normal, tangential] = forces([gap, gap_rate, slip], laws, state);
+    let slope = |of: Dual<3>| Slope {
+        value: of.value,
+        by_q: std::array::from_fn(|j| (0..3).map(|i| of.grad[i] * places[i].grad[j]).sum()),
+        by_v: std::array::from_fn(|k| of.grad[1] * normal_row[k] + of.grad[2] * tangent_row[k]),
+    };
+    let (along_normal, along_tangent) = (slope(normal), slope(tangential));
+    let load = |k: usize| {
+        let (n, t) = (touch.normal_row[k], touch.tangent_row[k]);
+        Slope {
+            value: n.value * normal.value + t.value * tangential.value,
+            by_q: std::array::from_fn(|j| {
+                n.value * along_normal.by_q[j]
+                    + t.value * along_tangent.by_q[j]
+                    + (n.grad[j] * normal.value + t.grad[j] * tangential.value)
+            }),
+            by_v: std::array::from_fn(|j| n.value * along_normal.by_v[j] + t.value * along_tangent.by_v[j]),
+        }
+    };
+    Press { normal: along_normal, power: slope(normal * gap_rate + tangential * slip), load: std::array::from_fn(load) }
 }

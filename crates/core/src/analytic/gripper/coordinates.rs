@@ -1,0 +1,37 @@
+//! Which coordinates of the gripper a part of it depends on.
+
+use super::FINGERS;
+use crate::scene::Side;
+
+/// A coordinate of the gripper and the sign with which a part has it; one that is not there (of a fixed object) is beyond the last.
+pub type Where = (usize, f64);
+
+/// Coordinates of a finger.
+#[inline(always)]
+pub fn of_finger(side: Side) -> [Where; 2] {
+    let first = 2 * side as usize;
+    [(first, 1.0), (first + 1, 1.0)]
+}
+
+/// Coordinates of the object as a finger's frame has them.
+#[inline(always)]
+pub fn of_object(mirror: f64) -> [Where; 3] {
+    [(FINGERS, mirror), (FINGERS + 1, 1.0), (FINGERS + 2, mirror)]
+}
+
+/// Coordinates of a phalanx's contact.
+#[inline(always)]
+pub fn of_phalanx(side: Side) -> [Where; 5] {
+    let ([a, b], [x, y, angle]) = (of_finger(side), of_object(side.mirror()));
+    [a, b, x, y, angle]
+}
+
+/// Adds slopes of a part to those of all.
+#[inline(always)]
+pub fn scatter<const N: usize>(row: &mut [f64; N], at: &[Where], slopes: &[f64]) {
+    for ((index, sign), slope) in at.iter().zip(slopes) {
+        if *index < N {
+            row[*index] += sign * slope;
+        }
+    }
+}
