@@ -261,6 +261,72 @@ fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrator::{Linearised, Rates, State, System, Watch};
+
+    /// Something that moves evenly past marks, in no mode.
+    struct Marks([f64; 3]);
+
+    impl System<1, 0> for Marks {
+        type Mode = ();
+
+        fn rates(&self, _: f64, _: &[f64; 1], _: &[f64; 1], (): &()) -> Rates<1, 0> {
+            Rates { a: [0.0], g: [] }
+        }
+
+        fn linearise(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &()) -> Linearised<1, 0> {
+            let rates = self.rates(t, q, v, mode);
+            Linearised { rates, a_q: [[0.0]], a_v: [[0.0]], a_t: [0.0], g_q: [], g_v: [], g_t: [] }
+        }
+    }
+
+    impl Hybrid<1, 0, 3> for Marks {
+        fn next_corner(&self, _: f64) -> f64 {
+            f64::INFINITY
+        }
+
+        fn watch(&self, q: &[f64; 1], _: &[f64; 1], (): &()) -> Watch<1, 3> {
+            let guards = self.0.map(|mark| Guard { value: mark - q[0], ..Guard::QUIET });
+            Watch { guards, clearance: f64::INFINITY, clearance_rate: 0.0 }
+        }
+
+        fn landing_tolerance(&self, _: usize, (): &()) -> f64 {
+            0.0
+        }
+
+        fn switch(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &()) {}
+
+        fn relax(&self, _: &[Guard<1>; 3], (): &()) -> Option<()> {
+            None
+        }
+
+        fn with_natural(&self, _: usize, (): &()) {}
+
+        fn read_mode(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) {}
+
+        fn restart_step(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &()) -> Option<f64> {
+            None
+        }
+
+        fn obstacle(&self, _: &[f64; 1]) -> String {
+            String::new()
+        }
+    }
+
+    #[test]
+    fn the_first_of_several_crossings_is_found_whichever_comes_first_among_the_guards() {
+        let state = |q: f64| State { q: [q], v: [1.0], z: [] };
+        let (start, end, still) = (state(0.0), state(1.0), State { q: [0.0], v: [0.0], z: [] });
+        let dense = || Dense { t0: 0.0, h: 1.0, start, end, d: [still; 3] };
+        for (marks, site, theta) in
+            [([0.3, 0.6, 2.0], 0, 0.3), ([0.6, 0.3, 0.9], 1, 0.3), ([0.9, 0.6, 0.3], 2, 0.3), ([2.0, 0.7, 0.7], 1, 0.7)]
+        {
+            let system = Marks(marks);
+            let [before, after] = [&start, &end].map(|at| system.watch(&at.q, &at.v, &()).guards);
+            let first = first_crossing(&system, &(), &before, &after, 1.0, dense).expect("a crossing");
+            assert_eq!(first.site, site, "{marks:?}");
+            assert!((first.theta - theta).abs() < 1e-12, "{marks:?}: {first:?}");
+        }
+    }
 
     #[test]
     fn root_finds_smooth_and_jumping_guards() {

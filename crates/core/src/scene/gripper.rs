@@ -161,3 +161,15 @@ impl GripperScene {
         &self.fingers[side as usize]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_is_where_its_index_says() {
+        for (index, place) in Place::ALL.into_iter().enumerate() {
+            assert_eq!(place.index(), index, "{place:?}");
+        }
+    }
+}
