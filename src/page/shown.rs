@@ -28,12 +28,13 @@ pub fn film<'a>(
         Simulated::Discs(_) => touching((0..layout.contacts.len()).collect(), samples, events),
         Simulated::Gripper(_) => touching(layout.surfaces().collect(), samples, events),
     };
-    let contacts: Vec<(String, usize)> =
-        shown.into_iter().map(|index| (layout.contacts[index].name.clone(), index)).collect();
-    let of = |event: &Event| {
-        let place = &layout.contacts[event.contact];
-        mark(event, &place.name, place.angular)
+    // Words instead of keys; names that users gave stay as they are.
+    let called = |index: usize| match scene {
+        Simulated::Gripper(_) => layout.contacts[index].name.replace('_', " "),
+        _ => layout.contacts[index].name.clone(),
     };
+    let contacts: Vec<(String, usize)> = shown.into_iter().map(|index| (called(index), index)).collect();
+    let of = |event: &Event| mark(event, &called(event.contact), layout.contacts[event.contact].angular);
     develop(Shown {
         label,
         summary: summary.into(),

@@ -67,11 +67,13 @@ pub(super) fn contacts(contacts: &Contacts) -> Option<Sheet> {
             Some(places(&[("proximal", proximal), ("distal", distal)], &[("joint limit", limit)]))
         }
         Contacts::Gripper(all) => {
-            let surfaces = all.iter().filter_map(|(name, place)| match place {
+            let called: Vec<(String, &PlaceReport)> =
+                all.iter().map(|(name, place)| (name.replace('_', " "), place)).collect();
+            let surfaces = called.iter().filter_map(|(name, place)| match place {
                 PlaceReport::Surface(surface) => Some((name.as_str(), surface)),
                 PlaceReport::Limit(_) => None,
             });
-            let limits = all.iter().filter_map(|(name, place)| match place {
+            let limits = called.iter().filter_map(|(name, place)| match place {
                 PlaceReport::Limit(limit) => Some((name.as_str(), limit)),
                 PlaceReport::Surface(_) => None,
             });

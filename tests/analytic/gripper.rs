@@ -168,7 +168,7 @@ fn a_very_heavy_object_is_a_fixed_one() {
     assert!(last < 1e-4, "{last:.1e}");
 }
 
-/// What contacts and gravity give the object is what its momentum becomes; energy is lost in dampers and friction only.
+/// Energy is lost in dampers and friction only.
 #[test]
 fn energy_balances() {
     for anchor in anchors() {
@@ -183,6 +183,94 @@ fn energy_balances() {
         let balance = stored(&end.state) - stored(&before) - contact - motors;
         assert!(balance.abs() < 1e-9, "{}: {balance:.1e} J", anchor.name);
         assert!(contact < 0.0 && motors > 0.1, "{}: {contact} J in contacts, {motors} J of motors", anchor.name);
+    }
+}
+
+/// Force and moment about its centre that contacts exert on the object in a state: what is read of them, with the sign turned.
+fn on_object(model: &GripperModel<7>, state: &State<7, QUADRATURES>, mode: &GripperMode) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (index, place) in Place::ALL.into_iter().enumerate().filter(|(_, place)| !place.is_stop()) {
+        let Some(reading) = model.reading(&state.q, &state.v, place, mode[index]) else { continue };
+        let ([nx, ny], [px, py]) = (reading.geometry.normal, reading.geometry.point);
+        let force = [-reading.normal * nx + reading.tangential * ny, -reading.normal * ny - reading.tangential * nx];
+        let lever = [px - state.q[4], py - state.q[5]];
+        sum[0] += force[0];
+        sum[1] += force[1];
+        sum[2] += lever[0] * force[1] - lever[1] * force[0];
+    }
+    sum
+}
+
+/// Sums what contacts give the object, by Simpson's rule over every step; and how far its accelerations are from those forces at most.
+struct Books<'a> {
+    model: &'a GripperModel<7>,
+    given: [f64; 3],
+    /// Sizes of what was given.
+    size: [f64; 3],
+    /// Of mass times acceleration from the forces, relative to the largest force.
+    off: f64,
+    largest: f64,
+    inertia: [f64; 3],
+    weight: [f64; 3],
+}
+
+impl Observer<7, QUADRATURES, GripperMode> for Books<'_> {
+    fn step(
+        &mut self,
+        step: &Step<7, QUADRATURES>,
+        mode: &GripperMode,
+        tools: &mut dyn StepTools<7, QUADRATURES>,
+    ) -> bool {
+        let parts = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
+        for (part, weight) in parts {
+            let state = match part {
+                0.0 => *step.start,
+                1.0 => *step.end,
+                part => tools.resolve(part),
+            };
+            let force = on_object(self.model, &state, mode);
+            let rates = self.model.rates(step.t0 + part * step.h, &state.q, &state.v, mode);
+            for i in 0..3 {
+                self.given[i] += weight * step.h * force[i];
+                self.size[i] += weight * step.h * force[i].abs();
+                let inertial = self.inertia[i] * rates.a[4 + i] - self.weight[i];
+                let lever = if i == 2 { 0.02 } else { 1.0 };
+                self.largest = self.largest.max((force[i] / lever).abs());
+                self.off = self.off.max((inertial - force[i]).abs() / lever);
+            }
+        }
+        true
+    }
+
+    fn event(&mut self, _: f64, _: &State<7, QUADRATURES>, _: usize, _: &GripperMode) {}
+}
+
+/// What contacts and gravity give the object is what its momentum and its angular momentum become.
+#[test]
+fn momentum_balances() {
+    for anchor in anchors() {
+        let model = GripperModel::<7>::new(&anchor.scene);
+        let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = anchor.scene.object.motion else { panic!("free") };
+        let [gx, gy] = anchor.scene.gravity_m_s2;
+        let (inertia, weight) = ([mass_kg, mass_kg, inertia_kg_m2], [mass_kg * gx, mass_kg * gy, 0.0]);
+        let mut books =
+            Books { model: &model, given: [0.0; 3], size: [0.0; 3], off: 0.0, largest: 0.0, inertia, weight };
+        let Integrator { atol_angle_rad, atol_rate_rad_s, rtol, max_steps, .. } = Integrator::preset(Preset::Reference);
+        let tolerances = Tolerances { atol_q: atol_angle_rad, atol_v: atol_rate_rad_s, rtol_v: rtol };
+        let options = Options { tolerances, max_steps };
+        let (before, duration_s) = (start::<7>(&anchor.scene), anchor.scene.duration_s);
+        let end = integrate::<7, QUADRATURES, GUARDS, _, RadauOrRodas<7, QUADRATURES>, _>(
+            &model, &options, 0.0, before, duration_s, &mut books,
+        );
+        // At every instant, to rounding.
+        assert!(books.off < 1e-12 * books.largest, "{}: {:.1e} of {:.1e} N", anchor.name, books.off, books.largest);
+        // Over the run, as closely as Simpson's rule goes through impacts.
+        for i in 0..3 {
+            let gained = inertia[i] * (end.state.v[4 + i] - before.v[4 + i]) - weight[i] * duration_s;
+            let off = (gained - books.given[i]).abs();
+            let size = books.size[i].max(1e-9);
+            assert!(off < 1e-5 * size, "{}: {i}: {gained:e}, given {:e}, of {size:e}", anchor.name, books.given[i]);
+        }
     }
 }
 

@@ -212,13 +212,17 @@ fn studies_differ_by_text_scene_and_model() {
 fn the_schema_knows_what_shipped_studies_say() {
     let schema: serde_json::Value = serde_json::from_str(&schema()).expect("JSON");
     let keys = schema["properties"].as_object().expect("a table");
-    for file in ["thesis", "sample"] {
+    for file in ["thesis", "sample", "capture"] {
         let text = std::fs::read_to_string(format!("scenes/studies/{file}.toml")).expect("ships");
         let study: toml::Table = text.parse().expect("TOML");
         assert!(study.keys().all(|key| keys.contains_key(key)), "{file}");
         load(format!("scenes/studies/{file}.toml")).unwrap_or_else(|error| panic!("{error}"));
     }
     assert!(schema["properties"]["axes"]["items"]["properties"]["again"].is_object());
-    assert!(schema["properties"]["set"]["properties"]["design"].is_object());
-    assert!(schema["properties"]["scene"]["anyOf"][1]["properties"]["design"].is_object());
+    // Of a finger or of a gripper.
+    for (of, first) in [("set", 0), ("scene", 1)] {
+        let kinds = &schema["properties"][of]["anyOf"];
+        assert!(kinds[first]["properties"]["design"].is_object(), "{of}");
+        assert!(kinds[first + 1]["properties"]["palm_width"].is_object(), "{of}");
+    }
 }

@@ -126,6 +126,8 @@ fn no_scene_is_left_out() {
         let path = entry.expect("an entry").path();
         path.file_stem().expect("a name").to_string_lossy().into_owned()
     });
+    // Those of grippers are with all grippers.
+    let files = files.filter(|name| !name.starts_with("gripper-"));
     let tested: BTreeSet<String> = ALONE.iter().chain(APART).map(ToString::to_string).collect();
     assert_eq!(files.collect::<BTreeSet<_>>(), tested);
 }

@@ -12,6 +12,7 @@ mod criteria_anchor;
 mod criteria_tracker;
 mod dice;
 mod grippers;
+mod hard_grippers;
 mod hard_scenes;
 mod random_scenes;
 mod validate_command;

@@ -118,7 +118,7 @@ fn a_finger_is_not_read_from_a_scene_of_discs() {
     assert_eq!(
         error.to_string(),
         "error: this is a scene of kind \"bodies\", but only one of kind \"finger\" will do here\n --> ball.toml:1:8\n  |\n\
-         1 | kind = \"bodies\"\n  |        ^^^^^^^^ another kind\n  = help: give the scene of a finger; scenes of discs are for \
+         1 | kind = \"bodies\"\n  |        ^^^^^^^^ another kind\n  = help: give the scene of a finger; scenes of other kinds are for \
          `phalanx run`, `validate` and `scene`"
     );
 }
@@ -168,7 +168,7 @@ fn documented_defaults_are_the_real_ones() {
     }
 }
 
-/// Both kinds in one schema: no key of one is let through in the other.
+/// All kinds in one schema: no key of one is let through in another.
 #[test]
 fn the_schema_tells_the_kinds_apart() {
     let schema: Value = serde_json::from_str(&scene::schema()).expect("JSON");
@@ -176,11 +176,18 @@ fn the_schema_tells_the_kinds_apart() {
         schema["if"],
         serde_json::json!({ "properties": { "kind": { "const": "bodies" } }, "required": ["kind"] })
     );
-    for (branch, own, other) in [("then", "discs", "design"), ("else", "design", "discs")] {
-        let branch = &schema[branch];
-        assert_eq!(branch["additionalProperties"], Value::Bool(false));
-        assert!(branch["properties"].get(own).is_some() && branch["properties"].get(other).is_none());
-        assert_eq!(branch["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies"]));
+    let rest = &schema["else"];
+    assert_eq!(rest["if"]["properties"]["kind"]["const"], "gripper");
+    let [discs, gripper, finger] = [&schema["then"], &rest["then"], &rest["else"]];
+    for (kind, own, others) in [
+        (discs, "discs", ["design", "palm_width"]),
+        (gripper, "palm_width", ["discs", "half_plane"]),
+        (finger, "design", ["discs", "palm_width"]),
+    ] {
+        assert_eq!(kind["additionalProperties"], Value::Bool(false));
+        assert!(kind["properties"].get(own).is_some());
+        assert!(others.iter().all(|other| kind["properties"].get(other).is_none()));
+        assert_eq!(kind["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies", "gripper"]));
     }
     assert_eq!(
         schema["then"]["properties"]["discs"]["additionalProperties"]["additionalProperties"],

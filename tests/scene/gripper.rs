@@ -77,30 +77,39 @@ fn both_fingers_start_where_the_nearer_one_would() {
     }
 }
 
+/// A design that reaches the object from 13.5 to 20.5 mm.
+const SHORT: &str = "[design]\nbase = \"17 mm\"\nl21_fraction = 0.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
+
 #[test]
 fn motors_and_springs_are_sized_for_both_ends_of_the_error() {
-    let sized = |error: &str| {
-        let top = format!("palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"{error}\"\n");
-        parse(&format!("kind = \"gripper\"\n{top}{DESIGN}"))
-    };
-    let scene = sized("3.5 mm");
-    let finger = scene.finger(Side::Right);
-    let at = |base_m: f64| {
+    let top = "palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"3.5 mm\"\n";
+    let sized = |design: &str, rest: &str| parse(&format!("kind = \"gripper\"\n{top}{design}{rest}"));
+    let at = |scene: &GripperScene, base_m: f64| {
         let disc = phalanx::gripper::Circle { radius_m: 0.02, centre_m: [-base_m, 0.02] };
         let task = Task { disc, opening_rad: 25f64.to_radians(), gravity_m_s2: scene.gravity_m_s2, closing_s: 0.01 };
-        size_with(&finger.finger, &task, Rule::Rigid, Placement::Phalanges, INTERVALS).expect("a size")
+        size_with(&scene.finger(Side::Right).finger, &task, Rule::Rigid, Placement::Phalanges, INTERVALS)
     };
-    let (near, far) = (at(0.0135), at(0.0205));
-    let Actuation::Constant { torque_n_m } = finger.motor.actuation else { panic!("{:?}", finger.motor) };
-    assert!((torque_n_m - near.motor_n_m.max(far.motor_n_m)).abs() < 1e-12 * torque_n_m);
-    let SpringKind::Constant { torque_n_m } = finger.spring.expect("a spring").kind else { panic!() };
-    assert!((torque_n_m - near.spring_n_m.max(far.spring_n_m)).abs() < 1e-12 * torque_n_m);
+    let found = |scene: &GripperScene| {
+        let of = scene.finger(Side::Right);
+        let SpringKind::Constant { torque_n_m } = of.spring.expect("a spring").kind else { panic!("{of:?}") };
+        [scene::torque(&of.motor.actuation, 0.0).0, torque_n_m]
+    };
+    let same = |found: [f64; 2], wanted: [f64; 2]| {
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12 * b), "{found:?} {wanted:?}");
+    };
+    let scene = sized(SHORT, "");
+    let [near, far] = [0.0135, 0.0205].map(|base_m| at(&scene, base_m).expect("a size"));
     assert!(near.motor_n_m != far.motor_n_m && near.spring_n_m != far.spring_n_m, "both ends are not alike");
+    same(found(&scene), [near.motor_n_m.max(far.motor_n_m), near.spring_n_m.max(far.spring_n_m)]);
+    // The tip of design 95 does not reach around the object at the near end: it is sized for the far one.
+    let scene = sized(DESIGN, "");
+    let far = at(&scene, 0.0205).expect("a size");
+    assert!(at(&scene, 0.0135).is_err());
+    same(found(&scene), [far.motor_n_m, far.spring_n_m]);
     // A differential has one motor for both.
-    let top = "palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"3.5 mm\"\n";
-    let seesaw = parse(&format!("kind = \"gripper\"\n{top}{DESIGN}[differential]\n"));
+    let seesaw = sized(SHORT, "[differential]\n");
     let input = &seesaw.differential.as_ref().expect("one").motor;
-    let one = scene::torque(&scene.finger(Side::Left).motor.actuation, 0.0).0;
+    let one = found(&sized(SHORT, ""))[0];
     assert_eq!(scene::torque(&input.actuation, 0.0).0, 2.0 * one);
     assert_eq!(seesaw.fingers.clone().map(|finger| finger.motor), [Motor::NONE, Motor::NONE]);
     comes_back(&seesaw);

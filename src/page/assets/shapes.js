@@ -58,9 +58,11 @@ function outline(shape, x, y, angle, view) {
       return points;
     }
     case "half_plane": {
-      const level = view.to([0, y + shape.level_m])[1];
-      const { left, right, bottom } = view.box;
-      return [[left, level], [right, level], [right, Math.max(bottom, level)], [left, Math.max(bottom, level)]];
+      // Solid below its level, or above it where the body is upside down.
+      const level = view.to(placed([0, shape.level_m], x, y, angle))[1];
+      const { left, right, top, bottom } = view.box;
+      const far = Math.cos(angle) >= 0 ? Math.max(bottom, level) : Math.min(top, level);
+      return [[left, level], [right, level], [right, far], [left, far]];
     }
     default:
       return points;

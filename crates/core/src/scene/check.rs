@@ -32,6 +32,11 @@ impl<'a> Checker<'a> {
         Checker { text, problems, mistyped }
     }
 
+    /// One for the same text, for what is only tried.
+    pub fn aside(&self) -> Self {
+        Checker { text: self.text, problems: Vec::new(), mistyped: self.mistyped }
+    }
+
     /// How many problems there are.
     pub fn count(&self) -> usize {
         self.problems.len()
@@ -54,10 +59,10 @@ impl<'a> Checker<'a> {
         all
     }
 
-    /// Says more of the problems of this label that have been found since there were so many.
-    pub fn add_since(&mut self, before: usize, label: &str, more: &str) {
-        let since = self.problems.iter_mut().skip(before);
-        since.filter(|problem| problem.label == label).for_each(|problem| problem.message.push_str(more));
+    /// Says more of all problems of this label.
+    pub fn add_to(&mut self, label: &str, more: &str) {
+        let of = self.problems.iter_mut().filter(|problem| problem.label == label);
+        of.for_each(|problem| problem.message.push_str(more));
     }
 
     pub fn push(

@@ -66,7 +66,7 @@ pub struct RawGripper {
     /// Distance between the ground joints of both fingers. Default: twice the base of [design]; required with [lengths].
     pub palm_width: Entry<Length>,
     /// Largest positioning error that starts and `sizing` are made for: both fingers start where the one that is nearer to the object
-    /// would, at either end of the error, and have the larger motor and spring of both ends. Default: that of the object's offset.
+    /// would, at either end of the error, and have the larger motor and spring of both ends (of one, where the other is out of a finger's reach). Default: that of the object's offset.
     pub positioning_error: Entry<Length>,
     pub object: Section<Keys<GripperObject>>,
     pub table: Section<Keys<Support>>,

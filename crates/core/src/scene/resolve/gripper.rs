@@ -242,7 +242,8 @@ fn is_clear(c: &mut Checker<'_>, place: Option<Range<usize>>, side: Side, seen: 
     false
 }
 
-/// Motor and spring that do at either end of the positioning error (thesis §4.2.1.3).
+/// Motor and spring that do at either end of the positioning error (thesis §4.2.1.3), of which one may be out of the finger's reach: it
+/// meets the object only when the other finger has brought it.
 fn ends_sized(
     c: &mut Checker<'_>,
     raw: &super::super::raw::RawScene,
@@ -251,20 +252,27 @@ fn ends_sized(
     gravity_m_s2: [f64; 2],
 ) -> Sized {
     let differ = ends[0] != ends[1];
-    let [near, far] = ends.map(|disc| {
-        let before = c.count();
-        let sized = sizing::sizing(c, raw, Some((finger, &Some(disc))), gravity_m_s2);
+    let tried = ends.map(|disc| {
+        let mut aside = c.aside();
+        let sized = sizing::sizing(&mut aside, raw, Some((finger, &Some(disc))), gravity_m_s2);
         if differ {
             let base = -disc.centre_m[0] * 1e3;
-            c.add_since(
-                before,
-                sizing::NOT_SIZED,
-                &format!(" where the positioning error brings it, {base:.3} mm from the ground joint along the palm"),
-            );
+            let more =
+                format!(" where the positioning error brings it, {base:.3} mm from the ground joint along the palm");
+            aside.add_to(sizing::NOT_SIZED, &more);
         }
-        sized
+        (sized, aside)
     });
-    near.for_both(far)
+    let reaches = |sized: Sized| matches!(sized, Sized::By(_));
+    let reached = tried.iter().filter(|(sized, _)| reaches(*sized)).count();
+    let mut all = None;
+    for (sized, aside) in tried {
+        if reached == 0 || reaches(sized) {
+            c.extend(aside.into_problems());
+            all = Some(all.map_or(sized, |before: Sized| before.for_both(sized)));
+        }
+    }
+    all.unwrap_or(Sized::Wrong)
 }
 
 fn bought(c: &mut Checker<'_>, raw: &Section<Keys<BoughtMotor>>, actuation: Actuation) -> Motor {
