@@ -18,6 +18,9 @@ pub mod equations {}
 #[doc = include_str!("errata.md")]
 pub mod errata {}
 
+#[doc = include_str!("grippers.md")]
+pub mod grippers {}
+
 #[doc = include_str!("hard.md")]
 pub mod hard {}
 

@@ -3,11 +3,8 @@
 use serde::Serialize;
 
 use super::named::Named;
-use super::tables::milliseconds;
 use crate::criteria::{Fate, GraspCriteria, Travel, is_form_closed};
 use crate::trace::{Sample, Simulated};
-use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, table};
 
 /// The grasp of a gripper, see [`crate::criteria::GraspCriteria`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,46 +92,4 @@ impl GraspReport {
     pub(super) fn ejected_s(&self) -> Option<f64> {
         self.until_s.filter(|_| self.fate == Fate::NAMES[2])
     }
-}
-
-/// A table for people.
-pub(super) fn grasp_text(report: &GraspReport) -> Sheet {
-    let closed = match report.form_closed {
-        Some(true) => "yes",
-        Some(false) => "no",
-        None => "–",
-    };
-    let [displacement, rotation] = match report.slip {
-        Some(slip) => [figure(slip.displacement_m * 1e3, 4), figure(slip.rotation_rad.to_degrees(), 4)],
-        None => ["–".to_string(), "–".to_string()],
-    };
-    let lost: u32 = report.contacts.iter().map(|(_, contact)| contact.times_lost).sum();
-    let mut text = table(&[
-        row(["grasp", "held first, ms", "tts, ms", "form-closed", "contacts lost", "slip since, mm", "turn, deg"]),
-        row([
-            report.fate,
-            &milliseconds(report.grasped_s),
-            &milliseconds(report.tts_s),
-            closed,
-            &lost.to_string(),
-            &displacement,
-            &rotation,
-        ]),
-    ]);
-    if let Some(ratio) = report.offset_ratio {
-        let (start, end) = (report.x_start_m * 1e3, report.x_end_m * 1e3);
-        let what = if ratio < 1.0 { "centres" } else { "does not centre" };
-        text.push_str(&format!(
-            "The grasp {what} the object: from {} mm off the middle to {} mm.\n",
-            figure(start, 4),
-            figure(end, 4)
-        ));
-    }
-    if let (Some(until_s), "dropped") = (report.until_s, report.fate) {
-        text.push_str(&format!(
-            "Dropped: no longer held from both sides from {} ms on.\n",
-            milliseconds(Some(until_s))
-        ));
-    }
-    text
 }

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::check;
 use super::document::{EngineUsed, IntegratorUsed, RunReport};
-use super::grasp::{GraspReport, grasp_text};
-use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, object};
+use super::grasp::GraspReport;
+use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, grasp, object};
 use crate::wording::duration;
 use crate::wording::figures::figure;
 use crate::wording::sheet::Sheet;
@@ -21,7 +21,7 @@ pub fn text(report: &RunReport) -> Sheet {
     sections.extend(report.contacts.as_ref().and_then(contacts));
     sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.has_joints())));
     sections.extend(report.criteria.flatten().map(|criteria| dynamics(&criteria)));
-    sections.extend(report.grasp.iter().flatten().map(grasp_text));
+    sections.extend(report.grasp.iter().flatten().map(grasp));
     sections.extend(check::line(report.check.as_ref(), report.steps));
     Sheet::join(sections)
 }

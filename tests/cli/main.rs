@@ -8,6 +8,7 @@ mod support;
 mod drawing;
 mod first_minutes;
 mod foreign_words;
+mod gripper;
 mod limits;
 mod linkage;
 mod manual;

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::grasp::grasp_text;
-use super::super::tables::{contacts, discs, dynamics, energies, final_state, final_states, object};
+use super::super::tables::{contacts, discs, dynamics, energies, final_state, final_states, grasp, object};
 use super::super::text::{engine, integrator};
 use super::document::ReplayReport;
 use super::verify::verification_text;
@@ -31,7 +30,7 @@ pub fn replay_text(report: &ReplayReport) -> Sheet {
     if let Some(criteria) = &report.criteria {
         sections.push(dynamics(criteria));
     }
-    sections.extend(report.grasp.as_ref().map(grasp_text));
+    sections.extend(report.grasp.as_ref().map(grasp));
     if let Some(verification) = &report.verification {
         sections.push(verification_text(verification));
     }

@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Measures the grippers and puts the tables and the picture into src/docs/grippers.md.
+
+    tools/grippers.py                 everything (some minutes)
+    tools/grippers.py --only grippers   the table of scenes alone; also capture, capture-study
+
+Builds in release mode; runs and validates every gripper of scenes/gripper and scenes/hard, asks what one of them captures, and runs the
+study of the thesis' designs with a positioning error.
+"""
+
+import argparse
+import csv
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+from readme_figures import PHALANX, ROOT, call, number, put, table
+
+FIGURES = ROOT / "tools" / "figures"
+CAPTURED = "scenes/gripper/offset.toml"
+STUDY = "scenes/studies/capture.toml"
+
+
+def phalanx(*arguments):
+    """JSON document of a command."""
+    result = subprocess.run([str(PHALANX), *map(str, arguments), "--json"], cwd=ROOT, capture_output=True, text=True)
+    if not result.stdout:
+        sys.exit(result.stderr)
+    return json.loads(result.stdout)
+
+
+def scene_row(path):
+    run = phalanx("run", path)
+    engine = phalanx("run", path, "--model", "engine", "--no-check")
+    verdict = {check["bound"]: check["measured"] for check in phalanx("validate", path, "--quick")["verdict"]}
+    first = [run["contacts"][f"{side}_proximal"]["first_s"] for side in ("right", "left")]
+    first = " / ".join("–" if time_s is None else f"{time_s * 1e3:.3f}" for time_s in first)
+    grasp, at = run["grasp"], run["object"]
+    tts = "–" if grasp["tts_s"] is None else f"{grasp['tts_s'] * 1e3:.2f}"
+    check = run["check"]
+    return [
+        f"[`{path.stem}`](../../{path.relative_to(ROOT)})",
+        first,
+        f"{at['x_m'] * 1e3:.3f}, {at['y_m'] * 1e3:.3f}",
+        grasp["fate"],
+        tts,
+        check["verdict"] if check["verdict"] == "chaotic" else number(check["error_rad"]),
+        number(verdict["angle_rad"]),
+        number(verdict["position_m"] * 1e6, "{:.2g}"),
+        f"{run['steps']} / {engine['steps']}",
+        f"{run['wall_s'] * 1e3:.1f} / {engine['wall_s'] * 1e3:.0f}",
+    ]
+
+
+def scenes(_):
+    paths = sorted((ROOT / "scenes" / "gripper").glob("*.toml")) + sorted((ROOT / "scenes" / "hard").glob("gripper-*.toml"))
+    header = [
+        "scene",
+        "first touch, right / left (ms)",
+        "object ends at x, y (mm)",
+        "fate",
+        "tts (ms)",
+        "everyday off by",
+        "engine off by (rad)",
+        "(µm)",
+        "steps",
+        "time (ms)",
+    ]
+    return table(header, [scene_row(path) for path in paths])
+
+
+def capture(scratch):
+    call(PHALANX, "capture", CAPTURED, "--out", scratch / "capture", cwd=ROOT)
+    (FIGURES / "capture.svg").write_text((scratch / "capture" / "capture.svg").read_text())
+    text = (scratch / "capture" / "capture.txt").read_text()
+    return f"```text\n{text}```\n"
+
+
+def study(scratch):
+    out = scratch / "capture.csv"
+    call(PHALANX, "sweep", STUDY, "--out", out, cwd=ROOT)
+    designs = {0.0: defaultdict(list), 0.8: defaultdict(list)}
+    for run in csv.DictReader(out.open()):
+        designs[float(run["contact.friction.mu_static"])][int(run["design"])].append(run)
+    lines = []
+    for mu, of in designs.items():
+        sized = {name: runs for name, runs in of.items() if runs[0]["status"] != "refused"}
+        done = [run for runs in sized.values() for run in runs if run["status"] == "completed"]
+        held = [run for run in done if run["grasp"] == "held"]
+        everywhere = [runs for runs in sized.values() if all(run["grasp"] == "held" for run in runs)]
+        ratios = [float(run["offset_ratio"]) for run in held if run["offset_ratio"]]
+        closed = [run for run in held if run["form_closed"] == "true"]
+        tts = [float(run["tts_s"]) * 1e3 for run in held if run["tts_s"]]
+        quantiles = statistics.quantiles(ratios, n=10) if len(ratios) > 1 else [float("nan")] * 9
+        lines.append(
+            [
+                f"{mu}",
+                f"{len(sized)} of {len(of)}",
+                f"{len(held)} of {len(done)}",
+                f"{len(everywhere)}",
+                f"{sum(ratio < 1 for ratio in ratios)} of {len(ratios)}",
+                f"{statistics.median(ratios):.2f} ({quantiles[0]:.2f} – {quantiles[-1]:.2f})" if ratios else "–",
+                f"{len(closed)} of {len(held)}",
+                f"{statistics.median(tts):.1f}" if tts else "–",
+            ]
+        )
+    header = [
+        "μ_s",
+        "designs that can be sized",
+        "runs held at 40 ms",
+        "designs held at all 8 places",
+        "brought nearer to the middle",
+        "offset left, of that at the start: median (10 % – 90 %)",
+        "form-closed at the end",
+        "tts, median (ms)",
+    ]
+    return table(header, lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parts = {"grippers": scenes, "capture": capture, "capture-study": study}
+    parser.add_argument("--only", choices=parts, action="append")
+    chosen = parser.parse_args().only or list(parts)
+    call("cargo", "build", "--release", "--locked", cwd=ROOT)
+    with tempfile.TemporaryDirectory() as scratch:
+        for name in chosen:
+            block = f"<!-- figures:begin {name} -->\n{parts[name](Path(scratch))}\n<!-- figures:end {name} -->"
+            print(block, flush=True)
+            put(name, block)
+
+
+if __name__ == "__main__":
+    main()
