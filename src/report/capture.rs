@@ -121,9 +121,9 @@ pub fn capture_text(report: &CaptureReport) -> Sheet {
         ]));
     }
     text.push(Table::new(&rows).heads(2));
-    text.push_str(&format!("\n{}\n", range(report)));
-    text.push_str(&centring(report));
-    text.push_str(&closure(report));
+    for line in [range(report), centring(report), closure(report)] {
+        text.push(Sheet::paragraph(&format!("\n{line}\n")));
+    }
     for place in &report.places {
         if let Some(reason) = &place.reason {
             text.push_str(&format!("at {} mm: {reason}\n", signed(place.offset_m)));
@@ -165,10 +165,12 @@ fn centring(report: &CaptureReport) -> String {
     let held = report.places.iter().filter(|place| place.fate == Some("held"));
     let ends: Vec<(f64, f64)> = held.filter_map(|place| Some((place.offset_m.abs(), place.x_m?.abs()))).collect();
     let off: Vec<&(f64, f64)> = ends.iter().filter(|(start, _)| *start > 0.0).collect();
-    let Some(worst) = off.iter().map(|(_, end)| *end).max_by(f64::total_cmp) else { return String::new() };
+    let Some(worst) = off.iter().map(|(_, end)| *end).max_by(f64::total_cmp) else {
+        return "Centred: none of those that lay off the middle is held.".to_string();
+    };
     let nearer = off.iter().filter(|(start, end)| end < start).count();
     format!(
-        "Centred: {nearer} of {} that lay off the middle end nearer to it; all end within {} mm of it.\n",
+        "Centred: {nearer} of {} that lay off the middle end nearer to it; all end within {} mm of it.",
         off.len(),
         figure(worst * 1e3, 4)
     )
@@ -181,8 +183,8 @@ fn closure(report: &CaptureReport) -> String {
     let became = held.iter().filter(|place| place.form_closed_there != Some(true) && place.form_closed == Some(true));
     let closed = held.iter().filter(|place| place.form_closed == Some(true)).count();
     format!(
-        "Form closure: {not_there} of {} held objects lay where no form-closed grasp of all phalanges would be; {} of them came into one. At \
-         the end {closed} of {} are form-closed.\n",
+        "Form closure: {not_there} of {} held objects lay where no form-closed grasp of all phalanges would be; {} of them came into one.\nAt \
+         the end {closed} of {} are form-closed.",
         held.len(),
         became.count(),
         held.len()

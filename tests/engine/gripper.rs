@@ -161,11 +161,10 @@ fn momentum_of_the_object_is_that_of_its_contacts() {
 /// Force of all contacts on the object, N.
 fn pushed(sample: &Sample) -> [f64; 2] {
     let mut force = [0.0; 2];
-    for (contact, place) in sample.contacts.iter().zip(Place::ALL) {
-        // Of a phalanx the normal points away from the object, of palm and table to it; of a limit there is none.
-        let sign = if matches!(place, Place::Finger(..)) { -1.0 } else { 1.0 };
+    for contact in &sample.contacts {
+        // Forces are those on phalanx, palm and table; of a limit there is no normal.
         let (n, t) = (contact.normal, contact.tangent());
-        (0..2).for_each(|i| force[i] += sign * (contact.normal_n * n[i] + contact.tangential_n * t[i]));
+        (0..2).for_each(|i| force[i] -= contact.normal_n * n[i] + contact.tangential_n * t[i]);
     }
     force
 }

@@ -5,7 +5,7 @@ use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::tracked::{Told, Tracked};
-use super::{Energy, Event, Outcome, Sample, Sink, SinkError, Work};
+use super::{ContactSample, Energy, Event, Outcome, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, Site};
 
 pub(super) struct EngineRecorder<'a, R: EngineReader> {
@@ -270,7 +270,8 @@ fn read(reader: &impl EngineReader, motion: &Motion, energy: Energy, places: &[T
         // Before the first step there is none.
         let stepped = index.filter(|_| motion.last_dt_s > 0.0);
         let impulse = tracked.impulse + stepped.map_or(0.0, |index| motion.normal_impulse(index));
-        contact(motion, index, impulse)
+        let contact = contact(motion, index, impulse);
+        ContactSample { normal: reader.normal(place, contact.normal), ..contact }
     }));
     sample.energy = energy;
 }

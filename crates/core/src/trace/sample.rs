@@ -15,7 +15,7 @@ pub struct ContactSample {
     pub gap_rate_m_s: f64,
     /// Tangential velocity of the phalanx surface over the object (errata 5).
     pub slip_m_s: f64,
-    /// Normal force on the phalanx, along `normal`; never negative.
+    /// Normal force on the phalanx (palm, table), along `normal`; never negative.
     pub normal_n: f64,
     /// Friction force on the phalanx along [`ContactSample::tangent`]; it opposes `slip_m_s`.
     pub tangential_n: f64,
@@ -23,7 +23,7 @@ pub struct ContactSample {
     pub impulse_n_s: f64,
     /// Contact point on the surface of the phalanx.
     pub point_m: [f64; 2],
-    /// Unit normal, from the object to the phalanx.
+    /// Unit normal, from the object to the phalanx (palm, table).
     pub normal: [f64; 2],
 }
 

@@ -32,7 +32,7 @@ impl<const N: usize> GripperModel<N> {
 
     /// Everything there is to know of one contact, point and normal in the palm's frame; `None` where the scene has no such contact.
     ///
-    /// Slip and friction are along the normal turned counter-clockwise, of a left phalanx too: of two that do the same in their mirror,
+    /// The normal points away from the object: forces are those on phalanx, palm and table. Slip and friction are along the normal turned counter-clockwise, of a left phalanx too: of two that do the same in their mirror,
     /// signs differ.
     pub fn reading(&self, q: &[f64; N], v: &[f64; N], place: Place, state: SiteState) -> Option<SiteReading> {
         let touch = self.touch(q, |side| self.posture(side, q), place)?;
@@ -48,7 +48,7 @@ impl<const N: usize> GripperModel<N> {
                 let point = if touch.normal == none { none } else { self.in_palm(side, touch.point) };
                 (point, [side.mirror() * x, y])
             }
-            Place::Palm | Place::Table => (touch.point, touch.normal),
+            Place::Palm | Place::Table => (touch.point, touch.normal.map(|part| -part)),
         };
         let geometry = Geometry { gap: touch.gap, normal_row: none, tangent_row: none, normal: direction, point };
         Some(SiteReading { geometry, delta, delta_rate, slip: turned * slip, normal, tangential: turned * tangential })

@@ -16,6 +16,14 @@ impl EngineReader for GripperScene {
         index_of_place(plan, Place::ALL[place])
     }
 
+    /// Away from the object, off palm and table too.
+    fn normal(&self, place: usize, normal: [f64; 2]) -> [f64; 2] {
+        match Place::ALL[place] {
+            Place::Finger(..) => normal,
+            Place::Palm | Place::Table => normal.map(|part| -part),
+        }
+    }
+
     fn read(&self, motion: &Motion, sample: &mut Sample) {
         sample.fingers.clear();
         sample.fingers.extend(Side::BOTH.map(|side| {

@@ -18,6 +18,11 @@ pub(super) trait EngineReader {
     /// The index of a sample's contact among the stops and contacts of the plan; `None` where there is nothing to touch.
     fn index(&self, plan: &Plan, place: usize) -> Option<usize>;
 
+    /// The normal of a contact as a sample has it, given that of the plan, which points to the first of its bodies.
+    fn normal(&self, _place: usize, normal: [f64; 2]) -> [f64; 2] {
+        normal
+    }
+
     /// Fingers and bodies at the node.
     fn read(&self, motion: &Motion, sample: &mut Sample);
 
