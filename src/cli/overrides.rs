@@ -90,15 +90,16 @@ impl Overrides {
                 )));
             }
         }
-        let Numerics { duration_s: scene_duration_s, log, integrator, engine } = scene.into();
+        let mut numerics = Numerics::from(scene);
         self.refuse_idle(model)?;
         if let Some(preset) = self.preset {
             let preset = match preset {
                 PresetArg::Engineering => Preset::Engineering,
                 PresetArg::Reference => Preset::Reference,
             };
-            *integrator = integrator.with_preset(preset);
+            numerics.integrate_by(preset);
         }
+        let Numerics { duration_s: scene_duration_s, log, integrator, engine, .. } = numerics;
         if let Some(construction) = self.construction {
             engine.construction = match construction {
                 ConstructionArg::Maximal => Construction::Maximal,

@@ -50,7 +50,7 @@ impl Settings {
 
     /// Puts the settings in place of those of a scene.
     pub fn impose(&self, scene: &mut AnyScene) {
-        let Numerics { duration_s, log, integrator, engine } = scene.into();
+        let Numerics { duration_s, log, integrator, engine, .. } = scene.into();
         (*duration_s, *log) = (self.duration_s, self.log);
         match self.solver {
             Solver::Analytic(settings) => *integrator = settings,

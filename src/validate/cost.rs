@@ -45,7 +45,7 @@ impl Cost {
 pub fn cost(model: Model, scene: &AnyScene, quick: bool, go_on: GoOn) -> Result<Cost, RunError> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
-    let usual = |numerics: Numerics<'_>| *numerics.integrator = numerics.integrator.with_preset(Preset::Engineering);
+    let usual = |mut numerics: Numerics<'_>| numerics.integrate_by(Preset::Engineering);
     let everyday = with(scene, usual);
     let (mut times, mut beside) = (Vec::new(), Vec::new());
     let (mut steps, mut wanted) = (0, 1);

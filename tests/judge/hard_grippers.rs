@@ -34,7 +34,7 @@ const GRIPPERS: [&str; 19] = [
 ];
 
 /// The everyday preset is as near to the reference along the whole path, in rad or lengths of 20 mm…
-const EVERYDAY: f64 = 2e-5;
+const EVERYDAY: f64 = 1e-5;
 /// …but where a push of 1e-7 moves it by more than 1e-3.
 const CHAOTIC: [(&str, f64); 1] = [("hard/gripper-light", 1e-2)];
 

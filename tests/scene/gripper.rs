@@ -1,10 +1,11 @@
 //! Scenes of grippers: what they say when they say little, what one finger alone has, and where both start.
 
 use phalanx::scene::{
-    self, Actuation, AnyScene, GripperBounds, GripperScene, Motor, ObjectMotion, Placement, Preset, Side, SpringKind,
-    show_gripper,
+    self, Actuation, AnyScene, GripperBounds, GripperScene, Integrator, Motor, ObjectMotion, Placement, Preset, Side,
+    SpringKind, show_gripper,
 };
 use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
+use phalanx::trace::Numerics;
 
 use crate::support::grippers::anchor;
 
@@ -54,8 +55,20 @@ fn a_gripper_that_says_little_is_that_of_the_specification() {
     assert!((start.q21_rad - wanted.fingers[0].initial.q21_rad).abs() < 1e-9, "{start:?}");
     assert!(scene.palm.is_some() && scene.table.is_none() && scene.differential.is_none());
     assert_eq!((right.motor.inertia_kg_m2, right.motor.no_load_speed_rad_s), (0.0, None));
-    assert_eq!((scene.bounds, scene.integrator.preset), (GripperBounds::over(0.02), Preset::Engineering));
+    assert_eq!(scene.bounds, GripperBounds::over(0.02));
+    assert_eq!((scene.integrator.preset, scene.integrator.rtol), (Preset::Engineering, 3e-6));
     comes_back(&scene);
+}
+
+#[test]
+fn the_everyday_preset_is_that_of_grippers_by_name_too() {
+    let said = |text: &str| with("", &format!("[integrator]\n{text}\n")).integrator;
+    assert_eq!(said("preset = \"engineering\""), with("", "").integrator);
+    assert_eq!(said("preset = \"engineering\"\nrtol = 1e-5").rtol, 1e-5);
+    let mut scene = with("", "[integrator]\npreset = \"reference\"\nmax_steps = 77\n");
+    assert_eq!((scene.integrator.rtol, scene.integrator.max_steps), (1e-11, 77));
+    Numerics::from(&mut scene).integrate_by(Preset::Engineering);
+    assert_eq!(scene.integrator, Integrator { max_steps: 77, ..with("", "").integrator });
 }
 
 #[test]

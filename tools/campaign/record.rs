@@ -113,7 +113,7 @@ fn model(setting: Setting) -> Model {
     }
 }
 
-fn integrator(setting: Setting) -> Integrator {
+fn integrator(setting: Setting, own: &Integrator) -> Integrator {
     let everyday = Integrator::preset(Preset::Engineering);
     let reference = Integrator::preset(Preset::Reference);
     match setting {
@@ -126,7 +126,8 @@ fn integrator(setting: Setting) -> Integrator {
             ..reference
         },
         Setting::Rtol(rtol) => everyday.with_rtol(rtol),
-        _ => everyday,
+        // As the scene is run when nothing is said.
+        _ => *own,
     }
 }
 
@@ -141,7 +142,7 @@ fn stepping(setting: Setting, own: Stepping) -> Stepping {
 
 fn run_in(scene: &mut AnyScene, setting: Setting) -> Run {
     let numerics = Numerics::from(&mut *scene);
-    *numerics.integrator = integrator(setting);
+    *numerics.integrator = integrator(setting, numerics.integrator);
     numerics.engine.stepping = stepping(setting, numerics.engine.stepping);
     numerics.log.numeric_hz = POINTS / *numerics.duration_s;
     let mut keep = Keep::new(*numerics.duration_s);

@@ -3,7 +3,7 @@
 use super::Layout;
 use super::grid::Span;
 use crate::scene::words::SceneKind;
-use crate::scene::{AnyScene, BodiesScene, Engine, GripperScene, Integrator, LogRates, Response, Scene};
+use crate::scene::{AnyScene, BodiesScene, Engine, GripperScene, Integrator, LogRates, Preset, Response, Scene};
 
 /// What is simulated: a finger, discs, or a gripper.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,15 +20,27 @@ pub struct Numerics<'a> {
     pub log: &'a mut LogRates,
     pub integrator: &'a mut Integrator,
     pub engine: &'a mut Engine,
+    kind: SceneKind,
+}
+
+impl Numerics<'_> {
+    /// Integrates as a preset says for this kind of scene, within the same step budget.
+    pub fn integrate_by(&mut self, preset: Preset) {
+        let max_steps = self.integrator.max_steps;
+        *self.integrator = match preset {
+            Preset::Engineering => Integrator { max_steps, ..Integrator::everyday(self.kind) },
+            Preset::Reference => self.integrator.with_preset(preset),
+        };
+    }
 }
 
 /// What all kinds of scene have.
 macro_rules! scenes {
-    ($($scene:ident as $variant:ident)*) => {$(
+    ($($scene:ident as $variant:ident of $kind:ident,)*) => {$(
         impl<'a> From<&'a mut $scene> for Numerics<'a> {
             fn from(scene: &'a mut $scene) -> Self {
                 let $scene { duration_s, log, integrator, engine, .. } = scene;
-                Numerics { duration_s, log, integrator, engine }
+                Numerics { duration_s, log, integrator, engine, kind: SceneKind::$kind }
             }
         }
 
@@ -46,7 +58,7 @@ macro_rules! scenes {
     )*};
 }
 
-scenes!(Scene as Finger BodiesScene as Discs GripperScene as Gripper);
+scenes!(Scene as Finger of Finger, BodiesScene as Discs of Bodies, GripperScene as Gripper of Gripper,);
 
 impl<'a> From<&'a mut AnyScene> for Numerics<'a> {
     fn from(scene: &'a mut AnyScene) -> Self {

@@ -10,6 +10,7 @@ use super::super::table::drive::BoughtMotor;
 use super::super::table::gripper::{Seesaw, Support};
 use super::super::table::keys::Keys;
 use super::super::table::{Table as Settings, read};
+use super::super::words::SceneKind;
 use super::super::{
     Actuation, Construction, Differential, Disc, Engine, GripperFinger, GripperObject, GripperScene, Integrator, Motor,
     ObjectMotion, Side, Table, defaults,
@@ -63,7 +64,7 @@ pub fn gripper(
     };
 
     let planes = contact::planes(&mut c, &raw.contact, [palm, table.is_some()], object.radius_m);
-    let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
+    let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::everyday(SceneKind::Gripper));
     let mu_static = resolved[0].as_ref().map(|finger| finger.contact.mu_static()[0]);
     let engine = run::engine(&mut c, &raw.engine, mu_static);
     refuse_joints(&mut c, &raw.engine, engine);
