@@ -41,22 +41,23 @@ pub(super) fn of_finger(scene: &Scene, contacts: &[(String, usize)]) -> Vec<Plan
                 joint("qd22", |finger| finger.qd22_rad_s),
             ],
         ),
-        plan(
-            "Energy",
-            "J",
-            Scale::Linear,
-            vec![
-                curve("kinetic", |s| s.energy.kinetic_j),
-                curve("motor work", |s| s.energy.motor_work_j),
-                curve("dissipated", |s| s.energy.dissipated_j),
-                curve("spring", |s| s.energy.spring_j),
-                curve("contact", |s| s.energy.elastic_j),
-                curve("gravity", |s| s.energy.gravity_j),
-                curve("balance", |s| s.energy.balance_j),
-            ],
-        ),
+        energies(),
         plan("Torque", "N·m", Scale::Linear, torques),
     ]
+}
+
+/// Energies of a scene with fingers.
+pub(super) fn energies() -> Plan<'static> {
+    let curves = vec![
+        curve("kinetic", |s| s.energy.kinetic_j),
+        curve("motor work", |s| s.energy.motor_work_j),
+        curve("dissipated", |s| s.energy.dissipated_j),
+        curve("spring", |s| s.energy.spring_j),
+        curve("contact", |s| s.energy.elastic_j),
+        curve("gravity", |s| s.energy.gravity_j),
+        curve("balance", |s| s.energy.balance_j),
+    ];
+    plan("Energy", "J", Scale::Linear, curves)
 }
 
 /// Of discs.
@@ -116,7 +117,7 @@ pub(super) fn of_discs(scene: &BodiesScene, contacts: &[(String, usize)]) -> Vec
     ]
 }
 
-pub(super) fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {
+fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {
     Curve::new(name, value)
 }
 

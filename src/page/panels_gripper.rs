@@ -1,7 +1,7 @@
 //! The plots of a gripper.
 
 use super::film::{Curve, Plan, Scale, plan};
-use super::panels::{curve, gaps, of_contacts};
+use super::panels::{energies, gaps, of_contacts};
 use crate::scene::{GripperScene, ObjectMotion, Place, Side};
 use crate::trace::{BodyState, FingerState, Sample, Site};
 use crate::validate::turned;
@@ -72,20 +72,7 @@ pub(super) fn of_gripper(scene: &GripperScene, contacts: &[(String, usize)]) -> 
                 ("qd22", |finger| finger.qd22_rad_s, None),
             ]),
         ),
-        plan(
-            "Energy",
-            "J",
-            Scale::Linear,
-            vec![
-                curve("kinetic", |s| s.energy.kinetic_j),
-                curve("motor work", |s| s.energy.motor_work_j),
-                curve("dissipated", |s| s.energy.dissipated_j),
-                curve("spring", |s| s.energy.spring_j),
-                curve("contact", |s| s.energy.elastic_j),
-                curve("gravity", |s| s.energy.gravity_j),
-                curve("balance", |s| s.energy.balance_j),
-            ],
-        ),
+        energies(),
         plan("Torque", "N·m", Scale::Linear, torques),
     ]
 }

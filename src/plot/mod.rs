@@ -10,7 +10,7 @@
 //! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
-//! | `overlay`, `overlay_gripper` | two runs over time |
+//! | `overlay`, `overlay_gripper`, `overlay_panel` | two runs over time |
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
@@ -32,6 +32,7 @@ mod grasp;
 mod linkage;
 mod overlay;
 mod overlay_gripper;
+mod overlay_panel;
 mod select;
 mod sizing;
 mod speed_error;

@@ -7,6 +7,7 @@ use super::canvas::{
 };
 use super::curve::over_time;
 use super::overlay_gripper::of_gripper;
+use super::overlay_panel::{Panel, Quantity, energies, quantity};
 use crate::trace::{ContactSample, Layout, Place, Sample, Simulated, Site};
 use crate::validate::{Recording, Validation, turned};
 use plotters::style::RGBColor;
@@ -15,20 +16,6 @@ const PANEL: u32 = 230;
 const FOOT: u32 = 40;
 const FIRST: Mark = Mark::Pale { width: 6 };
 const SECOND: Mark = Mark::Line { width: 1 };
-
-/// One quantity of a panel.
-pub(super) struct Quantity {
-    pub name: String,
-    pub colour: RGBColor,
-    pub value: Box<dyn Fn(&Sample) -> f64>,
-}
-
-/// One panel.
-pub(super) struct Panel {
-    pub label: &'static str,
-    pub log: bool,
-    pub quantities: Vec<Quantity>,
-}
 
 /// Two runs: what they are called, and their samples.
 struct Runs<'a> {
@@ -125,11 +112,6 @@ fn dark(colour: RGBColor) -> RGBColor {
 
 /// Joints and energies always; contacts where the scene has an object.
 fn of_finger(object: bool) -> Vec<Panel> {
-    let quantity = |name: &str, colour, value: fn(&Sample) -> f64| Quantity {
-        name: name.to_string(),
-        colour,
-        value: Box::new(value),
-    };
     let mut panels = vec![
         Panel {
             label: "joint angle, deg",
@@ -168,16 +150,7 @@ fn of_finger(object: bool) -> Vec<Panel> {
             ],
         });
     }
-    panels.push(Panel {
-        label: "energy, mJ",
-        log: false,
-        quantities: vec![
-            quantity("kinetic", BLUE, |s| s.energy.kinetic_j * 1e3),
-            quantity("motor work", ORANGE, |s| s.energy.motor_work_j * 1e3),
-            quantity("dissipated", GREEN, |s| s.energy.dissipated_j * 1e3),
-            quantity("balance", PURPLE, |s| s.energy.balance_j * 1e3),
-        ],
-    });
+    panels.push(energies());
     panels
 }
 
@@ -209,11 +182,6 @@ fn of_pairs(places: &[Place], runs: [&Recording; 2]) -> Vec<Panel> {
             panels.push(of_contacts("friction force, N", |contact| contact.tangential_n));
         }
     }
-    let quantity = |name: &str, colour, value: fn(&Sample) -> f64| Quantity {
-        name: name.to_string(),
-        colour,
-        value: Box::new(value),
-    };
     panels.push(Panel {
         label: "energy, mJ",
         log: false,

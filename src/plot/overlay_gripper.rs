@@ -1,13 +1,16 @@
 //! The panels of two runs of a gripper.
 
 use super::canvas::{AMBER, BLUE, COLOURS, GREEN, GREY, ORANGE, PURPLE};
-use super::overlay::{Panel, Quantity};
-use crate::trace::{ContactSample, FingerState, Layout, Sample};
+use super::overlay_panel::{Panel, Quantity, energies, quantity};
+use crate::trace::{ContactSample, FingerState, Layout};
 use crate::validate::{Recording, turned};
 use plotters::style::RGBColor;
 
 /// Colours of the angles of the right finger, then of the left one.
 const OF_FINGERS: [[RGBColor; 3]; 2] = [[BLUE, ORANGE, GREEN], [PURPLE, AMBER, GREY]];
+
+/// A quantity of a finger: its name and value.
+type OfFinger = (&'static str, fn(&FingerState) -> f64);
 
 /// Joints of both fingers, the object's place, forces and gaps of the contacts that touch, energies.
 pub(super) fn of_gripper(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
@@ -30,21 +33,12 @@ pub(super) fn of_gripper(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
             quantities: contacts(layout, &shown, |contact| contact.gap_m * 1e3),
         });
     }
-    panels.push(Panel {
-        label: "energy, mJ",
-        log: false,
-        quantities: vec![
-            quantity("kinetic", BLUE, |s| s.energy.kinetic_j * 1e3),
-            quantity("motor work", ORANGE, |s| s.energy.motor_work_j * 1e3),
-            quantity("dissipated", GREEN, |s| s.energy.dissipated_j * 1e3),
-            quantity("balance", PURPLE, |s| s.energy.balance_j * 1e3),
-        ],
-    });
+    panels.push(energies());
     panels
 }
 
 fn angles(layout: &Layout) -> Vec<Quantity> {
-    let of: [(&str, fn(&FingerState) -> f64); 3] =
+    let of: [OfFinger; 3] =
         [("q11", |finger| finger.q11_rad), ("q21", |finger| finger.q21_rad), ("q22", |finger| finger.q22_rad)];
     let finger = |(index, name): (usize, &String)| {
         of.iter()
@@ -71,8 +65,4 @@ fn contacts(layout: &Layout, shown: &[usize], value: fn(&ContactSample) -> f64) 
         quantity(&name, COLOURS[place % COLOURS.len()], move |s| value(&s.contacts[index]))
     };
     shown.iter().enumerate().map(of).collect()
-}
-
-fn quantity(name: &str, colour: RGBColor, value: impl Fn(&Sample) -> f64 + 'static) -> Quantity {
-    Quantity { name: name.to_string(), colour, value: Box::new(value) }
 }

@@ -171,7 +171,7 @@ fn the_analytic_model_uses_nothing_of_the_engine() {
     );
     check("fivebar", &["gripper", "numeric"], &["rapier", "parry", "engine"]);
     check("sizing", &["gripper", "fivebar", "numeric", "sizing"], &["rapier", "parry", "engine", "scene"]);
-    check("integrator", &["numeric"], &["rapier", "parry", "engine", "gripper", "scene"]);
+    check("integrator", &["integrator", "numeric"], &["rapier", "parry", "engine", "gripper", "scene"]);
 }
 
 /// The check itself: it must see through braces, paths and comments.

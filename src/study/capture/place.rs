@@ -5,7 +5,8 @@ use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed}
 use crate::gripper::{Circle, final_posture};
 use crate::scene::{GripperScene, LogRates, Side};
 use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
-use crate::trace::{self, Event, Model, RunError, Sample, Sink, SinkError};
+use crate::trace::{self, Model, RunError};
+use crate::validate::While;
 
 /// The object at a place, and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,9 +56,9 @@ pub(super) fn place(model: Model, offset_m: f64, load: Load<'_>, go_on: &(dyn Fn
         }
     };
     placed.closed_there = closed_there(&scene);
-    let mut watch = Watch { tracker: GraspTracker::new(scene.object.radius_m), go_on };
-    placed.found = match trace::run(model, &scene, &mut watch) {
-        Ok(outcome) => watch.tracker.criteria().map_or(Err("there is no sample".to_string()), |criteria| {
+    let mut tracker = GraspTracker::new(scene.object.radius_m);
+    placed.found = match trace::run(model, &scene, &mut While { sink: &mut tracker, go_on }) {
+        Ok(outcome) => tracker.criteria().map_or(Err("there is no sample".to_string()), |criteria| {
             let GraspCriteria { fate, tts_s, end, slip, .. } = &criteria;
             Ok(Found {
                 fate: *fate,
@@ -98,24 +99,4 @@ fn closed_there(scene: &GripperScene) -> Option<bool> {
     let touching = PerContact { phalanges: [[true; 2]; 2], palm: scene.palm.is_some() };
     let blocked = if scene.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     gripper_closure(&stance, &touching, blocked).ok().map(|found| found.closed)
-}
-
-/// Listens to a run: what becomes of the object, and whether the run may go on.
-struct Watch<'a> {
-    tracker: GraspTracker,
-    go_on: &'a (dyn Fn() -> bool + Sync),
-}
-
-impl Sink for Watch<'_> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.tracker.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.tracker.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        (self.go_on)()
-    }
 }

@@ -14,7 +14,7 @@
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
 //! | `template` | scene texts |
-//! | `one`, `one_gripper`, `row` | one run, of a finger or a gripper, and its row |
+//! | `one`, `one_finger`, `one_gripper`, `simulate`, `row` | one run, of a finger or a gripper, and its row |
 //! | `run` | all of them, on all cores |
 //! | `summary` | what came out |
 //! | `trust` | whether results found on the disk are of this study |
@@ -24,6 +24,7 @@ mod base;
 mod error;
 mod field;
 mod one;
+mod one_finger;
 mod one_gripper;
 mod problem;
 mod raw;
@@ -32,6 +33,7 @@ mod read_axis;
 mod row;
 mod run;
 mod sequence;
+mod simulate;
 mod summary;
 mod template;
 mod trust;

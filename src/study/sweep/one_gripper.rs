@@ -1,13 +1,12 @@
 //! One run of a gripper: scene, simulation, row.
 
 use super::Study;
-use super::one::{refusal, unfinished};
 use super::row::{Cells, Row, Status};
-use crate::check::check;
+use super::simulate::{refusal, simulated};
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::gripper::SpringKind;
 use crate::scene::{self, AnyScene, GripperScene, LogRates, Place, SceneError, Side};
-use crate::trace::{self, Event, Outcome, Sample, Sink, SinkError};
+use crate::trace::Outcome;
 
 /// Makes one run of a study of grippers, of which `text` is the scene; `None` if it was told to stop.
 pub(super) fn of_gripper(
@@ -22,23 +21,12 @@ pub(super) fn of_gripper(
         Err(error) => return Some(cells.row(run, Status::Refused, &refusal(&error))),
     };
     design(&mut cells, &scene);
-    let mut watch = Watch { tracker: GraspTracker::new(scene.object.radius_m), go_on };
-    match trace::run(study.model, &scene, &mut watch) {
-        Ok(outcome) => {
-            if let Some(found) = watch.tracker.criteria() {
-                closing(&mut cells, &scene, &found, &outcome);
-            }
-            cells.set("steps", outcome.work.steps as i64);
-            if study.checked {
-                let check = check(study.model, &scene, go_on);
-                cells.set("check", check.verdict.name());
-                cells.set("check_error_rad", check.errors.path);
-            }
-            // A check that was broken off is not one.
-            go_on().then(|| cells.row(run, Status::Completed, ""))
+    let tracker = GraspTracker::new(scene.object.radius_m);
+    simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| {
+        if let Some(found) = tracker.criteria() {
+            closing(cells, &scene, &found, outcome);
         }
-        Err(error) => unfinished(cells, run, error),
-    }
+    })
 }
 
 /// The scene of a run; the criteria follow the steps: a grid between them would only cost.
@@ -93,25 +81,5 @@ fn closing(cells: &mut Cells, scene: &GripperScene, found: &GraspCriteria, outco
         if let Place::Finger(..) = place {
             cells.set(&format!("{name}_first_s"), summary.first_s);
         }
-    }
-}
-
-/// Listens to a run: what becomes of the grasp, and whether the run may go on.
-struct Watch<'a> {
-    tracker: GraspTracker,
-    go_on: &'a (dyn Fn() -> bool + Sync),
-}
-
-impl Sink for Watch<'_> {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.tracker.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.tracker.event(event)
-    }
-
-    fn proceed(&self) -> bool {
-        (self.go_on)()
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Status;
-use super::one::CLASSES;
+use super::one_finger::CLASSES;
 use crate::criteria::{Class, Fate};
 use crate::table::{Table, TableError};
 
