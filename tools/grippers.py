@@ -74,7 +74,7 @@ def scenes(_):
 
 
 def capture(scratch):
-    call(PHALANX, "capture", CAPTURED, "--out", scratch / "capture", cwd=ROOT)
+    call(PHALANX, "capture", CAPTURED, "--out", scratch / "capture")
     (FIGURES / "capture.svg").write_text((scratch / "capture" / "capture.svg").read_text())
     text = (scratch / "capture" / "capture.txt").read_text()
     return f"```text\n{text}```\n"
@@ -82,7 +82,7 @@ def capture(scratch):
 
 def study(scratch):
     out = scratch / "capture.csv"
-    call(PHALANX, "sweep", STUDY, "--out", out, cwd=ROOT)
+    call(PHALANX, "sweep", STUDY, "--out", out)
     designs = {0.0: defaultdict(list), 0.8: defaultdict(list)}
     for run in csv.DictReader(out.open()):
         designs[float(run["contact.friction.mu_static"])][int(run["design"])].append(run)
@@ -126,7 +126,7 @@ def main():
     parts = {"grippers": scenes, "capture": capture, "capture-study": study}
     parser.add_argument("--only", choices=parts, action="append")
     chosen = parser.parse_args().only or list(parts)
-    call("cargo", "build", "--release", "--locked", cwd=ROOT)
+    call("cargo", "build", "--release", "--locked")
     with tempfile.TemporaryDirectory() as scratch:
         for name in chosen:
             block = f"<!-- figures:begin {name} -->\n{parts[name](Path(scratch))}\n<!-- figures:end {name} -->"

@@ -234,11 +234,11 @@ impl Observer<7, QUADRATURES, GripperMode> for Books<'_> {
             let rates = self.model.rates(step.t0 + part * step.h, &state.q, &state.v, mode);
             self.size += weight * step.h * sizes;
             self.largest = self.largest.max(sizes);
-            for i in 0..3 {
-                self.given[i] += weight * step.h * force[i];
+            for (i, force) in force.into_iter().enumerate() {
+                self.given[i] += weight * step.h * force;
                 let inertial = self.inertia[i] * rates.a[4 + i] - self.weight[i];
                 let lever = if i == 2 { 0.02 } else { 1.0 };
-                self.off = self.off.max((inertial - force[i]).abs() / lever);
+                self.off = self.off.max((inertial - force).abs() / lever);
             }
         }
         true

@@ -1,7 +1,7 @@
 //! Grippers in both models, held to each other and to an independent program.
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
-use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Place, Preset, Side, Stepping};
+use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Preset, Side, Stepping};
 use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
 
 use crate::support::grippers::{anchor, anchors};
