@@ -1,10 +1,11 @@
 //! The invariants can be broken: doctored samples are each reported as what they break, and clean ones are not.
 
+use crate::support::grippers::anchor;
 use crate::support::laws::{FRICTION, THESIS, disc, on_plane, sliding};
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
-use phalanx::scene::{Response, Scene, Stepping};
-use phalanx::trace::{BodyState, ContactSample, Energy, Model, Sample, Sink, Site};
+use phalanx::scene::{GripperObject, GripperScene, LogRates, ObjectMotion, Response, Scene, Stepping};
+use phalanx::trace::{self, BodyState, ContactSample, Energy, Event, Model, Sample, Sink, SinkError, Site};
 
 const SPEED_M_S: f64 = 1.0;
 const START: Energy = Energy {
@@ -262,4 +263,49 @@ fn discs_are_held_to_them_too() {
     assert_eq!(broken(|sample| sample.contacts[0].gap_m = 1e-9), [(Invariant::NoAdhesion, pair())]);
     assert_eq!(broken(|sample| sample.contacts[0].tangential_n *= -1.0), [(Invariant::Friction, pair())]);
     assert_eq!(broken(|sample| sample.contacts[0].gap_m = -1e-3), [(Invariant::Penetration, pair())]);
+}
+
+/// Momentum and angular momentum of a free object balance in both models; an object of another mass, another inertia or
+/// another gravity than that of the run is noticed at a hundredth.
+#[test]
+fn momentum_of_the_object_balances_and_not_that_of_another() {
+    let scene = anchor("c").scene;
+    let ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = scene.object.motion else {
+        panic!("the object is fixed")
+    };
+    let with = |mass: f64, inertia: f64| {
+        let (mass_kg, inertia_kg_m2) = (mass * mass_kg, inertia * inertia_kg_m2);
+        let motion = ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s };
+        GripperScene { object: GripperObject { motion, ..scene.object.clone() }, ..scene.clone() }
+    };
+    let [x, y] = scene.gravity_m_s2;
+    let heavier = GripperScene { gravity_m_s2: [x, 1.5 * y], ..scene.clone() };
+    // The analytic model can be asked at any time, the engine at its steps.
+    for (model, numeric_hz) in [(Model::Analytic, 1e6), (Model::Engine, 1.0 / scene.duration_s)] {
+        let run_of = GripperScene { log: LogRates { numeric_hz, ..scene.log }, ..scene.clone() };
+        let books = [&scene, &with(1.01, 1.0), &with(1.0, 1.05), &heavier];
+        let mut books = books.map(|scene| Invariants::new(model, scene));
+        let outcome = trace::run(model, &run_of, &mut Each(&mut books)).unwrap();
+        let broken = books.map(|books| {
+            let findings = books.findings(outcome.loop_gap_m);
+            let found = [Invariant::Momentum, Invariant::AngularMomentum].map(|one| findings[one as usize].clone());
+            println!("{}: {} and {}", model.name(), found[0], found[1]);
+            assert!(found.iter().all(|one| one.measured > 0.0), "{found:?}");
+            found.map(|one| one.is_broken())
+        });
+        assert_eq!(broken, [[false, false], [true, false], [false, true], [true, false]], "{}", model.name());
+    }
+}
+
+/// Several sets of books on one run.
+struct Each<'a>(&'a mut [Invariants]);
+
+impl Sink for Each<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.iter_mut().try_for_each(|books| books.sample(sample))
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        Ok(())
+    }
 }

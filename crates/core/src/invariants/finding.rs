@@ -13,10 +13,12 @@ pub enum Invariant {
     Penetration,
     JointLimit,
     LoopGap,
+    Momentum,
+    AngularMomentum,
 }
 
 impl Invariant {
-    pub const ALL: [Invariant; 8] = [
+    pub const ALL: [Invariant; 10] = [
         Invariant::Finite,
         Invariant::Energy,
         Invariant::Passivity,
@@ -25,6 +27,8 @@ impl Invariant {
         Invariant::Penetration,
         Invariant::JointLimit,
         Invariant::LoopGap,
+        Invariant::Momentum,
+        Invariant::AngularMomentum,
     ];
 
     /// Name in JSON keys.
@@ -38,6 +42,8 @@ impl Invariant {
             Invariant::Penetration => "penetration",
             Invariant::JointLimit => "joint_limit",
             Invariant::LoopGap => "loop_gap",
+            Invariant::Momentum => "momentum",
+            Invariant::AngularMomentum => "angular_momentum",
         }
     }
 
@@ -52,6 +58,8 @@ impl Invariant {
             Invariant::Penetration => "no surface is deeper in than its energy allows",
             Invariant::JointLimit => "the joint limit holds",
             Invariant::LoopGap => "joints stay closed",
+            Invariant::Momentum => "a free object has the momentum that contacts and weight gave it",
+            Invariant::AngularMomentum => "a free object turns as its contacts made it",
         }
     }
 }

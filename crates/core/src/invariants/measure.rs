@@ -1,8 +1,9 @@
 //! Measures every invariant as a run goes by, whatever it is a run of.
 
+use super::momentum::Books;
 use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
-use crate::trace::{Energy, Model};
+use crate::trace::{Energy, Model, Sample};
 
 /// Slack of bounds that hold in exact arithmetic.
 const ROUNDING: f64 = 1e-9;
@@ -40,7 +41,9 @@ pub struct Invariants {
     model: Model,
     tolerances: Tolerances,
     places: Vec<Place>,
-    found: [Worst; 8],
+    /// Of an object that is free.
+    books: Option<Books>,
+    found: [Worst; Invariant::ALL.len()],
     start: Option<Energy>,
     /// Most energy that was ever about: kinetic, stored, dissipated, and the motor's work.
     throughput_j: f64,
@@ -77,7 +80,7 @@ struct Worst {
 }
 
 impl Invariants {
-    pub(super) fn watching(model: Model, tolerances: Tolerances, places: Vec<Place>) -> Self {
+    pub(super) fn watching(model: Model, tolerances: Tolerances, places: Vec<Place>, books: Option<Books>) -> Self {
         Self {
             model,
             tolerances,
@@ -85,7 +88,8 @@ impl Invariants {
             slips_m_s: vec![f64::NAN; places.len()],
             gap_rates_m_s: vec![0.0; places.len()],
             places,
-            found: [Worst::default(); 8],
+            books,
+            found: [Worst::default(); Invariant::ALL.len()],
             start: None,
             throughput_j: 0.0,
             imbalance: (0.0, 0.0),
@@ -164,6 +168,16 @@ impl Invariants {
         for (index, reading) in readings.into_iter().enumerate() {
             self.place(index, &reading, time_s, available_j);
             self.friction(index, &reading, time_s);
+        }
+    }
+
+    /// Momentum of the object, up to a sample whose numbers are all there.
+    pub(super) fn momentum(&mut self, sample: &Sample) {
+        let Some(books) = self.books.as_mut() else { return };
+        for (invariant, found) in [Invariant::Momentum, Invariant::AngularMomentum].into_iter().zip(books.enter(sample))
+        {
+            let allowed = self.tolerances.energy.max(ROUNDING) * found.exchanged + found.doubt;
+            self.note(invariant, None, sample.time_s, found.off, allowed);
         }
     }
 

@@ -1,22 +1,25 @@
 //! What is watched of a run, by its scene and of every sample.
 
 use super::measure::{Place, Reading};
+use super::momentum::{Books, Free};
 use super::{Invariant, Invariants, Tolerances};
 use crate::law::ContactLaw;
-use crate::scene::{self, BodiesScene, GripperScene, Scene};
+use crate::scene::{self, BodiesScene, GripperScene, ObjectMotion, Scene};
 use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Simulated, Sink, SinkError, Site};
 
 impl Invariants {
     /// For a run of `scene` with `model`, held to the tolerances of its settings.
     pub fn new<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Self {
         let scene = scene.into();
-        let (places, loop_gap_m) = match scene {
-            Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m),
+        let (places, loop_gap_m, books) = match scene {
+            Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m, None),
             // Discs have no joints that could open.
-            Simulated::Discs(scene) => (of_discs(scene), 0.0),
-            Simulated::Gripper(scene) => (of_gripper(scene), scene.bounds.loop_gap_m),
+            Simulated::Discs(scene) => (of_discs(scene), 0.0, None),
+            Simulated::Gripper(scene) => (of_gripper(scene), scene.bounds.loop_gap_m, books(scene)),
         };
-        Self::watching(model, Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m), places)
+        let tolerances = Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m);
+        // rapier's own contact has impulses of its own.
+        Self::watching(model, tolerances, places, books.filter(|_| tolerances.laws))
     }
 }
 
@@ -60,6 +63,19 @@ fn of_gripper(scene: &GripperScene) -> Vec<Place> {
     scene::Place::ALL.into_iter().filter_map(place).collect()
 }
 
+/// Of a free object, the books of what it is given.
+fn books(scene: &GripperScene) -> Option<Books> {
+    let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = scene.object.motion else { return None };
+    let frictions = scene::Place::ALL.map(|place| match place {
+        scene::Place::Finger(side, Site::Proximal) => scene.finger(side).contact.proximal.friction,
+        scene::Place::Finger(side, Site::Distal) => scene.finger(side).contact.distal.friction,
+        scene::Place::Finger(_, Site::Limit) => None,
+        scene::Place::Palm => scene.palm.and_then(|law| law.friction),
+        scene::Place::Table => scene.table.and_then(|table| table.contact.friction),
+    });
+    Some(Books::new(Free { mass_kg, inertia_kg_m2, gravity_m_s2: scene.gravity_m_s2 }, frictions.to_vec()))
+}
+
 fn of_discs(scene: &BodiesScene) -> Vec<Place> {
     let place = |pair| Place {
         name: scene.pair_name(pair),
@@ -75,7 +91,11 @@ impl Sink for Invariants {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         // A gap to nothing is infinite: that place is not watched.
         let there = sample.contacts.iter().filter(|contact| contact.gap_m != f64::INFINITY);
-        self.look(sample.time_s, strange(sample), &sample.energy, there.map(reading));
+        let strange = strange(sample);
+        self.look(sample.time_s, strange, &sample.energy, there.map(reading));
+        if strange == 0 {
+            self.momentum(sample);
+        }
         Ok(())
     }
 
