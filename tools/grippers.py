@@ -37,15 +37,16 @@ def scene_row(path):
     run = phalanx("run", path)
     engine = phalanx("run", path, "--model", "engine", "--no-check")
     verdict = {check["bound"]: check["measured"] for check in phalanx("validate", path, "--quick")["verdict"]}
-    first = [run["contacts"][f"{side}_proximal"]["first_s"] for side in ("right", "left")]
-    first = " / ".join("–" if time_s is None else f"{time_s * 1e3:.3f}" for time_s in first)
+    touches = [[run["contacts"][f"{side}_{site}"]["first_s"] for site in ("proximal", "distal")] for side in ("right", "left")]
+    touches = [[time_s for time_s in of if time_s is not None] for of in touches]
+    first = " / ".join(f"{min(of) * 1e3:.3f}" if of else "–" for of in touches)
     grasp, at = run["grasp"], run["object"]
     tts = "–" if grasp["tts_s"] is None else f"{grasp['tts_s'] * 1e3:.2f}"
     check = run["check"]
     return [
         f"[`{path.stem}`](../../{path.relative_to(ROOT)})",
         first,
-        f"{at['x_m'] * 1e3:.3f}, {at['y_m'] * 1e3:.3f}",
+        f"{at['x_m'] * 1e3:z.3f}, {at['y_m'] * 1e3:z.3f}".replace("-", "−"),
         grasp["fate"],
         tts,
         check["verdict"] if check["verdict"] == "chaotic" else number(check["error_rad"]),
@@ -86,7 +87,7 @@ def study(scratch):
     designs = {0.0: defaultdict(list), 0.8: defaultdict(list)}
     for run in csv.DictReader(out.open()):
         designs[float(run["contact.friction.mu_static"])][int(run["design"])].append(run)
-    lines = []
+    lines, closure = [], []
     for mu, of in designs.items():
         sized = {name: runs for name, runs in of.items() if runs[0]["status"] != "refused"}
         done = [run for runs in sized.values() for run in runs if run["status"] == "completed"]
@@ -108,6 +109,7 @@ def study(scratch):
                 f"{statistics.median(tts):.1f}" if tts else "–",
             ]
         )
+        closure.append([f"{mu}", *closed_from_the_middle_and_off(sized.values())])
     header = [
         "μ_s",
         "designs that can be sized",
@@ -118,7 +120,33 @@ def study(scratch):
         "form-closed at the end",
         "tts, median (ms)",
     ]
-    return table(header, lines)
+    second = [
+        "μ_s",
+        "designs held from the middle",
+        "of them form-closed",
+        "open from the middle: held off it, and form-closed there",
+        "closed from the middle: held off it, and form-closed there",
+    ]
+    return table(header, lines) + "\n\n" + table(second, closure)
+
+
+def closed_from_the_middle_and_off(designs):
+    """Of designs: how many are held from the middle, how many are form-closed then, and what becomes of both kinds off the middle."""
+    def held(runs):
+        return [run for run in runs if run["status"] == "completed" and run["grasp"] == "held"]
+
+    off = {"false": [], "true": []}
+    from_the_middle = []
+    for runs in designs:
+        middle = held(run for run in runs if float(run["object.offset_m"]) == 0.0)
+        if middle:
+            from_the_middle.append(middle[0]["form_closed"] == "true")
+            off[middle[0]["form_closed"]] += held(run for run in runs if float(run["object.offset_m"]) != 0.0)
+
+    def closed(runs):
+        return f"{len(runs)}, {sum(run['form_closed'] == 'true' for run in runs)}"
+
+    return [f"{len(from_the_middle)}", f"{sum(from_the_middle)}", closed(off["false"]), closed(off["true"])]
 
 
 def main():
