@@ -290,7 +290,6 @@ fn momentum_of_the_object_balances_and_not_that_of_another() {
             let findings = books.findings(outcome.loop_gap_m);
             let found = [Invariant::Momentum, Invariant::AngularMomentum].map(|one| findings[one as usize].clone());
             println!("{}: {} and {}", model.name(), found[0], found[1]);
-            assert!(found.iter().all(|one| one.measured > 0.0), "{found:?}");
             found.map(|one| one.is_broken())
         });
         assert_eq!(broken, [[false, false], [true, false], [false, true], [true, false]], "{}", model.name());

@@ -126,6 +126,10 @@ impl Invariants {
 
     /// The worst of every invariant, once the run is over; `loop_gap_m` is the largest opening of a joint in it.
     pub fn findings(mut self, loop_gap_m: f64) -> Vec<Finding> {
+        let momenta = self.books.as_ref().map(Books::worst).into_iter().flatten();
+        for (invariant, found) in [Invariant::Momentum, Invariant::AngularMomentum].into_iter().zip(momenta) {
+            self.note(invariant, None, found.time_s, found.off, found.allowed);
+        }
         let allowed = self.tolerances.energy * self.throughput_j;
         let (imbalance, fall, last_s) = (self.imbalance, self.fall, self.last_s);
         self.note(Invariant::Energy, None, imbalance.1, imbalance.0, allowed);
@@ -173,11 +177,8 @@ impl Invariants {
 
     /// Momentum of the object, up to a sample whose numbers are all there.
     pub(super) fn momentum(&mut self, sample: &Sample) {
-        let Some(books) = self.books.as_mut() else { return };
-        for (invariant, found) in [Invariant::Momentum, Invariant::AngularMomentum].into_iter().zip(books.enter(sample))
-        {
-            let allowed = self.tolerances.energy.max(ROUNDING) * found.exchanged + found.doubt;
-            self.note(invariant, None, sample.time_s, found.off, allowed);
+        if let Some(books) = self.books.as_mut() {
+            books.enter(sample);
         }
     }
 

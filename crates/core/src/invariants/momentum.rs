@@ -4,7 +4,7 @@
 //! and μ change meanwhile, by what the samples before and after say: that is the doubt, which is allowed.
 
 use crate::law::{FrictionLaw, friction_coefficient};
-use crate::trace::{ContactSample, Sample};
+use crate::trace::{ContactSample, Model, Sample};
 
 /// A body that nothing but its contacts and its weight moves.
 #[derive(Clone, Copy, Debug)]
@@ -14,13 +14,38 @@ pub(super) struct Free {
     pub gravity_m_s2: [f64; 2],
 }
 
+/// Rounding, as a part of all that is exchanged in a run.
+const ROUNDING: f64 = 1e-9;
+
 /// How far momentum (N·s) or angular momentum (N·m·s) is off, and what of that samples cannot say or integration may miss.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Imbalance {
+    pub time_s: f64,
     pub off: f64,
-    pub doubt: f64,
+    pub allowed: f64,
+}
+
+/// What is known of one momentum so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Account {
+    doubt: f64,
     /// Sizes of all that was exchanged, however it cancels.
-    pub exchanged: f64,
+    exchanged: f64,
+    /// Where it was furthest beyond what is allowed.
+    worst: Imbalance,
+}
+
+impl Account {
+    fn enter(&mut self, time_s: f64, off: f64, tolerance: f64) {
+        let found = Imbalance { time_s, off, allowed: tolerance * self.exchanged + self.doubt };
+        if found.off - found.allowed >= self.worst.off - self.worst.allowed {
+            self.worst = found;
+        }
+    }
+
+    fn worst(&self) -> Imbalance {
+        Imbalance { allowed: self.worst.allowed + ROUNDING * self.exchanged, ..self.worst }
+    }
 }
 
 /// The books of one object.
@@ -32,24 +57,29 @@ pub(super) struct Books {
     last: Option<Sample>,
     /// What the object was given beyond what it has: along x, along y, about its centre.
     missing: [f64; 3],
-    linear: Imbalance,
-    angular: Imbalance,
+    /// Part of what the sample before and the sample itself say that holds between them.
+    parts: [f64; 2],
+    /// Part of what is exchanged that integration may miss.
+    tolerance: f64,
+    linear: Account,
+    angular: Account,
 }
 
 impl Books {
-    pub fn new(free: Free, frictions: Vec<Option<FrictionLaw>>) -> Self {
-        Self {
-            free,
-            frictions,
-            last: None,
-            missing: [0.0; 3],
-            linear: Imbalance::default(),
-            angular: Imbalance::default(),
-        }
+    pub fn new(model: Model, tolerance: f64, free: Free, frictions: Vec<Option<FrictionLaw>>) -> Self {
+        // A force of the engine is that of the step that a sample ends.
+        let parts = if model == Model::Engine { [0.0, 1.0] } else { [0.5; 2] };
+        let (linear, angular) = (Account::default(), Account::default());
+        Self { free, frictions, last: None, missing: [0.0; 3], parts, tolerance, linear, angular }
     }
 
-    /// Enters the time up to a sample: momentum and angular momentum since the start.
-    pub fn enter(&mut self, sample: &Sample) -> [Imbalance; 2] {
+    /// Momentum and angular momentum, each where it was furthest beyond what is allowed.
+    pub fn worst(&self) -> [Imbalance; 2] {
+        [self.linear.worst(), self.angular.worst()]
+    }
+
+    /// Enters the time up to a sample.
+    pub fn enter(&mut self, sample: &Sample) {
         if let Some(last) = self.last.take() {
             self.weight(&last, sample);
             for index in (0..sample.contacts.len()).filter(|index| !sample.is_stop(*index)) {
@@ -60,9 +90,8 @@ impl Books {
         }
         self.last = Some(sample.clone());
         let [x, y, about] = self.missing;
-        self.linear.off = x.hypot(y);
-        self.angular.off = about.abs();
-        [self.linear, self.angular]
+        self.linear.enter(sample.time_s, x.hypot(y), self.tolerance);
+        self.angular.enter(sample.time_s, about.abs(), self.tolerance);
     }
 
     fn weight(&mut self, last: &Sample, sample: &Sample) {
@@ -96,7 +125,7 @@ impl Books {
         });
         let apart = [0, 1, 2].map(|part| (to[part] - from[part]).abs());
         for part in 0..3 {
-            self.missing[part] += impulse * 0.5 * (from[part] + to[part]);
+            self.missing[part] += impulse * (self.parts[0] * from[part] + self.parts[1] * to[part]);
         }
         let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
         let radius = (point[0] - centre[0]).hypot(point[1] - centre[1]);

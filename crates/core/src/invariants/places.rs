@@ -3,7 +3,7 @@
 use super::measure::{Place, Reading};
 use super::momentum::{Books, Free};
 use super::{Invariant, Invariants, Tolerances};
-use crate::law::ContactLaw;
+use crate::law::{ContactLaw, FrictionLaw};
 use crate::scene::{self, BodiesScene, GripperScene, ObjectMotion, Scene};
 use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Simulated, Sink, SinkError, Site};
 
@@ -11,15 +11,17 @@ impl Invariants {
     /// For a run of `scene` with `model`, held to the tolerances of its settings.
     pub fn new<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Self {
         let scene = scene.into();
-        let (places, loop_gap_m, books) = match scene {
+        let (places, loop_gap_m, free) = match scene {
             Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m, None),
             // Discs have no joints that could open.
             Simulated::Discs(scene) => (of_discs(scene), 0.0, None),
-            Simulated::Gripper(scene) => (of_gripper(scene), scene.bounds.loop_gap_m, books(scene)),
+            Simulated::Gripper(scene) => (of_gripper(scene), scene.bounds.loop_gap_m, object(scene)),
         };
         let tolerances = Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m);
         // rapier's own contact has impulses of its own.
-        Self::watching(model, tolerances, places, books.filter(|_| tolerances.laws))
+        let free = free.filter(|_| tolerances.laws);
+        let books = free.map(|(free, frictions)| Books::new(model, tolerances.energy, free, frictions));
+        Self::watching(model, tolerances, places, books)
     }
 }
 
@@ -63,8 +65,8 @@ fn of_gripper(scene: &GripperScene) -> Vec<Place> {
     scene::Place::ALL.into_iter().filter_map(place).collect()
 }
 
-/// Of a free object, the books of what it is given.
-fn books(scene: &GripperScene) -> Option<Books> {
+/// An object that is free, and the friction of every contact.
+fn object(scene: &GripperScene) -> Option<(Free, Vec<Option<FrictionLaw>>)> {
     let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = scene.object.motion else { return None };
     let frictions = scene::Place::ALL.map(|place| match place {
         scene::Place::Finger(side, Site::Proximal) => scene.finger(side).contact.proximal.friction,
@@ -73,7 +75,7 @@ fn books(scene: &GripperScene) -> Option<Books> {
         scene::Place::Palm => scene.palm.and_then(|law| law.friction),
         scene::Place::Table => scene.table.and_then(|table| table.contact.friction),
     });
-    Some(Books::new(Free { mass_kg, inertia_kg_m2, gravity_m_s2: scene.gravity_m_s2 }, frictions.to_vec()))
+    Some((Free { mass_kg, inertia_kg_m2, gravity_m_s2: scene.gravity_m_s2 }, frictions.to_vec()))
 }
 
 fn of_discs(scene: &BodiesScene) -> Vec<Place> {
