@@ -276,7 +276,7 @@ fn momentum_of_the_object_balances_and_not_that_of_another() {
     let with = |mass: f64, inertia: f64| {
         let (mass_kg, inertia_kg_m2) = (mass * mass_kg, inertia * inertia_kg_m2);
         let motion = ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s };
-        GripperScene { object: GripperObject { motion, ..scene.object.clone() }, ..scene.clone() }
+        GripperScene { object: GripperObject { motion, ..scene.object }, ..scene.clone() }
     };
     let [x, y] = scene.gravity_m_s2;
     let heavier = GripperScene { gravity_m_s2: [x, 1.5 * y], ..scene.clone() };
