@@ -4,7 +4,7 @@
 //! and μ change meanwhile, by what the samples before and after say: that is the doubt, which is allowed.
 
 use crate::law::{FrictionLaw, friction_coefficient};
-use crate::trace::{ContactSample, Model, Sample};
+use crate::trace::{ContactSample, Sample};
 
 /// A body that nothing but its contacts and its weight moves.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +57,6 @@ pub(super) struct Books {
     last: Option<Sample>,
     /// What the object was given beyond what it has: along x, along y, about its centre.
     missing: [f64; 3],
-    /// Part of what the sample before and the sample itself say that holds between them.
-    parts: [f64; 2],
     /// Part of what is exchanged that integration may miss.
     tolerance: f64,
     linear: Account,
@@ -66,11 +64,9 @@ pub(super) struct Books {
 }
 
 impl Books {
-    pub fn new(model: Model, tolerance: f64, free: Free, frictions: Vec<Option<FrictionLaw>>) -> Self {
-        // A force of the engine is that of the step that a sample ends.
-        let parts = if model == Model::Engine { [0.0, 1.0] } else { [0.5; 2] };
+    pub fn new(tolerance: f64, free: Free, frictions: Vec<Option<FrictionLaw>>) -> Self {
         let (linear, angular) = (Account::default(), Account::default());
-        Self { free, frictions, last: None, missing: [0.0; 3], parts, tolerance, linear, angular }
+        Self { free, frictions, last: None, missing: [0.0; 3], tolerance, linear, angular }
     }
 
     /// Momentum and angular momentum, each where it was furthest beyond what is allowed.
@@ -125,7 +121,7 @@ impl Books {
         });
         let apart = [0, 1, 2].map(|part| (to[part] - from[part]).abs());
         for part in 0..3 {
-            self.missing[part] += impulse * (self.parts[0] * from[part] + self.parts[1] * to[part]);
+            self.missing[part] += impulse * 0.5 * (from[part] + to[part]);
         }
         let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
         let radius = (point[0] - centre[0]).hypot(point[1] - centre[1]);
