@@ -11,10 +11,10 @@ use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Place, Preset};
 use crate::support::grippers::{Anchor, anchor, anchors};
 
 /// States at given times, and every event: time, place, whether it presses from then on.
-struct Watcher<const N: usize> {
+pub struct Watcher<const N: usize> {
     times: Vec<f64>,
-    states: Vec<State<N, QUADRATURES>>,
-    events: Vec<(f64, usize, bool)>,
+    pub states: Vec<State<N, QUADRATURES>>,
+    pub events: Vec<(f64, usize, bool)>,
 }
 
 impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for Watcher<N> {
@@ -53,26 +53,26 @@ fn run_by<const N: usize, K: Method<N, QUADRATURES>>(
     (watcher, end)
 }
 
-fn reference<const N: usize>(scene: &GripperScene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
+pub fn reference<const N: usize>(scene: &GripperScene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
     run_by::<N, RadauOrRodas<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Reference), times)
 }
 
-fn everyday<const N: usize>(scene: &GripperScene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
+pub fn everyday<const N: usize>(scene: &GripperScene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
     run_by::<N, Rodas5p<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Engineering), times)
 }
 
 /// Largest difference of coordinates from the states of an anchor; positions in object radii.
-fn off<const N: usize>(anchor: &Anchor, found: &[State<N, QUADRATURES>]) -> f64 {
+pub fn off<const N: usize>(anchor: &Anchor, found: &[State<N, QUADRATURES>]) -> f64 {
     assert_eq!(found.len(), anchor.states.len(), "{}", anchor.name);
     let radius = anchor.scene.object.radius_m;
     let scale = |coordinate: usize| if coordinate == 4 || coordinate == 5 { 1.0 / radius } else { 1.0 };
     let of = |(found, wanted): (&State<N, QUADRATURES>, &[f64; 7])| {
-        (0..N).map(|i| scale(i) * (found.q[i] - wanted[i]).abs()).fold(0.0, f64::max)
+        (0..N.min(7)).map(|i| scale(i) * (found.q[i] - wanted[i]).abs()).fold(0.0, f64::max)
     };
     found.iter().zip(anchor.states.iter().map(|state| &state.q)).map(of).fold(0.0, f64::max)
 }
 
-fn times(anchor: &Anchor) -> Vec<f64> {
+pub fn times(anchor: &Anchor) -> Vec<f64> {
     anchor.states.iter().map(|state| state.time_s).collect()
 }
 

@@ -9,6 +9,7 @@ mod anchor;
 mod contact_geometry;
 mod dynamics_independent;
 mod energy;
+mod carried;
 mod gripper;
 mod gripper_criteria;
 mod integrator_events;

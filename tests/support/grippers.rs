@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Contacts, Differential, Engine, GripperBounds, GripperFinger, GripperObject, GripperScene, Initial,
-    Integrator, LogRates, Motor, ObjectMotion, Preset, Table,
+    Actuation, Axis, Brake, Contacts, Differential, Engine, GripperBounds, GripperFinger, GripperObject, GripperScene,
+    Initial, Integrator, LogRates, Motor, Move, ObjectMotion, PalmMotion, Preset, Ramp, Table, Vibration,
 };
 use serde_json::Value;
 
@@ -29,15 +29,24 @@ pub struct State {
     pub v: [f64; 7],
 }
 
-/// All cases, by the letter they have in the specification.
+/// All cases whose palm is at rest, by the letter they have in the specification.
 pub fn anchors() -> Vec<Anchor> {
+    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_none()).collect()
+}
+
+/// Those whose motors are blocked and whose palm moves.
+pub fn carried() -> Vec<Anchor> {
+    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_some()).collect()
+}
+
+fn all() -> Vec<Anchor> {
     let text = std::fs::read_to_string("tests/anchors/gripper.json").expect("the anchors");
     let cases: BTreeMap<String, Value> = serde_json::from_str(&text).expect("JSON");
     cases.iter().map(|(letter, case)| read(letter, case)).collect()
 }
 
 pub fn anchor(letter: &str) -> Anchor {
-    anchors().into_iter().find(|anchor| anchor.name.starts_with(letter)).expect("a case of that letter")
+    all().into_iter().find(|anchor| anchor.name.starts_with(letter)).expect("a case of that letter")
 }
 
 const PAIRS: [&str; 6] = ["R21", "R22", "L21", "L22", "palm", "support"];
@@ -86,10 +95,37 @@ fn motor(torque: &Value, inertia: &Value, no_load_speed: &Value) -> Motor {
         actuation: Actuation::Constant { torque_n_m: number(torque) },
         inertia_kg_m2: inertia.as_f64().unwrap_or(0.0),
         no_load_speed_rad_s: no_load_speed.as_f64().filter(|speed| *speed > 0.0),
+        brake: None,
     }
 }
 
-fn finger(value: &Value, proximal: &Value, distal: &Value) -> GripperFinger {
+fn brake(value: &Value) -> Option<Brake> {
+    value.is_object().then(|| Brake {
+        torque_n_m: number(&value["T"]),
+        start_s: number(&value["t"]),
+        rise_s: number(&value["rise"]),
+        release_s: None,
+        one_way: value["one_way"] == true,
+        v_static_rad_s: number(&value["v_s"]),
+    })
+}
+
+fn palm_motion(scene: &Value) -> Option<PalmMotion> {
+    let axis = |value: &Value| [Axis::X, Axis::Y, Axis::Angle][number(value) as usize];
+    let moves = scene["moves"].as_array()?.iter().map(|one| {
+        let [_, start_s, length_s, distance] = numbers(one);
+        Move { axis: axis(&one[0]), distance, start_s, length_s }
+    });
+    let vibrations = scene["vib"].as_array()?.iter().map(|one| {
+        let [_, amplitude, frequency_hz, start_s, phase_rad, ramp_periods] = numbers(one);
+        let (axis, ramp) = (axis(&one[0]), Ramp::Cubic);
+        Vibration { axis, amplitude, frequency_hz, phase_rad, start_s, ramp_periods, ramp }
+    });
+    let motion = PalmMotion { moves: moves.collect(), vibrations: vibrations.collect(), path: None };
+    (motion != PalmMotion::default()).then_some(motion)
+}
+
+fn finger(value: &Value, [proximal, distal]: [&Value; 2], held: &Value) -> GripperFinger {
     let [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m] =
         ["l11", "l12", "l21", "l22", "t22", "phi22", "w"].map(|key| number(&value[key]));
     let body = |index: usize| {
@@ -103,7 +139,7 @@ fn finger(value: &Value, proximal: &Value, distal: &Value) -> GripperFinger {
             bodies: Bodies { l11: body(0), l12: body(1), l21: body(2), l22: body(3) },
             assembly: Assembly::Reference,
         },
-        motor: motor(&value["tau"], &value["inertia"], &value["no_load_speed"]),
+        motor: Motor { brake: brake(held), ..motor(&value["tau"], &value["inertia"], &value["no_load_speed"]) },
         spring: Some(Spring {
             kind: SpringKind::Constant { torque_n_m: number(&value["ks"]) },
             placement: Placement::Phalanges,
@@ -125,8 +161,8 @@ fn scene(value: &Value) -> GripperScene {
         description: String::new(),
         source: String::new(),
         fingers: [
-            finger(&value["right"], &contacts["R21"], &contacts["R22"]),
-            finger(&value["left"], &contacts["L21"], &contacts["L22"]),
+            finger(&value["right"], [&contacts["R21"], &contacts["R22"]], &value["brakes"]["r"]),
+            finger(&value["left"], [&contacts["L21"], &contacts["L22"]], &value["brakes"]["l"]),
         ],
         palm_width_m: number(&value["palm"]),
         object: GripperObject {
@@ -146,6 +182,7 @@ fn scene(value: &Value) -> GripperScene {
             motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
             seesaw_inertia_kg_m2: number(&differential["J_s"]),
         }),
+        palm_motion: palm_motion(value),
         gravity_m_s2: numbers(&value["gravity"]),
         duration_s,
         integrator: Integrator::preset(Preset::Engineering),

@@ -6,10 +6,12 @@
 //! |---|---|
 //! | `kinematics` | loop closure, first and second order, singularities |
 //! | `dynamics` | mass matrix, centrifugal, Coriolis and gravity terms; inverse dynamics |
+//! | `carried` | what its links feel in a frame that moves |
 //! | `capsule` | a phalanx against a disc: nearest point, normal and gap |
 //! | `spring` | where a spring acts, its extension, torque and energy |
 
 pub mod capsule;
+pub mod carried;
 pub mod dynamics;
 pub mod kinematics;
 pub mod spring;

@@ -1,6 +1,6 @@
 //! A scene of kind "gripper": two fingers, an object between them that may move, the palm, and a table.
 
-use super::{Actuation, Contacts, Engine, GripperBounds, Initial, Integrator, LogRates};
+use super::{Actuation, Brake, Contacts, Engine, GripperBounds, Initial, Integrator, LogRates, PalmMotion};
 use crate::gripper::{Finger, Site, Spring};
 use crate::law::{ContactLaw, NormalLaw};
 
@@ -22,6 +22,8 @@ pub struct GripperScene {
     pub table: Option<Table>,
     /// One input that drives both fingers.
     pub differential: Option<Differential>,
+    /// `None` where the palm is at rest.
+    pub palm_motion: Option<PalmMotion>,
     pub gravity_m_s2: [f64; 2],
     pub duration_s: f64,
     pub integrator: Integrator,
@@ -51,6 +53,7 @@ pub struct Motor {
     pub inertia_kg_m2: f64,
     /// Rate at which nothing is left of the torque.
     pub no_load_speed_rad_s: Option<f64>,
+    pub brake: Option<Brake>,
 }
 
 /// One input, a seesaw and two outputs: both fingers get half of its torque, and it turns by the mean of both.
@@ -78,7 +81,7 @@ pub enum ObjectMotion {
     Free { mass_kg: f64, inertia_kg_m2: f64, velocity_m_s: [f64; 2], spin_rad_s: f64 },
 }
 
-/// The half plane y ≥ level of the world, at rest.
+/// The half plane y ≥ level of the world, at rest; the palm starts where world and gripper have one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Table {
     pub level_m: f64,
@@ -101,8 +104,12 @@ pub enum Side {
 
 impl Motor {
     /// None at all: that of a finger which a differential drives.
-    pub const NONE: Self =
-        Motor { actuation: Actuation::Constant { torque_n_m: 0.0 }, inertia_kg_m2: 0.0, no_load_speed_rad_s: None };
+    pub const NONE: Self = Motor {
+        actuation: Actuation::Constant { torque_n_m: 0.0 },
+        inertia_kg_m2: 0.0,
+        no_load_speed_rad_s: None,
+        brake: None,
+    };
 }
 
 impl Side {

@@ -15,6 +15,7 @@
 //! | `torque` | the motor torque of an actuation over time |
 //! | `bodies` | scenes of discs instead of a finger |
 //! | `gripper` | scenes of two fingers and what they grasp |
+//! | `palm_motion` | how a gripper's palm moves, and brakes |
 
 pub mod any;
 mod bodies;
@@ -27,6 +28,7 @@ mod gripper;
 pub mod keys;
 pub mod kinds;
 mod over;
+mod palm_motion;
 mod raw;
 mod raw_bodies;
 mod raw_gripper;
@@ -45,6 +47,7 @@ pub use compose::{Layer, extended, parse_layers};
 pub use error::{Problem, SceneError};
 pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
 pub use kinds::Words;
+pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use schema::schema;
 pub use show::{show, show_any, show_bodies, show_gripper, show_written};
 pub use suggest::nearest;

@@ -2,9 +2,11 @@
 //!
 //! The sections of a finger are those of both; `[right]` and `[left]` have the same ones for that finger alone, over the common ones.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
@@ -18,6 +20,8 @@ use super::table::drive::BoughtMotor;
 use super::table::gripper::{Seesaw, Support};
 use super::table::keys::Keys;
 use super::table::law::GripperContact;
+use super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
+use super::table::{self, Table};
 use super::words::SceneKind;
 use super::{Engine, GripperObject, Integrator, LogRates, Side};
 
@@ -71,12 +75,45 @@ pub struct RawGripper {
     pub object: Section<Keys<GripperObject>>,
     pub table: Section<Keys<Support>>,
     pub differential: Section<Keys<Seesaw>>,
+    pub moves: Section<Named<MoveKeys>>,
+    pub vibrations: Section<Named<VibrationKeys>>,
+    pub path: Section<Keys<PathKeys>>,
     pub motor: Section<Keys<BoughtMotor>>,
     pub contact: Section<Keys<GripperContact>>,
     pub integrator: Section<Keys<Integrator>>,
     pub engine: Section<Keys<Engine>>,
     pub validate: Section<Keys<GripperBounds>>,
     pub log: Section<Keys<LogRates>>,
+}
+
+/// Sections of one kind, each under a name of its own.
+#[derive(Debug, Deserialize)]
+#[serde(transparent, bound = "")]
+pub struct Named<T>(pub BTreeMap<Spanned<String>, Section<Keys<T>>>);
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Named(BTreeMap::new())
+    }
+}
+
+impl<T: Table> JsonSchema for Named<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("Named{}", std::any::type_name::<T>()).into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": format!("Each under a name of its own. {}", T::DOC.trim_start()),
+            "type": "object",
+            "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" },
+            "additionalProperties": table::keys::schema::<T>().to_value(),
+        })
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
 }
 
 /// What a file says of one finger, as the scene of a finger would.

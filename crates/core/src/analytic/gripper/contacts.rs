@@ -1,6 +1,7 @@
 //! Contacts in one state, with plain numbers.
 
-use super::coordinates::{Where, of_finger, of_object, of_phalanx, scatter};
+use super::coordinates::{Where, of_finger, of_object, of_object_in_time, of_phalanx, scatter};
+use super::frame;
 use super::model::GripperModel;
 use super::touch::{self, Touch};
 use crate::analytic::finger::FingerModel;
@@ -57,6 +58,10 @@ impl<const N: usize> GripperModel<N> {
                 }
                 let centre = self.in_finger(side, [x, y]);
                 Some(spread(&self.phalanx(finger, (&pose, &rates), site, centre), &of_phalanx(side)))
+            }
+            Place::Table if Self::MOVES => {
+                let touch = frame::table(self.plane(place)?, &self.pose(q), 0.0, [x, y], self.object.radius);
+                Some(spread(&touch, &of_object_in_time()))
             }
             Place::Palm | Place::Table => {
                 let touch = touch::plane(self.plane(place)?, [x, y], self.object.radius);

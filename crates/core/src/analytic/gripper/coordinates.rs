@@ -1,6 +1,6 @@
 //! Which coordinates of the gripper a part of it depends on.
 
-use super::FINGERS;
+use super::{FINGERS, TIME};
 use crate::scene::Side;
 
 /// A coordinate of the gripper and the sign with which a part has it; one that is not there (of a fixed object) is beyond the last.
@@ -17,6 +17,12 @@ pub fn of_finger(side: Side) -> [Where; 2] {
 #[inline(always)]
 pub fn of_object(mirror: f64) -> [Where; 3] {
     [(FINGERS, mirror), (FINGERS + 1, 1.0), (FINGERS + 2, mirror)]
+}
+
+/// Those of the object, with time before its angle.
+#[inline(always)]
+pub fn of_object_in_time() -> [Where; 4] {
+    [(FINGERS, 1.0), (FINGERS + 1, 1.0), (TIME, 1.0), (FINGERS + 2, 1.0)]
 }
 
 /// Coordinates of a phalanx's contact.

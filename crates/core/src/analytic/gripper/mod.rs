@@ -1,7 +1,8 @@
 //! The analytic model of a gripper: two five-bars, and an object that both grasp.
 //!
 //! Coordinates are (q11, q21) of the right finger, (q11, q21) of the left one, which is its mirror image's, and (x, y, θ) of an object
-//! that moves, in the frame of the palm. Independent of the engine model, which it checks.
+//! that moves, in the frame of the palm; where the palm moves, time itself is the last one, of rate 1. Independent of the engine model,
+//! which it checks.
 //!
 //! | file | job |
 //! |---|---|
@@ -10,6 +11,7 @@
 //! | `touch` | gaps and the rows that give their rates, of a phalanx or a plane against the object, and the forces there |
 //! | `contacts` | any contact in one state, in all coordinates |
 //! | `inertia` | the mass matrix by its blocks, and what solves it |
+//! | `frame` | a palm that moves: what is felt there, and the table as it is seen from there |
 //! | `forces` | accelerations |
 //! | `slopes` | their exact Jacobian, put together from that of every finger and contact |
 //! | `modes` | branches of the laws, and where they change |
@@ -18,6 +20,7 @@
 mod contacts;
 mod coordinates;
 mod forces;
+mod frame;
 mod inertia;
 mod model;
 mod modes;
@@ -35,8 +38,13 @@ use crate::scene::Place;
 /// Places where something can touch: all of [`Place::ALL`], of which a scene may lack some.
 pub const PLACES: usize = Place::ALL.len();
 
-/// Quadratures carried along: normal impulses of the places, work of all contact forces, work of the motors.
+/// Quadratures carried along: normal impulses of the places, work of all contact forces and brakes, work of the motors and of whatever
+/// moves the palm.
 pub const QUADRATURES: usize = PLACES + 2;
+
+/// The last two of them.
+const LOST: usize = PLACES;
+const WORK: usize = PLACES + 1;
 
 /// Guards of all places: of their normal laws, then of their slips, then of their dampers.
 pub const GUARDS: usize = 3 * PLACES;
@@ -46,3 +54,6 @@ pub type GripperMode = mode::Mode<PLACES>;
 
 /// Coordinates of both fingers; those of an object that moves come after them.
 pub const FINGERS: usize = 4;
+
+/// Where time is among the coordinates of a gripper whose palm moves.
+const TIME: usize = FINGERS + 3;

@@ -1,17 +1,22 @@
 //! What does not change in time.
 
-use super::{FINGERS, QUADRATURES};
+use super::{FINGERS, QUADRATURES, TIME};
 use crate::analytic::finger::FingerModel;
+use crate::fivebar::carried::Carried;
 use crate::integrator::State;
 use crate::law::{ContactLaw, FrictionLaw, NormalLaw};
 use crate::numeric::Dual;
 use crate::numeric::plane::Vector;
-use crate::scene::{Actuation, GripperFinger, GripperScene, Motor, ObjectMotion, Place, Side, next_corner, torque};
+use crate::scene::{
+    Actuation, Brake, GripperFinger, GripperScene, Motor, ObjectMotion, PalmMotion, Place, Side, next_corner, torque,
+};
 
-/// The model of a scene with N = 7 coordinates, or 4 where the object is fixed.
+/// The model of a scene with N = 7 coordinates, 8 where the palm moves, or 4 where the object is fixed.
 #[derive(Clone, Debug)]
 pub struct GripperModel<const N: usize> {
     pub(super) fingers: [FingerModel; 2],
+    pub(super) carried: [Carried; 2],
+    pub(super) palm_motion: Option<PalmMotion>,
     pub(super) drives: Vec<Drive>,
     /// Beside the fingers' own mass matrices: inertias on (q11, q11), and what couples both driven links.
     pub(super) rotor_inertia: [f64; 2],
@@ -28,6 +33,7 @@ pub(super) struct Drive {
     actuation: Actuation,
     pub weights: [f64; 2],
     no_load_speed: Option<f64>,
+    brake: Option<Brake>,
 }
 
 /// What a drive gives at one instant.
@@ -43,13 +49,27 @@ pub(super) struct Pull {
 
 impl Drive {
     fn new(motor: &Motor, weights: [f64; 2]) -> Self {
-        Self { actuation: motor.actuation.clone(), weights, no_load_speed: motor.no_load_speed_rad_s }
+        let Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
+        Self { actuation: actuation.clone(), weights, no_load_speed: *no_load_speed_rad_s, brake: *brake }
+    }
+
+    #[inline(always)]
+    fn rate(&self, driven: [f64; 2]) -> f64 {
+        self.weights[0] * driven[0] + self.weights[1] * driven[1]
+    }
+
+    /// What the brake holds it with, if it has one.
+    #[inline(always)]
+    pub fn hold(&self, t: f64, driven: [f64; 2]) -> Option<Pull> {
+        let (brake, rate) = (self.brake.as_ref()?, self.rate(driven));
+        let [torque, by_rate, by_time] = brake.torque(t, rate);
+        Some(Pull { rate, torque, by_rate, by_time })
     }
 
     /// τ − |τ| q̇/q̇0, whichever way it turns.
     #[inline(always)]
     pub fn pull(&self, t: f64, driven: [f64; 2]) -> Pull {
-        let rate = self.weights[0] * driven[0] + self.weights[1] * driven[1];
+        let rate = self.rate(driven);
         let (full, slope) = torque(&self.actuation, t);
         let Some(speed) = self.no_load_speed else { return Pull { rate, torque: full, by_rate: 0.0, by_time: slope } };
         let by_rate = -full.abs() / speed;
@@ -87,14 +107,15 @@ pub fn start<const N: usize>(scene: &GripperScene) -> State<N, QUADRATURES> {
     }
     if let (ObjectMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. }, true) = (scene.object.motion, N > FINGERS) {
         let ([x, y], angle) = (scene.object.centre_m, scene.object.angle_rad);
-        state.q[FINGERS..].copy_from_slice(&[x, y, angle]);
-        state.v[FINGERS..].copy_from_slice(&[vx, vy, spin_rad_s]);
+        state.q[FINGERS..TIME].copy_from_slice(&[x, y, angle]);
+        state.v[FINGERS..TIME].copy_from_slice(&[vx, vy, spin_rad_s]);
     }
+    state.v.iter_mut().skip(TIME).for_each(|rate| *rate = 1.0);
     state
 }
 
 impl<const N: usize> GripperModel<N> {
-    /// Builds the model; N is 7 for an object that moves and 4 for one that does not.
+    /// Builds the model; N is 7 for an object that moves, 8 where the palm does too, and 4 for an object that does not.
     pub fn new(scene: &GripperScene) -> Self {
         let [x, y] = scene.gravity_m_s2;
         let finger = |side: Side| {
@@ -117,14 +138,18 @@ impl<const N: usize> GripperModel<N> {
             ObjectMotion::Fixed => (0.0, 0.0),
             ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => (mass_kg, inertia_kg_m2),
         };
-        assert_eq!(N, if mass > 0.0 { FINGERS + 3 } else { FINGERS }, "the object's coordinates");
+        let time = usize::from(scene.palm_motion.is_some());
+        assert_eq!(N, if mass > 0.0 { FINGERS + 3 + time } else { FINGERS }, "the object's coordinates, and time");
+        let half_palm = 0.5 * scene.palm_width_m;
         let [cx, cy] = scene.object.centre_m;
         Self {
             fingers: Side::BOTH.map(finger),
+            carried: Side::BOTH.map(|side| Carried::new(&scene.finger(side).finger, [half_palm, 0.0])),
+            palm_motion: scene.palm_motion.clone(),
             drives,
             rotor_inertia,
             coupling,
-            half_palm: 0.5 * scene.palm_width_m,
+            half_palm,
             object: Object {
                 radius: scene.object.radius_m,
                 mass,
@@ -137,19 +162,23 @@ impl<const N: usize> GripperModel<N> {
         }
     }
 
-    /// Torques of all drives on the driven links, N·m.
+    /// Torques of all motors and brakes on the driven links, N·m.
     pub fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; 2] {
         let mut torques = [0.0; 2];
         for drive in &self.drives {
-            let pull = drive.pull(t, [v[0], v[2]]);
-            (0..2).for_each(|i| torques[i] += drive.weights[i] * pull.torque);
+            let driven = [v[0], v[2]];
+            let torque = drive.pull(t, driven).torque + drive.hold(t, driven).map_or(0.0, |hold| hold.torque);
+            (0..2).for_each(|i| torques[i] += drive.weights[i] * torque);
         }
         torques
     }
 
-    /// The next time at which some torque jumps.
-    pub(super) fn next_corner_of_drives(&self, t: f64) -> f64 {
-        self.drives.iter().map(|drive| next_corner(&drive.actuation, t)).fold(f64::INFINITY, f64::min)
+    /// The next time at which some torque, or a derivative of the palm's pose, jumps.
+    pub(super) fn next_corner_in_time(&self, t: f64) -> f64 {
+        let brakes = self.drives.iter().filter_map(|drive| drive.brake.as_ref()).map(|brake| brake.next_corner(t));
+        let drives = self.drives.iter().map(|drive| next_corner(&drive.actuation, t));
+        let palm = self.palm_motion.iter().map(|motion| motion.next_corner(t));
+        drives.chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
     }
 
     /// (x, y, θ) of the object.

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use super::contacts::Posture;
 use super::model::GripperModel;
-use super::{GUARDS, GripperMode, PLACES, QUADRATURES, first_step};
+use super::{GUARDS, GripperMode, PLACES, QUADRATURES, TIME, first_step};
 use crate::analytic::SiteState;
 use crate::analytic::mode::{Contact, Landing, Press, along};
 use crate::fivebar::dynamics::absolute_rates;
@@ -26,13 +26,11 @@ impl<const N: usize> GripperModel<N> {
         place: Place,
     ) -> Option<Contact<N>> {
         let touch = self.touch(q, posture, place)?;
-        Some(Contact {
-            delta: -touch.gap,
-            rate: -along(&touch.normal_row, v),
-            slip: along(&touch.tangent_row, v),
-            row: touch.normal_row,
-            tangent: touch.tangent_row,
-        })
+        let (rate, slip) = (-along(&touch.normal_row, v), along(&touch.tangent_row, v));
+        let (mut row, mut tangent) = (touch.normal_row, touch.tangent_row);
+        // Nothing moves time.
+        [&mut row, &mut tangent].into_iter().flat_map(|row| row.iter_mut().skip(TIME)).for_each(|part| *part = 0.0);
+        Some(Contact { delta: -touch.gap, rate, slip, row, tangent })
     }
 
     #[inline(always)]
@@ -76,7 +74,7 @@ impl<const N: usize> GripperModel<N> {
 
 impl<const N: usize> Hybrid<N, QUADRATURES, GUARDS> for GripperModel<N> {
     fn next_corner(&self, t: f64) -> f64 {
-        self.next_corner_of_drives(t)
+        self.next_corner_in_time(t)
     }
 
     #[inline(always)]

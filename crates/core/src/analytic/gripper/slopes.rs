@@ -1,15 +1,17 @@
 //! Accelerations with their exact Jacobian: that of every finger and every contact in the few coordinates it depends on, put together.
 
-use super::coordinates::{Where, of_finger, of_object, of_phalanx, scatter};
+use super::coordinates::{Where, of_finger, of_object, of_object_in_time, of_phalanx, scatter};
 use super::forces::PLANES;
+use super::frame::{self, Felt};
 use super::inertia::Inertia;
 use super::model::{GripperModel, variables};
 use super::touch::{self, Press, Slope};
-use super::{FINGERS, GripperMode, PLACES, QUADRATURES};
-use crate::fivebar::dynamics::Terms;
+use super::{FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
+use crate::fivebar::carried::Field;
+use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates};
-use crate::numeric::Dual;
+use crate::numeric::{Dual, Real};
 use crate::scene::{Place, Side};
 
 /// Loads on all coordinates and rates of all quadratures, with their derivatives.
@@ -46,10 +48,19 @@ impl<const N: usize> Sums<N> {
                 scatter(&mut self.load_v[*row], at, &part.by_v.map(|slope| sign * slope));
             }
         }
-        for (index, part) in [(place, &press.normal), (PLACES, &press.power)] {
+        for (index, part) in [(place, &press.normal), (LOST, &press.power)] {
             self.g[index] += part.value;
             scatter(&mut self.g_q[index], at, &part.by_q);
             scatter(&mut self.g_v[index], at, &part.by_v);
+        }
+    }
+
+    /// What the table does to all in the frame, by coming along: the power of its force on time.
+    fn let_table_work(&mut self) {
+        self.g[WORK] -= self.load[TIME];
+        for j in 0..N {
+            self.g_q[WORK][j] -= self.load_q[TIME][j];
+            self.g_v[WORK][j] -= self.load_v[TIME][j];
         }
     }
 }
@@ -63,19 +74,31 @@ impl<const N: usize> GripperModel<N> {
         mode: &GripperMode,
     ) -> Linearised<N, QUADRATURES> {
         let mut sums = Sums::<N>::ZERO;
-        let right = self.add_finger_slopes(Side::Right, (q, v), mode, &mut sums);
-        let left = self.add_finger_slopes(Side::Left, (q, v), mode, &mut sums);
+        let felt = self.felt(t);
+        let right = self.add_finger_slopes(Side::Right, (q, v), (mode, &felt), &mut sums);
+        let left = self.add_finger_slopes(Side::Left, (q, v), (mode, &felt), &mut sums);
         self.add_drive_slopes(t, v, &mut sums);
+        let ([x, y, _], rates) = (self.object_of(q), self.object_rates(v));
         for (index, place) in PLANES {
             let Some(plane) = self.plane(place).filter(|_| mode[index].presses()) else { continue };
-            let [x, y, _] = self.object_of(q);
-            let touch = touch::plane(plane, variables([x, y]), self.object.radius);
             let laws = (&plane.law.normal, plane.law.friction.as_ref());
-            let press = touch::press_with_slopes(&touch, &self.object_rates(v), laws, mode[index]);
-            sums.add(index, &press, &of_object(1.0));
+            if Self::MOVES && place == Place::Table {
+                let centre = [Dual::<3>::variable(x, 0), Dual::variable(y, 1)];
+                let touch = frame::table(plane, &self.pose(q), Dual::variable(0.0, 2), centre, self.object.radius);
+                let rates = [rates[0], rates[1], v[TIME], rates[2]];
+                let press = touch::press_with_slopes(&touch, &rates, laws, mode[index]);
+                sums.add(index, &press, &of_object_in_time());
+                sums.let_table_work();
+                continue;
+            }
+            let touch = touch::plane(plane, variables([x, y]), self.object.radius);
+            sums.add(index, &touch::press_with_slopes(&touch, &rates, laws, mode[index]), &of_object(1.0));
         }
         if N > FINGERS {
             (0..2).for_each(|i| sums.load[FINGERS + i] += self.object.mass * self.object.gravity[i]);
+        }
+        if Self::MOVES {
+            self.add_object_slopes(q, v, &felt, &mut sums);
         }
         let masses = [right, left];
         let inverse = Inertia::new(self, masses.map(|mass| mass.map(|m| m.value))).inverse();
@@ -106,7 +129,7 @@ impl<const N: usize> GripperModel<N> {
         &self,
         side: Side,
         (q, v): (&[f64; N], &[f64; N]),
-        mode: &GripperMode,
+        (mode, felt): (&GripperMode, &Felt),
         sums: &mut Sums<N>,
     ) -> [Dual<2>; 3] {
         let finger = &self.fingers[side as usize];
@@ -118,6 +141,9 @@ impl<const N: usize> GripperModel<N> {
             sums.load[row] += load.value;
             scatter(&mut sums.load_q[row], &of_finger(side), &load.grad);
             scatter(&mut sums.load_v[row], &of_finger(side), &by_rates);
+        }
+        if Self::MOVES {
+            self.add_felt_slopes(side, own, &terms, felt, sums);
         }
         self.add_phalanx_slopes((side, Site::Proximal), (q, v), mode, &terms, sums);
         self.add_phalanx_slopes((side, Site::Distal), (q, v), mode, &terms, sums);
@@ -149,18 +175,83 @@ impl<const N: usize> GripperModel<N> {
         sums.add(index, &press, &of_phalanx(side));
     }
 
+    /// What a finger's links feel in a frame that moves.
+    fn add_felt_slopes(
+        &self,
+        side: Side,
+        own: [f64; 2],
+        terms: &Terms<Dual<2>>,
+        felt: &Felt,
+        sums: &mut Sums<N>,
+    ) {
+        let (carried, first) = (&self.carried[side as usize], 2 * side as usize);
+        let [field, rate] = [felt.field, felt.rate].map(|field| field.mirrored(side.mirror()));
+        let forces = |v: [f64; 2], field: &Field| {
+            let rates = absolute_rates(&terms.rates, v.map(Dual::constant));
+            carried.forces(&terms.pose, &terms.rates, rates, field)
+        };
+        let (now, soon) = (forces(own, &field), forces(own, &rate));
+        let swept = Field { coriolis: field.coriolis, ..Field::default() };
+        let by_rates = [[1.0, 0.0], [0.0, 1.0]].map(|unit| forces(unit, &swept).map(|force| force.value));
+        for i in 0..2 {
+            let row = first + i;
+            sums.load[row] += now[i].value;
+            sums.load_t[row] += soon[i].value;
+            sums.g[WORK] += now[i].value * own[i];
+            sums.g_t[WORK] += soon[i].value * own[i];
+            sums.g_v[WORK][row] += now[i].value;
+            for j in 0..2 {
+                sums.load_q[row][first + j] += now[i].grad[j];
+                sums.load_v[row][first + j] += by_rates[j][i];
+                sums.g_q[WORK][first + j] += now[i].grad[j] * own[i];
+                sums.g_v[WORK][first + j] += by_rates[j][i] * own[i];
+            }
+        }
+    }
+
+    /// What the object feels there: linear in where it is and how it moves.
+    fn add_object_slopes(&self, q: &[f64; N], v: &[f64; N], felt: &Felt, sums: &mut Sums<N>) {
+        let (place, rates) = (self.object_of(q), self.object_rates(v));
+        let now = self.object_feels(&felt.field, place, rates);
+        let soon = self.object_feels(&felt.rate, place, rates);
+        let linear = Field { uniform: [0.0; 2], euler: felt.field.euler, ..felt.field };
+        let unit = |j: usize| std::array::from_fn(|k| if k == j { 1.0 } else { 0.0 });
+        let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        for j in 0..2 {
+            by_q[j] = self.object_feels(&linear, unit(j), [0.0; 3]);
+            by_v[j] = self.object_feels(&linear, [0.0; 3], unit(j));
+            // The couple depends on neither.
+            (by_q[j][2], by_v[j][2]) = (0.0, 0.0);
+        }
+        for i in 0..3 {
+            let row = FINGERS + i;
+            sums.load[row] += now[i];
+            sums.load_t[row] += soon[i];
+            sums.g[WORK] += now[i] * rates[i];
+            sums.g_t[WORK] += soon[i] * rates[i];
+            sums.g_v[WORK][row] += now[i];
+            for j in 0..3 {
+                sums.load_q[row][FINGERS + j] += by_q[j][i];
+                sums.load_v[row][FINGERS + j] += by_v[j][i];
+                sums.g_q[WORK][FINGERS + j] += by_q[j][i] * rates[i];
+                sums.g_v[WORK][FINGERS + j] += by_v[j][i] * rates[i];
+            }
+        }
+    }
+
     #[inline(always)]
     fn add_drive_slopes(&self, t: f64, v: &[f64; N], sums: &mut Sums<N>) {
-        const WORK: usize = PLACES + 1;
         for drive in &self.drives {
-            let pull = drive.pull(t, [v[0], v[2]]);
-            sums.g[WORK] += pull.torque * pull.rate;
-            sums.g_t[WORK] += pull.by_time * pull.rate;
-            for (i, weight) in drive.weights.into_iter().enumerate() {
-                sums.load[2 * i] += weight * pull.torque;
-                sums.load_t[2 * i] += weight * pull.by_time;
-                sums.g_v[WORK][2 * i] += weight * (pull.torque + pull.by_rate * pull.rate);
-                (0..2).for_each(|j| sums.load_v[2 * i][2 * j] += weight * drive.weights[j] * pull.by_rate);
+            let pulls = [(Some(drive.pull(t, [v[0], v[2]])), WORK), (drive.hold(t, [v[0], v[2]]), LOST)];
+            for (pull, work) in pulls.into_iter().filter_map(|(pull, work)| Some((pull?, work))) {
+                sums.g[work] += pull.torque * pull.rate;
+                sums.g_t[work] += pull.by_time * pull.rate;
+                for (i, weight) in drive.weights.into_iter().enumerate() {
+                    sums.load[2 * i] += weight * pull.torque;
+                    sums.load_t[2 * i] += weight * pull.by_time;
+                    sums.g_v[work][2 * i] += weight * (pull.torque + pull.by_rate * pull.rate);
+                    (0..2).for_each(|j| sums.load_v[2 * i][2 * j] += weight * drive.weights[j] * pull.by_rate);
+                }
             }
         }
     }

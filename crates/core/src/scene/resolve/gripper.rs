@@ -17,7 +17,7 @@ use super::super::{
 };
 use super::finger::Plan;
 use super::sizing::Sized;
-use super::{Heading, contact, drive, finger, heading, run, sizing, start};
+use super::{Heading, contact, drive, finger, heading, motion, run, sizing, start};
 use crate::gripper::{Circle, Finger, Lengths};
 use crate::units::{Dimension, format};
 
@@ -63,6 +63,7 @@ pub fn gripper(
         None => Some(None),
     };
 
+    let palm_motion = motion::palm_motion(&mut c, raw, object);
     let planes = contact::planes(&mut c, &raw.contact, [palm, table.is_some()], object.radius_m);
     let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::everyday(SceneKind::Gripper));
     let mu_static = resolved[0].as_ref().map(|finger| finger.contact.mu_static()[0]);
@@ -86,6 +87,7 @@ pub fn gripper(
                 palm,
                 table: level_m.zip(on_table).map(|(level_m, contact)| Table { level_m, contact }),
                 differential,
+                palm_motion,
                 gravity_m_s2,
                 duration_s,
                 integrator,
@@ -195,7 +197,7 @@ fn resolve_finger(
     };
     let motor = match seesaw {
         Some(_) => Some(Motor::NONE),
-        None => drive::motor(c, &raw.motor, sized).map(|actuation| bought(c, &raw.motor.recast(), actuation)),
+        None => drive::motor(c, &raw.motor, sized).map(|actuation| bought(c, "motor", &raw.motor.recast(), actuation)),
     };
     let spring = drive::spring(c, &raw.spring, sized);
     let limit = contact::limit(c, &raw.limit);
@@ -276,9 +278,19 @@ fn ends_sized(
     all.unwrap_or(Sized::Wrong)
 }
 
-fn bought(c: &mut Checker<'_>, raw: &Section<Keys<BoughtMotor>>, actuation: Actuation) -> Motor {
-    let BoughtMotor { inertia_kg_m2, no_load_speed_rad_s, .. } = read(c, "motor", raw, BoughtMotor::usual());
-    Motor { actuation, inertia_kg_m2, no_load_speed_rad_s: no_load_speed_rad_s.filter(|speed| speed.is_finite()) }
+fn bought(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<BoughtMotor>>, actuation: Actuation) -> Motor {
+    let motor = read(c, path, raw, BoughtMotor::usual());
+    if let Some(brake) = motor.brake
+        && motor.release_s().is_some_and(|release_s| release_s < brake.start_s + brake.rise_s)
+    {
+        c.push(
+            raw.span("brake_release"),
+            format!("`{path}.brake_release` is before the brake has gripped, at brake_at + brake_rise"),
+            "too early",
+            "release it later, or leave it out: it holds for good then",
+        );
+    }
+    motor.with(actuation)
 }
 
 /// The motor at the input of the differential.
@@ -294,7 +306,7 @@ fn input(
         c.unused_at(&format!("{}.motor", side.word()), finger.own_motor.clone(), why);
     }
     let actuation = drive::motor(c, &raw.motor.recast(), right.of_both_motors(left))?;
-    let mut motor = bought(c, &raw.motor, actuation);
+    let mut motor = bought(c, "motor", &raw.motor, actuation);
     motor.inertia_kg_m2 += seesaw.input_inertia_kg_m2;
     Some(Differential { motor, seesaw_inertia_kg_m2: seesaw.seesaw_inertia_kg_m2 })
 }

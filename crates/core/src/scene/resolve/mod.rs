@@ -8,6 +8,7 @@ mod disc;
 mod drive;
 mod finger;
 mod gripper;
+mod motion;
 mod object;
 mod run;
 mod sizing;

@@ -1,11 +1,12 @@
 //! The scene of a gripper.
 
 use super::super::table::bounds::GripperBounds;
-use super::super::table::drive::{BoughtMotor, Motor};
+use super::super::table::drive::BoughtMotor;
 use super::super::table::gripper::{Seesaw, Support};
 use super::super::table::show as show_table;
 use super::super::words::SceneKind;
-use super::super::{self as scene, GripperFinger, GripperScene, Side};
+use super::super::table::motion;
+use super::super::{GripperFinger, GripperScene, PalmMotion, Side};
 use super::finger::{bodies, laws, links, spring_and_limit, start};
 use super::out::Out;
 use super::parts::{contact, heading};
@@ -43,6 +44,7 @@ pub(super) fn shown(scene: &GripperScene, mut out: Out) -> String {
     for (path, law) in [("contact.palm", scene.palm), ("contact.table", scene.table.map(|table| table.contact))] {
         law.iter().for_each(|law| contact(to, path, law));
     }
+    scene.palm_motion.iter().for_each(|motion| palm_motion(to, motion));
     show_table(to, "integrator", &scene.integrator);
     show_table(to, "engine", &scene.engine);
     // A program may have shortened the run.
@@ -57,22 +59,30 @@ fn differential(out: &mut Out, scene: &GripperScene) {
         let none = Seesaw { present: false, input_inertia_kg_m2: 0.0, seesaw_inertia_kg_m2: 0.0 };
         return show_table(out, "differential", &none);
     };
-    let scene::Motor { actuation, inertia_kg_m2, no_load_speed_rad_s } = &differential.motor;
     let seesaw_inertia_kg_m2 = differential.seesaw_inertia_kg_m2;
-    let seesaw = Seesaw { present: true, input_inertia_kg_m2: *inertia_kg_m2, seesaw_inertia_kg_m2 };
-    show_table(out, "differential", &seesaw);
-    let no_load_speed_rad_s = *no_load_speed_rad_s;
-    show_table(out, "motor", &BoughtMotor { motor: Motor::of(actuation), inertia_kg_m2: 0.0, no_load_speed_rad_s });
+    let input_inertia_kg_m2 = differential.motor.inertia_kg_m2;
+    show_table(out, "differential", &Seesaw { present: true, input_inertia_kg_m2, seesaw_inertia_kg_m2 });
+    show_table(out, "motor", &BoughtMotor::of(&differential.motor, 0.0));
 }
 
 fn finger(out: &mut Out, path: &str, finger: &GripperFinger, has_motor: bool) {
     bodies(out, path, &finger.finger);
     if has_motor {
-        let scene::Motor { actuation, inertia_kg_m2, no_load_speed_rad_s } = finger.motor.clone();
-        let motor = BoughtMotor { motor: Motor::of(&actuation), inertia_kg_m2, no_load_speed_rad_s };
+        let motor = BoughtMotor::of(&finger.motor, finger.motor.inertia_kg_m2);
         show_table(out, &format!("{path}motor"), &motor);
     }
     spring_and_limit(out, path, finger.spring, finger.limit);
     laws(out, path, &finger.contact);
     start(out, path, finger.initial);
+}
+
+/// Every part by a name of its own.
+fn palm_motion(out: &mut Out, motion: &PalmMotion) {
+    for (index, one) in motion.moves.iter().enumerate() {
+        show_table(out, &format!("moves.m{}", index + 1), &motion::MoveKeys::of(one));
+    }
+    for (index, one) in motion.vibrations.iter().enumerate() {
+        show_table(out, &format!("vibrations.v{}", index + 1), &motion::VibrationKeys::of(one));
+    }
+    motion.path.iter().for_each(|path| show_table(out, "path", &motion::PathKeys::of(path)));
 }

@@ -10,6 +10,7 @@ use super::gripper::{Seesaw, Support};
 use super::integrator::Integrator;
 use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
+use super::motion::{MoveKeys, PathKeys, VibrationKeys};
 use super::{Field, Table, default, range};
 use crate::gripper::Lengths;
 use crate::law::FrictionLaw;
@@ -30,6 +31,9 @@ pub fn markdown() -> String {
         section::<Support>("`[table]` of a gripper"),
         section::<Seesaw>("`[differential]` of a gripper"),
         section::<BoughtMotor>("`[motor]` of a gripper"),
+        section::<MoveKeys>("`[moves.NAME]` of a gripper"),
+        section::<VibrationKeys>("`[vibrations.NAME]` of a gripper"),
+        section::<PathKeys>("`[path]` of a gripper"),
         section::<Integrator>("`[integrator]`"),
         section::<Engine>("`[engine]`"),
         section::<Bounds>("`[validate]`"),

@@ -3,7 +3,7 @@
 use super::{lines, of};
 use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
 use crate::scene::kinds::{Angle, AngularRate, AngularStiffness, Choice, Inertia, List, Time, Torque, Words};
-use crate::scene::{Actuation, Interpolation, Placement, Spring, SpringKind};
+use crate::scene::{self, Actuation, Brake, Interpolation, Placement, Spring, SpringKind};
 
 const GIVEN: f64 = f64::NAN;
 
@@ -95,14 +95,91 @@ pub struct BoughtMotor {
     pub inertia_kg_m2: f64,
     /// `None` where the motor has no such speed; infinite where nothing is said of it.
     pub no_load_speed_rad_s: Option<f64>,
+    pub brake: Option<Brake>,
+    /// The same of its brake, which may hold for good.
+    brake_release_s: Option<f64>,
 }
 
+impl BoughtMotor {
+    /// As a scene says it; what turns with it is `inertia_kg_m2`.
+    pub fn of(motor: &scene::Motor, inertia_kg_m2: f64) -> Self {
+        let scene::Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
+        BoughtMotor {
+            motor: Motor::of(actuation),
+            inertia_kg_m2,
+            no_load_speed_rad_s: *no_load_speed_rad_s,
+            brake: *brake,
+            brake_release_s: brake.and_then(|brake| brake.release_s),
+        }
+    }
+
+    /// What it is with this torque.
+    pub fn with(self, actuation: Actuation) -> scene::Motor {
+        let release_s = self.release_s();
+        scene::Motor {
+            actuation,
+            inertia_kg_m2: self.inertia_kg_m2,
+            no_load_speed_rad_s: self.no_load_speed_rad_s.filter(|speed| speed.is_finite()),
+            brake: self.brake.map(|brake| Brake { release_s, ..brake }),
+        }
+    }
+
+    /// When the brake lets go, if it does.
+    pub fn release_s(&self) -> Option<f64> {
+        self.brake.and(self.brake_release_s).filter(|time| time.is_finite())
+    }
+
+    fn release_place(&mut self) -> Option<&mut f64> {
+        self.brake.is_some().then_some(self.brake_release_s.as_mut()).flatten()
+    }
+}
+
+impl Words for Option<Brake> {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("none", None), ("two-way", Some(GRIPS)), ("one-way", Some(Brake { one_way: true, ..GRIPS }))];
+
+    fn word(&self) -> &'static str {
+        self.map_or("none", |brake| if brake.one_way { "one-way" } else { "two-way" })
+    }
+}
+
+const GRIPS: Brake = Brake {
+    torque_n_m: GIVEN,
+    start_s: GIVEN,
+    rise_s: 1e-3,
+    release_s: None,
+    one_way: false,
+    v_static_rad_s: 0.01,
+};
+
 motor! {
-    BoughtMotor = Self { motor: Motor::usual(), inertia_kg_m2: 0.0, no_load_speed_rad_s: Some(f64::INFINITY) }, m, m.motor;
+    BoughtMotor = Self {
+        motor: Motor::usual(),
+        inertia_kg_m2: 0.0,
+        no_load_speed_rad_s: Some(f64::INFINITY),
+        brake: None,
+        brake_release_s: Some(f64::INFINITY),
+    }, m, m.motor;
     /// Inertia of rotor and gear, as the driven link feels it.
     "inertia": Inertia = Some(&mut m.inertia_kg_m2), allowed(NOT_NEGATIVE), said("0 kg*m^2");
     /// Rate of the driven link at which nothing is left of the torque, which falls in proportion. Default: the torque stays.
     "no_load_speed": AngularRate = m.no_load_speed_rad_s.as_mut(), allowed(POSITIVE);
+    /// What blocks it: "two-way"; "one-way": against opening only; "none".
+    "brake": Choice<Option<Brake>> = Some(&mut m.brake);
+    /// Most that the brake holds; beyond it slips.
+    "brake_torque": Torque = m.brake.as_mut().map(|brake| &mut brake.torque_n_m), allowed(POSITIVE),
+        beside("brake", "with brake = \"none\""), needed("add what it holds: brake_torque = \"2 N*m\"");
+    /// When it begins to grip.
+    "brake_at": Time = m.brake.as_mut().map(|brake| &mut brake.start_s), allowed(NOT_NEGATIVE),
+        beside("brake", "with brake = \"none\""), needed("add when it grips: brake_at = \"15 ms\"");
+    /// Time in which it grips, and in which it lets go.
+    "brake_rise": Time = m.brake.as_mut().map(|brake| &mut brake.rise_s), allowed(POSITIVE),
+        beside("brake", "with brake = \"none\"");
+    /// When it begins to let go. Default: never.
+    "brake_release": Time = m.release_place(), allowed(POSITIVE), beside("brake", "with brake = \"none\"");
+    /// Half width of the range of rates in which it sticks: its torque rises from 0 to all of it up to there.
+    "brake_v_static": AngularRate = m.brake.as_mut().map(|brake| &mut brake.v_static_rad_s), allowed(POSITIVE),
+        beside("brake", "with brake = \"none\"");
 }
 
 impl Words for Option<SpringKind> {

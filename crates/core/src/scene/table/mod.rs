@@ -27,6 +27,7 @@ pub mod keys;
 pub mod law;
 mod line;
 pub mod log;
+pub mod motion;
 mod section;
 
 use serde_json::Value;
