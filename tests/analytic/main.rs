@@ -6,10 +6,10 @@
 mod support;
 
 mod anchor;
+mod carried;
 mod contact_geometry;
 mod dynamics_independent;
 mod energy;
-mod carried;
 mod gripper;
 mod gripper_criteria;
 mod integrator_events;

@@ -1,8 +1,8 @@
 //! Grippers in both models, held to each other and to an independent program.
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
-use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Preset, Side, Stepping};
-use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
+use phalanx::scene::{Axis, GripperScene, Integrator, Move, ObjectMotion, Preset, Side, Stepping};
+use phalanx::trace::{Energy, Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
 
 use crate::support::grippers::{anchor, anchors};
 
@@ -199,4 +199,56 @@ fn a_fixed_object_stays_where_it_is() {
     assert!(off < 5e-5, "{off:.1e}");
     assert_eq!(outcome.last.bodies[0].centre_m, scene.object.centre_m);
     assert!(outcome.contacts[0].impulse_n_s > 0.1 && outcome.contacts[6].impulse_n_s == 0.0);
+}
+
+/// The analytic model is in the frame of the palm, the engine moves its base: two formulations.
+#[test]
+fn a_palm_that_moves_is_the_same_in_both_models() {
+    for (letter, bound) in [("d", 6e-5), ("e", 6e-5)] {
+        let anchor = anchor(letter);
+        let (exact, told) = kept(Model::Analytic, &reference(&anchor.scene));
+        let (usual, outcome) = kept(Model::Engine, &anchor.scene);
+        let off = apart(&anchor.scene, &exact, &usual);
+        let energies = [&told, &outcome].map(|outcome| outcome.last.energy);
+        assert!(off < bound, "{}: {off:.1e}", anchor.name);
+        assert!(outcome.loop_gap_m < 1e-7, "{}: joints open by {:.1e} m", anchor.name, outcome.loop_gap_m);
+        let mut fine = anchor.scene.clone();
+        fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
+        let finer = apart(&fine, &exact, &kept(Model::Engine, &fine).0);
+        assert!(finer < 2e-6 && finer < 0.3 * off, "{}: {finer:.1e} at 1e-9 m, {off:.1e} at 1e-7 m", anchor.name);
+        assert!((energies[0].motor_work_j - energies[1].motor_work_j).abs() < 1e-4, "{energies:?}");
+    }
+}
+
+/// It turns, with rotors and a differential that do not feel it, and what holds one of the motors gives way.
+#[test]
+fn a_palm_that_turns_is_the_same_in_both_models() {
+    let mut turned = anchor("e").scene;
+    let motion = turned.palm_motion.as_mut().expect("it moves");
+    motion.moves.push(Move { axis: Axis::Angle, distance: 0.7, start_s: 0.06, length_s: 0.04 });
+    motion.vibrations[0].axis = Axis::Angle;
+    motion.vibrations[0].amplitude = 2e-3;
+    turned.fingers[0].motor.inertia_kg_m2 = 5e-6;
+    turned.fingers[1].motor.brake.as_mut().expect("a brake").torque_n_m = 0.05;
+    let mut geared = anchor("f").scene;
+    geared.palm_motion = turned.palm_motion.clone();
+    geared.duration_s = 0.1;
+    geared.log.numeric_hz = 1e4;
+    let differential = geared.differential.as_mut().expect("a differential");
+    differential.motor.brake = turned.fingers[0].motor.brake;
+    for (scene, bound) in [(turned, 4e-5), (geared, 4e-5)] {
+        let (exact, told) = kept(Model::Analytic, &reference(&scene));
+        let (usual, outcome) = kept(Model::Engine, &scene);
+        let off = apart(&scene, &exact, &usual);
+        let energies = [&told, &outcome].map(|outcome| outcome.last.energy);
+        assert!(off < bound, "{off:.1e}");
+        let mut fine = scene.clone();
+        fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
+        let finer = apart(&fine, &exact, &kept(Model::Engine, &fine).0);
+        assert!(finer < 2e-6 && finer < 0.3 * off, "{finer:.1e} at 1e-9 m, {off:.1e} at 1e-7 m");
+        assert!(energies.iter().all(|energy| energy.balance_j.abs() < 3e-5), "{energies:?}");
+        let [kinetic, given] = [|energy: &Energy| energy.kinetic_j, |energy: &Energy| energy.motor_work_j]
+            .map(|of| (of(&energies[0]) - of(&energies[1])).abs());
+        assert!(kinetic < 2e-6 && given < 2e-5, "{energies:?}");
+    }
 }

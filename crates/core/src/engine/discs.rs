@@ -1,6 +1,6 @@
 //! The plan of a scene of discs: a body for every disc that moves, a fixed surface for every one that does not.
 
-use super::plan::{Against, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, Shape};
+use super::plan::{Against, Course, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, Shape};
 use crate::gripper::Body;
 use crate::scene::{BodiesScene, DiscMotion, Partner};
 
@@ -18,7 +18,8 @@ pub fn plan_discs(scene: &BodiesScene) -> Plan {
                     return Against::Fixed(plan.fixed.len() - 1);
                 }
                 DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => {
-                    plan.drives.push(PlannedDrive { body: plan.bodies.len(), acceleration_m_s2 });
+                    let course = Course::Even { acceleration_m_s2 };
+                    plan.drives.push(PlannedDrive { body: plan.bodies.len(), course });
                     (0.0, 0.0, velocity_m_s, spin_rad_s)
                 }
                 DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => {

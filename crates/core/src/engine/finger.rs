@@ -49,7 +49,7 @@ pub fn plan(scene: &Scene) -> Option<Plan> {
         object,
         meet: Meet::Each,
     };
-    add(&mut plan, &parts, Mount { ground_m: [0.0; 2], mirror: 1.0 })?;
+    add(&mut plan, &parts, Mount { on: None, ground_m: [0.0; 2], mirror: 1.0 })?;
     plan.motors.push(PlannedMotor {
         on: vec![(L11, 1.0)],
         actuation: scene.actuation.clone(),
@@ -72,6 +72,8 @@ pub(super) struct Parts<'a> {
 /// Where a finger stands: its ground joint, and −1 where it is the mirror image about the y axis of what its parts say.
 #[derive(Clone, Copy)]
 pub(super) struct Mount {
+    /// The body that it stands on; none is the ground.
+    pub on: Option<usize>,
     pub ground_m: [f64; 2],
     pub mirror: f64,
 }
@@ -79,7 +81,7 @@ pub(super) struct Mount {
 /// Adds the four links, pins, spring, stop and contacts of a finger, but no motor; `None` where its angles do not close the loop.
 pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()> {
     let Parts { finger, initial: start, .. } = parts;
-    let (lengths, Mount { mirror, ground_m }) = (&finger.lengths, mount);
+    let (lengths, Mount { mirror, ground_m, .. }) = (&finger.lengths, mount);
     let base = plan.bodies.len();
     let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
     let angles = body_angles(&posture, lengths.phi22_rad);
@@ -105,7 +107,7 @@ pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()
         shape: capsules[i].filter(|_| parts.object.is_some()),
     }));
     let pin = |first: Option<usize>, second: usize, length: f64| PlannedPin {
-        first: first.map(|body| base + body),
+        first: first.map_or(mount.on, |body| Some(base + body)),
         second: base + second,
         anchor_first_m: if first.is_some() { [length, 0.0] } else { ground_m },
         anchor_second_m: [0.0; 2],

@@ -1,6 +1,7 @@
 //! Smooth forces on the bodies: gravity, motor and spring.
 
-use super::linkage::{Linkage, Twist};
+use super::frame::Frame;
+use super::linkage::{Inertia, Linkage, Place, Twist};
 use super::plan::{Plan, PlannedSpring};
 use crate::scene::SpringKind;
 
@@ -14,6 +15,10 @@ pub fn smooth(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64, out:
     for motor in &plan.motors {
         let torque = motor.torque(t, |body| velocities[body][2]);
         motor.on.iter().for_each(|(body, part)| out[*body][2] += part * torque);
+    }
+    if let Some((_, motion)) = plan.palm().filter(|_| !plan.rotors.is_empty()) {
+        let turning = motion.pose(t).acceleration[2];
+        plan.rotors.iter().for_each(|rotor| out[rotor.body][2] += rotor.inertia_kg_m2 * turning);
     }
     for spring in &plan.springs {
         let torque = -spring.closing_sign * pull(spring, extension(spring, linkage));
@@ -37,15 +42,14 @@ fn pull(spring: &PlannedSpring, extension: f64) -> f64 {
     }
 }
 
-/// Energies of gravity and spring, in J; the spring's is zero in the straight configuration.
-pub fn potential(plan: &Plan, linkage: &Linkage) -> (f64, f64) {
+/// Energies of gravity and spring, in J, in the frame of a palm that moves; the spring's is zero in the straight configuration.
+pub fn potential(plan: &Plan, linkage: &Linkage, frame: &Frame) -> (f64, f64) {
     let [gx, gy] = plan.gravity_m_s2;
-    let gravity = linkage
-        .inertias
-        .iter()
-        .zip(&linkage.places)
-        .map(|(inertia, place)| -inertia.mass * (gx * place.com[0] + gy * place.com[1]))
-        .sum();
+    let of = |(inertia, place): (&Inertia, &Place)| {
+        let [x, y] = frame.point(place.com);
+        -inertia.mass * (gx * x + gy * y)
+    };
+    let gravity = linkage.inertias.iter().zip(&linkage.places).map(of).sum();
     let stored = |spring: &PlannedSpring| {
         let extension = extension(spring, linkage);
         match spring.kind {
@@ -58,10 +62,11 @@ pub fn potential(plan: &Plan, linkage: &Linkage) -> (f64, f64) {
     (gravity, plan.springs.iter().map(stored).sum())
 }
 
-/// Kinetic energy of all bodies, in J.
-pub fn kinetic(linkage: &Linkage, velocities: &[Twist]) -> f64 {
-    let of = |(inertia, v): (&super::linkage::Inertia, &Twist)| {
-        0.5 * (inertia.mass * (v[0] * v[0] + v[1] * v[1]) + inertia.inertia * v[2] * v[2])
+/// Kinetic energy of all bodies, in J, in the frame of a palm that moves.
+pub fn kinetic(linkage: &Linkage, velocities: &[Twist], frame: &Frame) -> f64 {
+    let of = |((inertia, place), v): ((&Inertia, &Place), &Twist)| {
+        let [vx, vy, rate] = frame.twist(place.com, v);
+        0.5 * (inertia.mass * (vx * vx + vy * vy) + inertia.inertia * rate * rate)
     };
-    linkage.inertias.iter().zip(velocities).map(of).sum()
+    linkage.inertias.iter().zip(&linkage.places).zip(velocities).map(of).sum()
 }

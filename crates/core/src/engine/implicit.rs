@@ -7,7 +7,7 @@
 
 use super::dense;
 use super::space::Space;
-use crate::law::{friction_coefficient, normal_force};
+use crate::law::normal_force;
 
 /// Relative residual a solution must have…
 const CERTIFIED: f64 = 1e-9;
@@ -137,8 +137,8 @@ impl Workspace {
             let slope = -(h * law.d_delta + law.d_rate);
             (self.force[n], self.own[n]) = (law.force, slope);
             self.known[n] = law.force.abs();
-            if let (Some(t), Some(friction)) = (site.tangent, &site.touch.friction) {
-                let (mu, mu_slope) = friction_coefficient(friction, rate[t]);
+            if let Some(t) = site.tangent {
+                let (mu, mu_slope) = site.touch.coefficient(rate[t]);
                 self.force[t] = -mu * law.force;
                 self.known[t] = law.force.abs() * mu.abs().max(1.0);
                 self.own[t] = -mu_slope * law.force;

@@ -242,25 +242,40 @@ impl Linkage {
         self.correct(velocities);
     }
 
-    /// Accelerations M⁻¹ (f + Jᵀ λ) at given velocities, with J a = −J̇ v.
-    pub fn accelerations(&mut self, forces: &[Twist], velocities: &[Twist], out: &mut [Twist]) {
+    /// Accelerations M⁻¹ (f + Jᵀ λ) at given velocities, with J a = −J̇ v; those of driven bodies are given.
+    pub fn accelerations(
+        &mut self,
+        forces: &[Twist],
+        velocities: &[Twist],
+        driven: &[(usize, Twist)],
+        out: &mut [Twist],
+    ) {
         self.centripetal(velocities);
-        self.accelerate(forces, out);
+        self.accelerate(forces, driven, out);
     }
 
     /// The accelerations that rapier will make of the same forces in a step from rest of `dt`, given how far open it finds
     /// each pin: J a = −2 open/dt², so that half a step of it closes them.
-    pub fn accelerations_closing(&mut self, forces: &[Twist], open: &[[f64; 2]], dt: f64, out: &mut [Twist]) {
+    pub fn accelerations_closing(
+        &mut self,
+        forces: &[Twist],
+        (open, dt): (&[[f64; 2]], f64),
+        driven: &[(usize, Twist)],
+        out: &mut [Twist],
+    ) {
         for (pin, [x, y]) in open.iter().enumerate() {
             let scale = -2.0 / (dt * dt);
             (self.multipliers[2 * pin], self.multipliers[2 * pin + 1]) = (scale * x, scale * y);
         }
-        self.accelerate(forces, out);
+        self.accelerate(forces, driven, out);
     }
 
-    fn accelerate(&mut self, forces: &[Twist], out: &mut [Twist]) {
+    fn accelerate(&mut self, forces: &[Twist], driven: &[(usize, Twist)], out: &mut [Twist]) {
         for ((a, f), inertia) in out.iter_mut().zip(forces).zip(&self.inertias) {
             *a = [f[0] * inertia.inverse_mass, f[1] * inertia.inverse_mass, f[2] * inertia.inverse_inertia];
+        }
+        for (body, acceleration) in driven {
+            out[*body] = *acceleration;
         }
         self.correct(out);
     }

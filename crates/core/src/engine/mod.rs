@@ -10,6 +10,7 @@
 //! | `world`, `hook` | the rapier world of a plan; contact taken out of rapier's hands |
 //! | `linkage` | joints' reactions: the saddle-point system of bodies and joints |
 //! | `forces`, `drive` | gravity, motor, spring, energies; bodies that move as told |
+//! | `frame` | the frame of a palm that moves |
 //! | `touch`, `space` | gaps and their rows; the contact space of one step |
 //! | `implicit`, `substeps` | one implicit stage; contact integrated through one step |
 //! | `settle` | rates of pressing contacts at a node |
@@ -22,6 +23,7 @@ mod discs;
 mod drive;
 mod finger;
 mod forces;
+mod frame;
 mod gripper;
 mod hook;
 mod implicit;
@@ -39,13 +41,14 @@ mod world;
 pub use discs::plan_discs;
 pub use finger::{L11, L12, L21, L22, index_of, plan, site};
 pub use forces::{kinetic, potential};
-pub use gripper::{OBJECT, base, index_of_place, plan_gripper};
+pub use frame::Frame;
+pub use gripper::{OBJECT, base, brake_torque, index_of_place, plan_gripper};
 pub use linkage::{Inertia, Linkage, Locked, Place, Twist};
 pub use motion::{Motion, StepError};
 pub use native::Native;
 pub use plan::{
-    Against, Capsule, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedGear, PlannedMotor,
-    PlannedPin, PlannedSpring, PlannedStop, Shape,
+    Against, Capsule, Course, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedGear,
+    PlannedHold, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop, Shape,
 };
 pub use space::{Site, Space};
 pub use stepper::next;

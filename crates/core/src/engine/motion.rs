@@ -15,11 +15,11 @@ use super::plan::Plan;
 use super::settle::Settled;
 use super::space::Space;
 use super::substeps::{Contact, Moment, Unsolved};
-use super::touch::{self, Touch};
+use super::touch::{self, Source, Touch};
 use super::world::World;
-use super::{drive, forces};
+use super::{drive, forces, frame};
 use crate::integrator::Clock;
-use crate::law::{friction_coefficient, normal_force};
+use crate::law::normal_force;
 use crate::scene::Construction;
 
 /// Why a step could not be taken.
@@ -60,6 +60,8 @@ pub struct Motion<'a> {
     pub step_accelerations: Vec<Twist>,
     impulse: Vec<Twist>,
     middle: Vec<Twist>,
+    /// Accelerations of driven bodies.
+    driven: Vec<(usize, Twist)>,
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
     /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`].
@@ -98,6 +100,7 @@ impl<'a> Motion<'a> {
             step_accelerations: vec![[0.0; 3]; bodies],
             impulse: vec![[0.0; 3]; bodies],
             middle: vec![[0.0; 3]; bodies],
+            driven: Vec::new(),
             open: Vec::new(),
             overshoot: Vec::new(),
             opening: 0.0,
@@ -109,6 +112,7 @@ impl<'a> Motion<'a> {
         motion.linkage.factorise()?;
         motion.read_means();
         motion.velocities.copy_from_slice(&motion.means);
+        drive::set_velocities(plan, 0.0, &mut motion.velocities);
         motion.linkage.project(&mut motion.velocities);
         touch::measure(&motion.world, plan, &motion.linkage, &mut motion.touches);
         motion.look();
@@ -123,11 +127,15 @@ impl<'a> Motion<'a> {
     /// The same, unless it may not `go_on`; then the motion is of no more use.
     pub fn advance_while(&mut self, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), StepError> {
         self.aim(dt);
+        touch::grip(self.plan, self.clock.now() + 0.5 * dt, &mut self.touches);
+        let power_before = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         let Self { world, plan, linkage, .. } = self;
         self.space.assemble(world, plan, linkage, &self.touches, &self.velocities, &self.step_accelerations, dt);
         self.contact.solve_while(&self.space, dt, go_on)?;
         self.contact_work_j += self.contact.work;
         self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
+        self.motor_work_j -=
+            frame::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
 
         for (place, before) in self.linkage.places.iter().zip(&mut self.before) {
             *before = [place.com[0], place.com[1], place.angle];
@@ -169,8 +177,15 @@ impl<'a> Motion<'a> {
             let turned = motor.shaft(|body| self.linkage.places[body].angle - self.before[body][2]);
             self.motor_work_j += 0.5 * (before + motor.torque(before_node, rate)) * turned;
         }
+        let power_after = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
+        self.motor_work_j += 0.5 * dt * (power_before + power_after);
         self.look();
         Ok(())
+    }
+
+    /// Torque with which a hold answers on its shaft, N·m.
+    pub fn hold_torque(&self, hold: usize) -> f64 {
+        self.forces(self.plan.first_hold() + hold).1
     }
 
     /// Normal and tangential force of a stop or contact at the end of the last step, whoever answers there.
@@ -216,8 +231,8 @@ impl<'a> Motion<'a> {
             v[1] += inertia.inverse_mass * impulse[1];
             v[2] += inertia.inverse_inertia * impulse[2];
         }
-        self.linkage.project(&mut self.velocities);
         drive::set_velocities(self.plan, self.clock.now(), &mut self.velocities);
+        self.linkage.project(&mut self.velocities);
     }
 
     /// Late impulses were found with the directions and loads of the step's start. Where a contact presses on, what they
@@ -230,6 +245,11 @@ impl<'a> Motion<'a> {
         settled.begin();
         for (index, site) in space.sites.iter().enumerate() {
             let (normal, force) = (site.normal, contact.force[site.normal]);
+            if let (Source::Hold(_), Some(tangent)) = (site.touch.source, site.tangent) {
+                let (_, slope) = site.touch.coefficient(contact.rate[tangent]);
+                settled.take_slip(tangent, site.touch.slip_row, contact.rate[tangent], 0.0, dt * force * slope);
+                continue;
+            }
             // Where every side is fixed or driven there is nothing to settle.
             if force <= 0.0 || space.w[normal * space.len() + normal] == 0.0 {
                 continue;
@@ -238,8 +258,8 @@ impl<'a> Motion<'a> {
             let law = normal_force(&touch.law, -contact.gap[index], -contact.rate[normal]);
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
             settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
-            let Some((tangent, friction)) = site.tangent.zip(touch.friction.as_ref()) else { continue };
-            let (mu, slope) = friction_coefficient(friction, contact.rate[tangent]);
+            let Some(tangent) = site.tangent else { continue };
+            let (mu, slope) = touch.coefficient(contact.rate[tangent]);
             settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], mu, (dt * force * slope).max(0.0));
         }
         self.contact_work_j += settled.solve(&mut self.linkage, &mut self.velocities);
@@ -252,8 +272,8 @@ impl<'a> Motion<'a> {
     fn look(&mut self) {
         forces::smooth(self.plan, &self.linkage, &self.velocities, self.clock.now(), &mut self.forces);
         self.middle.copy_from_slice(&self.accelerations);
-        self.linkage.accelerations(&self.forces, &self.velocities, &mut self.accelerations);
-        drive::set_accelerations(self.plan, &mut self.accelerations);
+        drive::accelerations(self.plan, self.clock.now(), &mut self.driven);
+        self.linkage.accelerations(&self.forces, &self.velocities, &self.driven, &mut self.accelerations);
         let changes =
             self.accelerations.iter().zip(&self.middle).map(|(now, then)| (now[0] - then[0]).hypot(now[1] - then[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
@@ -282,8 +302,10 @@ impl<'a> Motion<'a> {
             let [x, y] = planned.anchor_first_m;
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
-        self.linkage.accelerations_closing(&self.forces, &self.open, dt, &mut self.step_accelerations);
-        drive::set_accelerations(self.plan, &mut self.step_accelerations);
+        let (plan, now) = (self.plan, self.clock.now());
+        drive::mean_accelerations(plan, &self.linkage.places, &self.velocities, now, dt, &mut self.driven);
+        let opening = (&self.open[..], dt);
+        self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
 
     /// Takes rapier from the last mean velocity to the next one, by forces over the step: to the node's velocity, half a step

@@ -5,7 +5,7 @@
 
 use crate::gripper::Body;
 use crate::law::{ContactLaw, NormalLaw};
-use crate::scene::{Actuation, SpringKind, next_corner, torque};
+use crate::scene::{Actuation, Brake, PalmMotion, SpringKind, next_corner, torque};
 
 /// A moving body: its mass properties, and where it starts. A body without mass is moved by a drive; one without inertia
 /// does not turn by itself.
@@ -77,12 +77,35 @@ pub struct PlannedGear {
     pub wheels: Vec<(usize, [f64; 2])>,
 }
 
-/// A body that no pin holds and that moves as told: x(t) = origin + velocity t + ½ acceleration t², angle = spin t from where
-/// it starts.
-#[derive(Clone, Copy, Debug)]
+/// A body that moves as told, whatever holds it.
+#[derive(Clone, Debug)]
 pub struct PlannedDrive {
     pub body: usize,
-    pub acceleration_m_s2: [f64; 2],
+    pub course: Course,
+}
+
+/// How a driven body moves from where it starts.
+#[derive(Clone, Debug)]
+pub enum Course {
+    /// x(t) = origin + velocity t + ½ acceleration t², angle = spin t.
+    Even { acceleration_m_s2: [f64; 2] },
+    /// That of a palm, whose frame counts: others stand on it.
+    Palm(PalmMotion),
+}
+
+/// A brake on the shaft that turns by the sum of the parts of two bodies' angles.
+#[derive(Clone, Copy, Debug)]
+pub struct PlannedHold {
+    pub on: (usize, f64),
+    pub against: Option<(usize, f64)>,
+    pub brake: Brake,
+}
+
+/// Inertia of a body that counts its rate against the palm, whose own turning does not move it.
+#[derive(Clone, Copy, Debug)]
+pub struct PlannedRotor {
+    pub body: usize,
+    pub inertia_kg_m2: f64,
 }
 
 /// A torque on `on`, and its reaction on `against`, that depends on the angle from `against` to `on`.
@@ -137,7 +160,7 @@ pub enum Meet {
 
 /// Everything the engine builds for a scene, and nothing it does not need.
 ///
-/// Stops and contacts are known by one index: first the stops, then the contacts.
+/// Stops, contacts and holds are known by one index: first the stops, then the contacts, then the holds.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
@@ -145,6 +168,8 @@ pub struct Plan {
     pub pins: Vec<PlannedPin>,
     pub gears: Vec<PlannedGear>,
     pub motors: Vec<PlannedMotor>,
+    pub holds: Vec<PlannedHold>,
+    pub rotors: Vec<PlannedRotor>,
     pub drives: Vec<PlannedDrive>,
     pub springs: Vec<PlannedSpring>,
     pub stops: Vec<PlannedStop>,
@@ -160,9 +185,25 @@ impl Plan {
         driving.map(|motor| on(motor) * motor.torque(t, &rate)).sum()
     }
 
-    /// The next time after `t` at which the torque of a motor jumps.
+    /// The next time after `t` at which the torque of a motor, or something of a brake or of the palm's motion, jumps.
     pub fn next_corner(&self, t: f64) -> f64 {
-        self.motors.iter().map(|motor| next_corner(&motor.actuation, t)).fold(f64::INFINITY, f64::min)
+        let motors = self.motors.iter().map(|motor| next_corner(&motor.actuation, t));
+        let holds = self.holds.iter().map(|hold| hold.brake.next_corner(t));
+        let palm = self.palm().map(|(_, motion)| motion.next_corner(t));
+        motors.chain(holds).chain(palm).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The body that is a moving palm, and how it moves.
+    pub fn palm(&self) -> Option<(usize, &PalmMotion)> {
+        self.drives.iter().find_map(|drive| match &drive.course {
+            Course::Palm(motion) => Some((drive.body, motion)),
+            Course::Even { .. } => None,
+        })
+    }
+
+    /// Index of the first hold among stops, contacts and holds.
+    pub fn first_hold(&self) -> usize {
+        self.stops.len() + self.contacts.len()
     }
 }
 

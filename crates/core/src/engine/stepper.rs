@@ -62,7 +62,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     if drift_m_s > 0.0 {
         dt = dt.min(motion.last_dt_s * (DRIFT_PER_S * tolerance_m / drift_m_s).sqrt());
     }
-    for touch in &motion.touches {
+    for touch in motion.touches.iter().filter(|touch| touch.has_gap()) {
         let rate = touch.normal_row.rate(&motion.velocities);
         let at = motion.space.sites.iter().find(|at| at.touch.index == touch.index);
         // Drift of an acceleration whose direction turns, for as long as a step: the longest step that it allows.

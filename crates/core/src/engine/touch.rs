@@ -4,9 +4,9 @@ use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
 use super::linkage::{Linkage, Place, Twist};
-use super::plan::{Against, Meet, Plan};
+use super::plan::{Against, Meet, Plan, PlannedHold};
 use super::world::World;
-use crate::law::{FrictionLaw, NormalLaw};
+use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
 use crate::numeric::plane::{cross, perp, rotate, sub};
 use crate::scene::Response;
 
@@ -61,20 +61,38 @@ pub struct Touch {
     pub slip_row: Row,
     /// Whether the scene's laws answer here: not where rapier does, nor where the pair is out of reach.
     pub governed: bool,
+    /// Whether friction answers slip against its row only.
+    pub one_way: bool,
     /// What to ask again for the gap at other places.
-    source: Source,
+    pub source: Source,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Source {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
     Stop(usize),
     Contact(usize),
+    /// A brake: friction alone, under a force that is given.
+    Hold(usize),
 }
 
 /// A gap below this part of the transition is rounding: surfaces that a step has brought to touch.
 pub const ROUNDING: f64 = 1e-9;
 
 impl Touch {
+    /// Friction coefficient at a slip, and its slope; 0 without friction.
+    #[inline(always)]
+    pub fn coefficient(&self, slip: f64) -> (f64, f64) {
+        match &self.friction {
+            Some(law) if !self.one_way || slip < 0.0 => friction_coefficient(law, slip),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// Whether it is one of surfaces or of a stop, which have a gap.
+    pub fn has_gap(&self) -> bool {
+        !matches!(self.source, Source::Hold(_))
+    }
+
     /// Whether there is a gap beyond rounding.
     pub fn is_apart(&self) -> bool {
         self.gap > ROUNDING * self.law.transition_m
@@ -86,7 +104,7 @@ impl Touch {
     }
 }
 
-/// Every stop, and every contact.
+/// Every stop, every contact, and every hold.
 pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<Touch>) {
     touches.clear();
     for (index, stop) in plan.stops.iter().enumerate() {
@@ -101,6 +119,7 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
             slip_row: Row { on: (stop.on, [0.0; 3]), against: None },
             governed: true,
+            one_way: false,
             source: Source::Stop(index),
         });
     }
@@ -122,8 +141,49 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             normal_row: row(normal),
             slip_row: row(perp(normal)),
             governed: world.response == Response::Laws && in_reach(),
+            one_way: false,
             source: Source::Contact(index),
         });
+    }
+    touches.extend((0..plan.holds.len()).map(|index| hold(plan, index)));
+}
+
+/// A brake as a contact: its friction is all or nothing, under a force that [`grip`] sets; a depth of 1 with nothing that changes it
+/// makes a force of a stiffness.
+fn hold(plan: &Plan, index: usize) -> Touch {
+    let PlannedHold { on, against, brake } = plan.holds[index];
+    let turning = |(body, part): (usize, f64)| (body, [0.0, 0.0, part]);
+    let still = Row { on: (on.0, [0.0; 3]), against: None };
+    let width = brake.v_static_rad_s;
+    Touch {
+        index: plan.first_hold() + index,
+        law: NormalLaw { stiffness_n_per_m_e: 0.0, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1.0 },
+        friction: Some(FrictionLaw {
+            mu_static: 1.0,
+            mu_dynamic: 1.0,
+            v_static_m_s: width,
+            v_dynamic_m_s: 2.0 * width,
+        }),
+        gap: -1.0,
+        normal: [0.0; 2],
+        turning: 0.0,
+        point: [0.0; 2],
+        normal_row: still,
+        slip_row: Row { on: turning(on), against: against.map(turning) },
+        governed: false,
+        one_way: brake.one_way,
+        source: Source::Hold(index),
+    }
+}
+
+/// Lets brakes grip as they do at time `t`.
+pub fn grip(plan: &Plan, t: f64, touches: &mut [Touch]) {
+    for touch in touches {
+        if let Source::Hold(index) = touch.source {
+            let brake = &plan.holds[index].brake;
+            touch.law.stiffness_n_per_m_e = brake.torque_n_m * brake.grip(t).0;
+            touch.governed = touch.law.stiffness_n_per_m_e > 0.0;
+        }
     }
 }
 
@@ -139,6 +199,7 @@ pub fn note_turning(touches: &mut [Touch], before: &[[f64; 2]], dt: f64) {
 pub fn elsewhere(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> (f64, Row) {
     match touch.source {
         Source::Stop(index) => (stop_gap(plan, index, places), touch.slip_row),
+        Source::Hold(_) => (touch.gap, touch.slip_row),
         Source::Contact(index) => {
             let found = surfaces(world, plan, index, places);
             found.map_or((touch.gap, touch.slip_row), |found| {

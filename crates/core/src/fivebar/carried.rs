@@ -164,7 +164,8 @@ mod tests {
             ];
             for j in 0..2 {
                 let row = rows[j][i];
-                expected[j] += body.mass_kg * (feels[0] * row[0] + feels[1] * row[1]) - body.inertia_kg_m2 * euler * row[2];
+                expected[j] +=
+                    body.mass_kg * (feels[0] * row[0] + feels[1] * row[1]) - body.inertia_kg_m2 * euler * row[2];
             }
         }
         let pose = directions(&lengths, gamma, q);

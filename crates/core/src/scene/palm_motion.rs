@@ -296,7 +296,12 @@ mod tests {
     use super::*;
 
     fn motion() -> PalmMotion {
-        let path = Path::new(vec![(0.0, [0.0; 3]), (0.3, [0.1, -0.02, 0.3]), (0.5, [0.05, 0.0, -0.1]), (1.0, [0.2, 0.1, 0.0])]);
+        let path = Path::new(vec![
+            (0.0, [0.0; 3]),
+            (0.3, [0.1, -0.02, 0.3]),
+            (0.5, [0.05, 0.0, -0.1]),
+            (1.0, [0.2, 0.1, 0.0]),
+        ]);
         let vibration = |axis, ramp| Vibration {
             axis,
             amplitude: 2e-3,
@@ -329,7 +334,10 @@ mod tests {
                     (at.jerk, |pose| pose.acceleration),
                 ] {
                     let expected = slope(of);
-                    assert!((found[axis] - expected).abs() < 1e-6 * (10.0 + expected.abs()), "{t} {axis}: {found:?} {expected}");
+                    assert!(
+                        (found[axis] - expected).abs() < 1e-6 * (10.0 + expected.abs()),
+                        "{t} {axis}: {found:?} {expected}"
+                    );
                 }
             }
         }

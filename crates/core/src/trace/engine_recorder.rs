@@ -53,7 +53,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
 
     /// Contacts that are there from the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
-        for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0) {
+        for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0 && touch.has_gap()) {
             let place = self.reader.place(motion.plan, touch.index);
             self.change(place, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
             self.places[place].summary.take(self.last.contacts[place].pressed());
@@ -151,7 +151,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         }
         let mut touch = std::mem::take(&mut self.within);
         touch.become_between(&self.last, now, time_s);
-        self.reader.fly(&mut touch, &self.last, &motion.step_accelerations);
+        self.reader.fly(&mut touch, &self.last, motion);
         for (contact, before) in touch.contacts.iter_mut().zip(&self.last.contacts) {
             contact.press_on(before);
         }

@@ -111,7 +111,10 @@ mod tests {
 
     fn motion() -> PalmMotion {
         let one = |axis, distance| Move { axis, distance, start_s: 0.0, length_s: 0.1 };
-        PalmMotion { moves: vec![one(Axis::X, 0.1), one(Axis::Y, -0.03), one(Axis::Angle, 0.7)], ..PalmMotion::default() }
+        PalmMotion {
+            moves: vec![one(Axis::X, 0.1), one(Axis::Y, -0.03), one(Axis::Angle, 0.7)],
+            ..PalmMotion::default()
+        }
     }
 
     /// A point at rest in the world is seen to accelerate from the palm just as what is felt there says.
@@ -134,7 +137,10 @@ mod tests {
             ];
             for i in 0..2 {
                 let acceleration = (after[i] - 2.0 * at[i] + before[i]) / (h * h);
-                assert!((acceleration - expected[i]).abs() < 1e-4 * expected[i].abs().max(10.0), "{acceleration} {expected:?}");
+                assert!(
+                    (acceleration - expected[i]).abs() < 1e-4 * expected[i].abs().max(10.0),
+                    "{acceleration} {expected:?}"
+                );
             }
             let (late, early) = (felt(&motion, gravity, t + h).field, felt(&motion, gravity, t - h).field);
             let slope = |of: fn(&Field) -> f64| (of(&late) - of(&early)) / (2.0 * h);

@@ -176,14 +176,7 @@ impl<const N: usize> GripperModel<N> {
     }
 
     /// What a finger's links feel in a frame that moves.
-    fn add_felt_slopes(
-        &self,
-        side: Side,
-        own: [f64; 2],
-        terms: &Terms<Dual<2>>,
-        felt: &Felt,
-        sums: &mut Sums<N>,
-    ) {
+    fn add_felt_slopes(&self, side: Side, own: [f64; 2], terms: &Terms<Dual<2>>, felt: &Felt, sums: &mut Sums<N>) {
         let (carried, first) = (&self.carried[side as usize], 2 * side as usize);
         let [field, rate] = [felt.field, felt.rate].map(|field| field.mirrored(side.mirror()));
         let forces = |v: [f64; 2], field: &Field| {
@@ -200,11 +193,11 @@ impl<const N: usize> GripperModel<N> {
             sums.g[WORK] += now[i].value * own[i];
             sums.g_t[WORK] += soon[i].value * own[i];
             sums.g_v[WORK][row] += now[i].value;
-            for j in 0..2 {
+            for (j, by_rate) in by_rates.iter().enumerate() {
                 sums.load_q[row][first + j] += now[i].grad[j];
-                sums.load_v[row][first + j] += by_rates[j][i];
+                sums.load_v[row][first + j] += by_rate[i];
                 sums.g_q[WORK][first + j] += now[i].grad[j] * own[i];
-                sums.g_v[WORK][first + j] += by_rates[j][i] * own[i];
+                sums.g_v[WORK][first + j] += by_rate[i] * own[i];
             }
         }
     }

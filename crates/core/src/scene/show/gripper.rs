@@ -3,9 +3,9 @@
 use super::super::table::bounds::GripperBounds;
 use super::super::table::drive::BoughtMotor;
 use super::super::table::gripper::{Seesaw, Support};
+use super::super::table::motion;
 use super::super::table::show as show_table;
 use super::super::words::SceneKind;
-use super::super::table::motion;
 use super::super::{GripperFinger, GripperScene, PalmMotion, Side};
 use super::finger::{bodies, laws, links, spring_and_limit, start};
 use super::out::Out;

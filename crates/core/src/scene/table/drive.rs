@@ -143,14 +143,8 @@ impl Words for Option<Brake> {
     }
 }
 
-const GRIPS: Brake = Brake {
-    torque_n_m: GIVEN,
-    start_s: GIVEN,
-    rise_s: 1e-3,
-    release_s: None,
-    one_way: false,
-    v_static_rad_s: 0.01,
-};
+const GRIPS: Brake =
+    Brake { torque_n_m: GIVEN, start_s: GIVEN, rise_s: 1e-3, release_s: None, one_way: false, v_static_rad_s: 0.01 };
 
 motor! {
     BoughtMotor = Self {

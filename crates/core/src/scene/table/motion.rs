@@ -130,10 +130,7 @@ pub struct PathKeys {
 impl PathKeys {
     pub fn of(path: &Path) -> Self {
         let axis = |axis: usize| path.points().iter().map(|point| point.1[axis]).collect();
-        Self {
-            times_s: path.points().iter().map(|point| point.0).collect(),
-            coordinates: std::array::from_fn(axis),
-        }
+        Self { times_s: path.points().iter().map(|point| point.0).collect(), coordinates: std::array::from_fn(axis) }
     }
 
     /// The spline; `None` where times are too few.

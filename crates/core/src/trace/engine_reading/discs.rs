@@ -1,7 +1,7 @@
 //! Discs at a node of the engine model.
 
 use super::EngineReader;
-use crate::engine::{Motion, Plan, Twist};
+use crate::engine::{Motion, Plan};
 use crate::scene::BodiesScene;
 use crate::trace::{BodyState, Sample};
 
@@ -29,7 +29,8 @@ impl EngineReader for BodiesScene {
         }));
     }
 
-    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]) {
+    fn fly(&self, sample: &mut Sample, from: &Sample, motion: &Motion) {
+        let accelerations = &motion.step_accelerations;
         let time = sample.time_s - from.time_s;
         let moving = self.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
         for ((index, _), a) in moving.zip(accelerations) {

@@ -27,7 +27,8 @@ impl EngineReader for FingerReader {
         sample.fingers.push(Links::ALONE.read(motion, self.phi22_rad, torque));
     }
 
-    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]) {
+    fn fly(&self, sample: &mut Sample, from: &Sample, motion: &Motion) {
+        let accelerations = &motion.step_accelerations;
         let time_s = sample.time_s - from.time_s;
         Links::ALONE.fly(sample.finger_mut(), from.finger(), time_s, accelerations);
     }
@@ -38,18 +39,20 @@ impl EngineReader for FingerReader {
 pub struct Links {
     pub first: usize,
     pub mirror: f64,
+    /// Angle of what it stands on, and two derivatives.
+    pub stands: [f64; 3],
 }
 
 impl Links {
-    const ALONE: Self = Self { first: 0, mirror: 1.0 };
+    const ALONE: Self = Self { first: 0, mirror: 1.0, stands: [0.0; 3] };
 
     /// Bodies count their turns; passive angles do not. Their turn is the one both models show: q12 is the angle between two
     /// directions, and q22 is measured from the straight line by the bend q22 + φ22, whose seam is at −90°.
     pub fn read(self, motion: &Motion, phi22_rad: f64, motor_torque_n_m: f64) -> FingerState {
         let places = &motion.linkage.places;
-        let rate = |link: usize| self.mirror * motion.velocities[self.first + link][2];
+        let rate = |link: usize| self.mirror * (motion.velocities[self.first + link][2] - self.stands[1]);
         let angle = |link: usize| {
-            let angle = places[self.first + link].angle;
+            let angle = places[self.first + link].angle - self.stands[0];
             if self.mirror > 0.0 { angle } else { PI - angle }
         };
         let direction = |link: usize| {
@@ -76,7 +79,8 @@ impl Links {
 
     /// Angles and rates after a time under these accelerations of all bodies.
     pub fn fly(self, finger: &mut FingerState, from: &FingerState, time_s: f64, accelerations: &[Twist]) {
-        let [a11, a12, a21, a22] = [L11, L12, L21, L22].map(|link| self.mirror * accelerations[self.first + link][2]);
+        let [a11, a12, a21, a22] =
+            [L11, L12, L21, L22].map(|link| self.mirror * (accelerations[self.first + link][2] - self.stands[2]));
         let angle = |q: f64, rate: f64, a: f64| q + time_s * (rate + 0.5 * time_s * a);
         finger.q11_rad = angle(from.q11_rad, from.qd11_rad_s, a11);
         finger.q21_rad = angle(from.q21_rad, from.qd21_rad_s, a21);

@@ -2,7 +2,7 @@
 
 use super::EngineReader;
 use super::finger::Links;
-use crate::engine::{L11, Motion, OBJECT, Plan, Twist, base, index_of_place};
+use crate::engine::{Frame, L11, Motion, OBJECT, Plan, base, brake_torque, index_of_place};
 use crate::scene::{GripperScene, ObjectMotion, Place, Side};
 use crate::trace::{BodyState, Sample};
 
@@ -25,13 +25,15 @@ impl EngineReader for GripperScene {
     }
 
     fn read(&self, motion: &Motion, sample: &mut Sample) {
+        let frame = Frame::at(motion.plan, motion.clock.now());
         sample.fingers.clear();
         sample.fingers.extend(Side::BOTH.map(|side| {
-            let links = Links { first: base(side), mirror: side.mirror() };
+            let links = Links { first: base(side), mirror: side.mirror(), stands: frame.turning() };
             let phi22_rad = self.finger(side).finger.lengths.phi22_rad;
             let torque =
                 motion.plan.motor_torque(base(side) + L11, motion.clock.now(), |body| motion.velocities[body][2]);
-            links.read(motion, phi22_rad, side.mirror() * torque)
+            let brakes = brake_torque(motion.plan, side, |hold| motion.hold_torque(hold));
+            links.read(motion, phi22_rad, side.mirror() * torque + brakes)
         }));
         sample.bodies.clear();
         sample.bodies.push(match self.object.motion {
@@ -40,20 +42,26 @@ impl EngineReader for GripperScene {
             }
             ObjectMotion::Free { .. } => {
                 let (place, v) = (&motion.linkage.places[OBJECT], &motion.velocities[OBJECT]);
-                BodyState { centre_m: place.com, angle_rad: place.angle, velocity_m_s: [v[0], v[1]], spin_rad_s: v[2] }
+                let ([vx, vy, spin_rad_s], centre_m) = (frame.twist(place.com, v), frame.point(place.com));
+                let angle_rad = place.angle - frame.turning()[0];
+                BodyState { centre_m, angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
             }
         });
     }
 
-    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]) {
+    fn fly(&self, sample: &mut Sample, from: &Sample, motion: &Motion) {
+        let accelerations = &motion.step_accelerations;
         let time_s = sample.time_s - from.time_s;
+        let frame = Frame::at(motion.plan, motion.clock.now());
         for side in Side::BOTH {
-            let links = Links { first: base(side), mirror: side.mirror() };
+            let links = Links { first: base(side), mirror: side.mirror(), stands: frame.turning() };
             let index = side as usize;
             links.fly(&mut sample.fingers[index], &from.fingers[index], time_s, accelerations);
         }
         if let ObjectMotion::Free { .. } = self.object.motion {
-            sample.bodies[0] = from.bodies[0].flown(time_s, &accelerations[OBJECT]);
+            let (place, v) = (&motion.linkage.places[OBJECT], &motion.velocities[OBJECT]);
+            let acceleration = frame.acceleration(place.com, v, &accelerations[OBJECT]);
+            sample.bodies[0] = from.bodies[0].flown(time_s, &acceleration);
         }
     }
 }

@@ -7,7 +7,7 @@ mod gripper;
 pub(super) use finger::FingerReader;
 
 use super::{ContactSample, Energy, Sample};
-use crate::engine::{Motion, Plan, Touch, Twist, kinetic, potential};
+use crate::engine::{Frame, Motion, Plan, Touch, kinetic, potential};
 use crate::law::{elastic_energy, friction_force, normal_force};
 
 /// Reads the nodes of a motion.
@@ -26,16 +26,18 @@ pub(super) trait EngineReader {
     /// Fingers and bodies at the node.
     fn read(&self, motion: &Motion, sample: &mut Sample);
 
-    /// Coordinates and rates of `sample` as free motion from `from` makes them, given the accelerations of all bodies.
-    fn fly(&self, sample: &mut Sample, from: &Sample, accelerations: &[Twist]);
+    /// Coordinates and rates of `sample` as free motion from `from` makes them, by the accelerations of all bodies in the last step of
+    /// `motion`.
+    fn fly(&self, sample: &mut Sample, from: &Sample, motion: &Motion);
 }
 
 /// The stored energies of the node.
 pub(super) fn stored(motion: &Motion) -> Energy {
-    let (gravity_j, spring_j) = potential(motion.plan, &motion.linkage);
-    let governed = motion.touches.iter().filter(|touch| touch.governed);
+    let frame = Frame::at(motion.plan, motion.clock.now());
+    let (gravity_j, spring_j) = potential(motion.plan, &motion.linkage, &frame);
+    let governed = motion.touches.iter().filter(|touch| touch.governed && touch.has_gap());
     Energy {
-        kinetic_j: kinetic(&motion.linkage, &motion.velocities),
+        kinetic_j: kinetic(&motion.linkage, &motion.velocities, &frame),
         gravity_j,
         spring_j,
         elastic_j: governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum(),
@@ -46,6 +48,7 @@ pub(super) fn stored(motion: &Motion) -> Energy {
 /// A contact at the node; `index` is that of the plan.
 pub(super) fn contact(motion: &Motion, index: Option<usize>, impulse_n_s: f64) -> ContactSample {
     let touch = index.and_then(|index| motion.touches.iter().find(|touch| touch.index == index));
+    let frame = Frame::at(motion.plan, motion.clock.now());
     touch.map_or(ContactSample::NONE, |touch| {
         let (normal_n, tangential_n) = pressing(motion, touch);
         ContactSample {
@@ -55,8 +58,8 @@ pub(super) fn contact(motion: &Motion, index: Option<usize>, impulse_n_s: f64) -
             normal_n,
             tangential_n,
             impulse_n_s,
-            point_m: touch.point,
-            normal: touch.normal,
+            point_m: if touch.is_between_surfaces() { frame.point(touch.point) } else { touch.point },
+            normal: frame.along(touch.normal),
         }
     })
 }
