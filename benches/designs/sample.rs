@@ -64,6 +64,7 @@ pub fn next(draw: &mut Draw, template: &Scene, drive: Drive) -> Option<Scene> {
         mu_dynamic: 0.7 * mu_static,
         v_static_m_s: 0.1,
         v_dynamic_m_s: 0.2,
+        bristle: None,
     });
     let mut contact = template.contact;
     (contact.proximal.friction, contact.distal.friction) = (friction, friction);

@@ -12,6 +12,7 @@ mod dynamics_independent;
 mod energy;
 mod gripper;
 mod gripper_criteria;
+mod held;
 mod integrator_events;
 mod integrator_impact;
 mod integrator_order;

@@ -136,7 +136,8 @@ fn a_spring_alone_gives_everything_back() {
 /// Sliding through an impact with μ constant: the tangential impulse is μ times the normal one.
 #[test]
 fn friction_takes_its_share_of_an_impact() {
-    let friction = Some(FrictionLaw { mu_static: 0.3, mu_dynamic: 0.3, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 });
+    let friction =
+        Some(FrictionLaw { mu_static: 0.3, mu_dynamic: 0.3, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None });
     let space = single(ContactLaw { normal: STIFF, friction }, 0.005, 1e-7, -2.0, 5.0);
     let mut contact = Contact::default();
     contact.solve(&space, 1e-5).unwrap();
@@ -194,6 +195,7 @@ fn every_law_is_solved_at_every_step() {
             mu_dynamic: 0.0,
             v_static_m_s: 10f64.powf(random.within(-4.0, -1.0)),
             v_dynamic_m_s: 0.2,
+            bristle: None,
         });
         let gap = random.within(-1e-4, 1e-4);
         let space =

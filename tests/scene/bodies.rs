@@ -83,7 +83,8 @@ fn every_key_is_heard() {
     assert_eq!(motions[2], DiscMotion::Fixed);
     assert_eq!(motions[3], free(1e-3, None, [0.0; 2], 0.0));
     let normal = NormalLaw { stiffness_n_per_m_e: 5.0, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1e-3 };
-    let friction = FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
+    let friction =
+        FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
     assert_eq!((scene.contact.normal, scene.contact.friction), (normal, Some(friction)));
     assert_eq!(scene.engine.response, Response::Rapier { friction: 0.5, restitution: 0.4 });
     let bounds =

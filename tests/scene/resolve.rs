@@ -126,7 +126,8 @@ fn friction_of_one_contact_replaces_that_of_both() {
         "[contact.friction]\nmu_static = 0.8\nmu_dynamic = 0.7\nv_dynamic = \"0.3 m/s\"\n[contact.distal.friction]\n\
          mu_static = 0.4\n[contact.distal]\ndamping = \"5 N*s/m\"\n",
     );
-    let proximal = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3 };
+    let proximal =
+        FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3, bristle: None };
     assert_eq!(scene.contact.proximal.friction, Some(proximal));
     let distal = FrictionLaw { mu_static: 0.4, mu_dynamic: 0.28, ..proximal };
     assert_eq!(scene.contact.distal.friction, Some(distal));

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
-use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
     Actuation, Axis, Brake, Contacts, Differential, Engine, GripperBounds, GripperFinger, GripperObject, GripperScene,
     Initial, Integrator, LogRates, Motor, Move, ObjectMotion, PalmMotion, Preset, Ramp, Table, Vibration,
@@ -20,6 +20,8 @@ pub struct Anchor {
     pub states: Vec<State>,
     /// ∫ F_n dt over the run, N·s, of R21, R22, L21, L22, palm and table.
     pub impulse: [f64; 6],
+    /// Stretch of all bristles at the end, m: of those six, then of both brakes, rad.
+    pub stretch: [f64; 8],
 }
 
 /// (q11, q21) right, (q11, q21) left, (x, y, θ), and their rates, at a time.
@@ -31,12 +33,17 @@ pub struct State {
 
 /// All cases whose palm is at rest, by the letter they have in the specification.
 pub fn anchors() -> Vec<Anchor> {
-    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_none()).collect()
+    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_none() && !anchor.scene.holds()).collect()
 }
 
 /// Those whose motors are blocked and whose palm moves.
 pub fn carried() -> Vec<Anchor> {
-    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_some()).collect()
+    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_some() && !anchor.scene.holds()).collect()
+}
+
+/// Those whose friction holds.
+pub fn held() -> Vec<Anchor> {
+    all().into_iter().filter(|anchor| anchor.scene.holds()).collect()
 }
 
 fn all() -> Vec<Anchor> {
@@ -67,6 +74,7 @@ fn read(letter: &str, case: &Value) -> Anchor {
         first_touch_s: std::array::from_fn(|i| first_touch(PAIRS[i])),
         states: states.collect(),
         impulse: PAIRS.map(|pair| number(&case["impulse"][pair])),
+        stretch: std::array::from_fn(|i| case["s"][i].as_f64().unwrap_or(0.0)),
     }
 }
 
@@ -86,7 +94,7 @@ fn law(value: &Value) -> ContactLaw {
     let [k, e, c, d] = ["k", "e", "c_max", "d_max"].map(|key| number(&value[key]));
     let [mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s] =
         ["mu_s", "mu_d", "v_s", "v_d"].map(|key| number(&value[key]));
-    let friction = FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s };
+    let friction = FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s, bristle: bristle(value) };
     ContactLaw { normal: normal([k, e, c, d]), friction: Some(friction) }
 }
 
@@ -99,6 +107,13 @@ fn motor(torque: &Value, inertia: &Value, no_load_speed: &Value) -> Motor {
     }
 }
 
+fn bristle(value: &Value) -> Option<Bristle> {
+    (value["friction"] == "bristle").then(|| {
+        let damping_n_s_per_m = number(&value["c_t"]);
+        Bristle { damping_n_s_per_m, relaxation_s: damping_n_s_per_m / number(&value["k_t"]) }
+    })
+}
+
 fn brake(value: &Value) -> Option<Brake> {
     value.is_object().then(|| Brake {
         torque_n_m: number(&value["T"]),
@@ -107,6 +122,7 @@ fn brake(value: &Value) -> Option<Brake> {
         release_s: None,
         one_way: value["one_way"] == true,
         v_static_rad_s: number(&value["v_s"]),
+        bristle: bristle(value),
     })
 }
 

@@ -15,7 +15,7 @@ pub const THESIS: NormalLaw =
 
 /// Friction law of the thesis (Table 3.2, μ_d = 0.7 μ_s).
 pub const FRICTION: FrictionLaw =
-    FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
+    FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
 pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
     NormalLaw { stiffness_n_per_m_e, exponent, damping_max_n_s_per_m: 0.0, transition_m: 1e-5 }

@@ -4,7 +4,7 @@ use std::ops::{Index, IndexMut};
 
 use crate::integrator::{Guard, Look, Strain};
 use crate::law::{
-    FrictionLaw, FrictionRange, NormalLaw, damping, friction_range, spring_force, unclamped_normal_force,
+    Bristle, FrictionLaw, FrictionRange, NormalLaw, cone, damping, friction_range, spring_force, unclamped_normal_force,
 };
 
 /// Branch of the normal law at one site.
@@ -90,6 +90,8 @@ pub struct Contact<const N: usize> {
     pub delta: f64,
     pub rate: f64,
     pub slip: f64,
+    /// σ of its bristle.
+    pub memory: f64,
     pub row: [f64; N],
     pub tangent: [f64; N],
 }
@@ -113,6 +115,57 @@ impl Press {
     #[inline(always)]
     fn force(&self) -> f64 {
         self.spring + self.damper
+    }
+}
+
+/// Part of the cone, and a force in N, by which a bristle's pull may be off by as much as its law's finest range.
+const CONE_SHARE: f64 = 0.1;
+const CONE_FLOOR: f64 = 1e-3;
+
+/// How far a bristle's pull is below the cone, in parts of what counts as the law's finest range of slip, m/s.
+fn room_in_cone<const N: usize>(law: &FrictionLaw, bristle: &Bristle, at: &Contact<N>, force: f64) -> f64 {
+    let most = cone(law, at.slip).0 * force.max(0.0);
+    let held = (bristle.damping_n_s_per_m * (at.memory + at.slip)).abs();
+    law.finest_m_s() * (most - held) / (CONE_SHARE * (most + CONE_FLOOR))
+}
+
+/// The range that the friction of a contact under a normal force is in. A bristle sticks below its cone, and has two ranges of sliding.
+fn range_of<const N: usize>(law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
+    let Some(bristle) = &law.bristle else { return friction_range(law, at.slip) };
+    if room_in_cone(law, bristle, at, force) >= 0.0 {
+        return FrictionRange::Sticks;
+    }
+    let forward = at.memory + at.slip > 0.0;
+    if at.slip.abs() <= law.v_dynamic_m_s {
+        FrictionRange::Yields { forward }
+    } else {
+        FrictionRange::Slides { forward }
+    }
+}
+
+/// How far a contact is from the end of a range, m/s or what counts as that.
+fn room_of<const N: usize>(range: FrictionRange, law: &FrictionLaw, at: &Contact<N>, force: f64) -> f64 {
+    let Some(bristle) = &law.bristle else { return range.room(law, at.slip) };
+    let in_cone = || room_in_cone(law, bristle, at, force);
+    match range {
+        FrictionRange::Sticks => in_cone(),
+        FrictionRange::Yields { .. } => (-in_cone()).min(law.v_dynamic_m_s - at.slip.abs()),
+        FrictionRange::Slides { .. } => at.slip.abs() - law.v_dynamic_m_s,
+        FrictionRange::Any => f64::INFINITY,
+    }
+}
+
+/// The range beyond the end that a contact is nearest to.
+fn neighbour_of<const N: usize>(range: FrictionRange, law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
+    let Some(bristle) = &law.bristle else { return range.neighbour(law, at.slip) };
+    let forward = at.memory + at.slip > 0.0;
+    match range {
+        FrictionRange::Sticks | FrictionRange::Slides { .. } => FrictionRange::Yields { forward },
+        FrictionRange::Yields { .. } if -room_in_cone(law, bristle, at, force) < law.v_dynamic_m_s - at.slip.abs() => {
+            FrictionRange::Sticks
+        }
+        FrictionRange::Yields { .. } => FrictionRange::Slides { forward },
+        FrictionRange::Any => FrictionRange::Any,
     }
 }
 
@@ -174,9 +227,11 @@ impl<const S: usize> Mode<S> {
         let mut mode = Self::FREE;
         let mut touching = [None; S];
         for (site, touch) in touching.iter_mut().enumerate() {
-            let Some((Contact { delta, rate, slip, row, .. }, law, friction)) = at(site) else { continue };
+            let Some((contact, law, friction)) = at(site) else { continue };
+            let Contact { delta, rate, row, .. } = contact;
+            let pressed = Press::of(law, &contact).force();
             mode.dampers[site] = DamperRange::of(law, delta);
-            mode.slips[site] = friction.map_or(FrictionRange::Any, |law| friction_range(law, slip));
+            mode.slips[site] = friction.map_or(FrictionRange::Any, |law| range_of(law, &contact, pressed));
             if delta.abs() <= landing.depth_share * law.transition_m {
                 *touch = Some((row, rate));
             } else if delta > 0.0 {
@@ -213,7 +268,10 @@ impl<const S: usize> Mode<S> {
         let site = guard % S;
         match (guard / S, friction) {
             (0, _) => self.normal_guard(site, law, landing, at, &Press::of(law, at)),
-            (1, Some(friction)) => self.slip_guard(site, friction, at, &Press::default()),
+            (1, Some(friction)) => {
+                let press = if friction.bristle.is_some() { Press::of(law, at) } else { Press::default() };
+                self.slip_guard(site, friction, at, &press)
+            }
             (1, None) => Guard::QUIET,
             _ => self.damper_guard(site, law, at),
         }
@@ -271,10 +329,12 @@ impl<const S: usize> Mode<S> {
         if !self.sites[site].presses() || self.slips[site] == FrictionRange::Any {
             return Guard::QUIET;
         }
-        let value = self.slips[site].room(law, at.slip) + RANGE_MARGIN * law.finest_m_s();
+        let value = room_of(self.slips[site], law, at, press.force()) + RANGE_MARGIN * law.finest_m_s();
         // Out of sticking a step may look and come back; out of sliding it must not miss that it would have stuck.
         let look = if self.slips[site] == FrictionRange::Sticks { Look::End } else { Look::Smooth };
         let strain = match self.slips[site] {
+            FrictionRange::Sticks if law.bristle.is_some() => held(law, at, press),
+            _ if law.bristle.is_some() => Strain::None,
             FrictionRange::Slides { .. } | FrictionRange::Any => Strain::None,
             _ => Strain::Slip { row: at.tangent, finest: law.finest_m_s(), normal: press.force().max(0.0) },
         };
@@ -323,19 +383,19 @@ impl<const S: usize> Mode<S> {
         friction: Option<&FrictionLaw>,
         at: &Contact<N>,
     ) -> Self {
-        let Contact { delta, slip, .. } = *at;
+        let (delta, force) = (at.delta, Press::of(law, at).force());
         let mut next = *self;
         if guard >= 2 * S {
             let damper = &mut next.dampers[guard - 2 * S];
             *damper = if *damper == DamperRange::Engaging { DamperRange::Engaged } else { DamperRange::Engaging };
             return next;
         }
-        let range = friction.map_or(FrictionRange::Any, |law| friction_range(law, slip));
+        let range = friction.map_or(FrictionRange::Any, |law| range_of(law, at, force));
         if guard >= S {
             let site = guard - S;
             next.slips[site] = match self.slips[site] == range {
                 // Landed on from inside.
-                true => friction.map_or(range, |law| range.neighbour(law, slip)),
+                true => friction.map_or(range, |law| neighbour_of(range, law, at, force)),
                 false => range,
             };
             return next;
@@ -371,6 +431,13 @@ impl<const S: usize> Mode<S> {
         }
         next
     }
+}
+
+/// What a contact that a bristle holds is sensitive to: slip and memory together, of which the cone leaves little.
+fn held<const N: usize>(law: &FrictionLaw, at: &Contact<N>, press: &Press) -> Strain<N> {
+    let most = law.mu_static * press.force().max(0.0);
+    let finest = law.bristle.map_or(f64::INFINITY, |bristle| (most + CONE_FLOOR) / bristle.damping_n_s_per_m);
+    Strain::Slip { row: at.tangent, finest, normal: 0.0 }
 }
 
 /// The rate along a row.

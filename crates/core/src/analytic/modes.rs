@@ -30,7 +30,7 @@ impl Model {
     ) -> Option<Contact<2>> {
         let geometry = self.geometry(pose, rates, site)?;
         let (row, tangent) = (geometry.normal_row, geometry.tangent_row);
-        Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), row, tangent })
+        Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), memory: 0.0, row, tangent })
     }
 
     /// All guards of a state.

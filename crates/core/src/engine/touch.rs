@@ -163,6 +163,7 @@ fn hold(plan: &Plan, index: usize) -> Touch {
             mu_dynamic: 1.0,
             v_static_m_s: width,
             v_dynamic_m_s: 2.0 * width,
+            bristle: None,
         }),
         gap: -1.0,
         normal: [0.0; 2],

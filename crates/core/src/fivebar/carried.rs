@@ -105,9 +105,9 @@ impl Carried {
 
 #[cfg(test)]
 mod tests {
+    use super::super::dynamics::absolute_rates;
+    use super::super::kinematics::{directions, passive_rates};
     use super::*;
-    use crate::fivebar::dynamics::absolute_rates;
-    use crate::fivebar::kinematics::{directions, passive_rates};
     use crate::gripper::{Assembly, Bodies, Lengths};
 
     /// Against forces of single masses along the rows of a numerical Jacobian.

@@ -29,7 +29,7 @@ mod tests {
     const NORMAL: NormalLaw =
         NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
     const FRICTION: FrictionLaw =
-        FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
+        FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
     fn composed<T: Real>(gap: T, rate: T, slip: T) -> [T; 2] {
         let normal = normal_over_gap(|delta, rate| normal_force(&NORMAL, delta, rate), gap, rate);

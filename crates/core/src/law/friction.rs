@@ -91,7 +91,8 @@ impl FrictionLaw {
 mod tests {
     use super::*;
 
-    const LAW: FrictionLaw = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 };
+    const LAW: FrictionLaw =
+        FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
 
     #[test]
     fn errata_08_branches_meet_and_the_law_is_odd() {

@@ -2,12 +2,14 @@
 //!
 //! A contact is a normal law times a friction law; the joint limit is a normal law that acts on an angle.
 
+mod bristle;
 mod contact;
 mod friction;
 mod hertz;
 mod normal;
 mod smoothstep;
 
+pub use bristle::{Bristle, bristle_pull, cone};
 pub use contact::{friction_force, normal_over_gap};
 pub use friction::{FrictionRange, friction_coefficient, friction_range};
 pub use hertz::{Material, hertz_stiffness};
@@ -29,7 +31,7 @@ pub struct NormalLaw {
     pub transition_m: f64,
 }
 
-/// Parameters of the regularised Coulomb law (thesis (2.35), errata 8).
+/// Parameters of the regularised Coulomb law (thesis (2.35), errata 8), or of friction that holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionLaw {
     pub mu_static: f64,
@@ -38,6 +40,8 @@ pub struct FrictionLaw {
     pub v_static_m_s: f64,
     /// v_d: slip speed from which μ = μ_d.
     pub v_dynamic_m_s: f64,
+    /// What holds below the cone; `None` is the regularised law.
+    pub bristle: Option<Bristle>,
 }
 
 /// Law of one contact: normal law times friction law; `None` is frictionless.

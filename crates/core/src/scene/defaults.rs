@@ -14,3 +14,6 @@ pub const OFFSET_DEG: f64 = 25.0;
 pub fn mu_dynamic(mu_static: f64) -> f64 {
     7.0 * mu_static / 10.0
 }
+
+/// Damping of a bristle beside a normal law without a damper.
+pub const BRISTLE_DAMPING_N_S_PER_M: f64 = 1e6;

@@ -167,6 +167,16 @@ impl GripperScene {
     pub fn finger(&self, side: Side) -> &GripperFinger {
         &self.fingers[side as usize]
     }
+
+    /// Whether friction holds anywhere: in a contact or in a brake.
+    pub fn holds(&self) -> bool {
+        let phalanges = self.fingers.iter().flat_map(|finger| [finger.contact.proximal, finger.contact.distal]);
+        let planes = self.palm.into_iter().chain(self.table.map(|table| table.contact));
+        let held = phalanges.chain(planes).any(|law| law.friction.is_some_and(|friction| friction.bristle.is_some()));
+        let input = self.differential.iter().map(|differential| &differential.motor);
+        let motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
+        held || motors.into_iter().any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::law::{Bristle, smoothstep};
+
 /// Pose (X, Y, Φ) of the palm over time: the sum of all that moves it, at rest at the origin before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PalmMotion {
@@ -82,6 +84,8 @@ pub struct Brake {
     pub one_way: bool,
     /// Half width of its sticking range.
     pub v_static_rad_s: f64,
+    /// What holds below its torque instead, in rad; `None` creeps.
+    pub bristle: Option<Bristle>,
 }
 
 impl Pose {
@@ -257,7 +261,7 @@ impl Brake {
     /// How far it grips, 0…1, and the rate of that.
     pub fn grip(&self, t: f64) -> (f64, f64) {
         let step = |from: f64| {
-            let (value, slope) = crate::law::smoothstep((t - from) / self.rise_s);
+            let (value, slope) = smoothstep((t - from) / self.rise_s);
             (value, slope / self.rise_s)
         };
         let (on, on_rate) = step(self.start_s);
@@ -271,6 +275,23 @@ impl Brake {
         first_after(t, from.flat_map(|from| [from, from + self.rise_s]))
     }
 
+    /// Torque of its bristle, N·m, where the shaft's rate and the bristle's memory add up to `held`, and its derivatives by that and by
+    /// time.
+    pub fn held(&self, t: f64, held: f64, bristle: &Bristle) -> [f64; 3] {
+        let (grip, grip_rate) = self.grip(t);
+        let (most, growing) = (self.torque_n_m * grip, self.torque_n_m * grip_rate);
+        let pull = bristle.damping_n_s_per_m * held;
+        if pull < -most {
+            [most, 0.0, growing]
+        } else if self.one_way && pull > 0.0 {
+            [0.0; 3]
+        } else if pull > most {
+            [-most, 0.0, -growing]
+        } else {
+            [-pull, -bristle.damping_n_s_per_m, 0.0]
+        }
+    }
+
     /// Torque at a rate of its shaft, N·m, and its derivatives by rate and time.
     pub fn torque(&self, t: f64, rate: f64) -> [f64; 3] {
         let (grip, grip_rate) = self.grip(t);
@@ -280,7 +301,7 @@ impl Brake {
         let (beta, slope) = if rate.abs() >= self.v_static_rad_s {
             (rate.signum(), 0.0)
         } else {
-            let (sigma, slope) = crate::law::smoothstep((rate + self.v_static_rad_s) / (2.0 * self.v_static_rad_s));
+            let (sigma, slope) = smoothstep((rate + self.v_static_rad_s) / (2.0 * self.v_static_rad_s));
             (2.0 * sigma - 1.0, slope / self.v_static_rad_s)
         };
         [-grip * beta, -grip * slope, -grip_rate * beta].map(|part| self.torque_n_m * part)
@@ -371,6 +392,7 @@ mod tests {
             release_s: Some(0.05),
             one_way: false,
             v_static_rad_s: 0.01,
+            bristle: None,
         };
         assert_eq!(brake.torque(9e-3, 5.0), [0.0; 3]);
         assert_eq!(brake.torque(0.02, 5.0)[0], -2.0);

@@ -36,6 +36,7 @@ pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) ->
             }
         },
         Simulated::Gripper(scene) => up_to_ejection(scene, sink, |sink| match scene.object.motion {
+            _ if scene.holds() => gripper::<{ grasp::HELD }>(scene, span, sink),
             ObjectMotion::Free { .. } if scene.palm_motion.is_some() => gripper::<8>(scene, span, sink),
             ObjectMotion::Free { .. } => gripper::<7>(scene, span, sink),
             ObjectMotion::Fixed => gripper::<4>(scene, span, sink),

@@ -23,6 +23,7 @@ impl<const N: usize, const M: usize> Discs<N, M> {
         Contact {
             delta: -geometry.gap,
             rate: -rates.gap_rate,
+            memory: 0.0,
             slip: rates.slip,
             row: meeting.normal_row(geometry.normal),
             tangent: meeting.tangent_row(geometry.normal),

@@ -1,7 +1,8 @@
 //! Which coordinates of the gripper a part of it depends on.
 
-use super::{FINGERS, TIME};
-use crate::scene::Side;
+use super::{FINGERS, MEMORY, TIME};
+use crate::gripper::Site;
+use crate::scene::{Place, Side};
 
 /// A coordinate of the gripper and the sign with which a part has it; one that is not there (of a fixed object) is beyond the last.
 pub type Where = (usize, f64);
@@ -39,5 +40,16 @@ pub fn scatter<const N: usize>(row: &mut [f64; N], at: &[Where], slopes: &[f64])
         if *index < N {
             row[*index] += sign * slope;
         }
+    }
+}
+
+/// Where the memory of a place's bristle is; joint limits have none.
+#[inline(always)]
+pub fn memory_of(place: Place) -> Option<usize> {
+    match place {
+        Place::Finger(_, Site::Limit) => None,
+        Place::Finger(side, site) => Some(MEMORY + 2 * side as usize + usize::from(site == Site::Distal)),
+        Place::Palm => Some(MEMORY + 4),
+        Place::Table => Some(MEMORY + 5),
     }
 }

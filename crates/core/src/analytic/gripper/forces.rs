@@ -1,11 +1,11 @@
 //! Accelerations: every finger and every contact in the few coordinates it depends on, put together.
 
-use super::coordinates::{Where, of_finger, of_object, of_object_in_time, of_phalanx};
+use super::coordinates::{Where, memory_of, of_finger, of_object, of_object_in_time, of_phalanx};
 use super::frame;
 use super::inertia::Inertia;
 use super::model::GripperModel;
 use super::touch::{self, Press};
-use super::{FINGERS, GripperMode, LOST, PLACES, QUADRATURES, TIME, WORK};
+use super::{BRAKES, FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::Site;
@@ -20,19 +20,22 @@ struct Sums<const N: usize> {
 
 impl<const N: usize> Sums<N> {
     #[inline(always)]
-    fn add<const K: usize>(&mut self, place: usize, press: &Press<f64, K>, at: &[Where; K]) {
+    fn add<const K: usize>(&mut self, place: Place, press: &Press<f64, K>, at: &[Where; K]) {
         for (part, (row, sign)) in press.load.iter().zip(at) {
             if *row < N {
                 self.load[*row] += sign * part;
             }
         }
-        self.g[place] += press.normal;
+        self.g[place.index()] += press.normal;
         self.g[LOST] += press.power;
+        if let Some(memory) = memory_of(place).filter(|memory| *memory < N) {
+            self.load[memory] += press.driven;
+        }
     }
 }
 
-/// The palm, then the table, with their indices among all places.
-pub(super) const PLANES: [(usize, Place); 2] = [(PLACES - 2, Place::Palm), (PLACES - 1, Place::Table)];
+/// What the object alone meets.
+pub(super) const PLANES: [Place; 2] = [Place::Palm, Place::Table];
 
 impl<const N: usize> GripperModel<N> {
     /// Adds what acts on a finger, and gives its mass matrix. The side is known where this is inlined: written out for both of them,
@@ -59,10 +62,10 @@ impl<const N: usize> GripperModel<N> {
         }
         self.add_phalanx((side, Site::Proximal), (q, v), mode, &terms, sums);
         self.add_phalanx((side, Site::Distal), (q, v), mode, &terms, sums);
-        let index = Place::Finger(side, Site::Limit).index();
-        if let Some(law) = finger.normal_law(Site::Limit).filter(|_| mode[index].presses()) {
+        let limit = Place::Finger(side, Site::Limit);
+        if let Some(laws) = self.laws(limit, mode) {
             let touch = touch::limit(&finger.limit_geometry(&terms.pose, &terms.rates));
-            sums.add(index, &touch::press(&touch, &own, (law, None), mode[index]), &of_finger(side));
+            sums.add(limit, &touch::press(&touch, &own, None, laws), &of_finger(side));
         }
         terms.mass
     }
@@ -76,11 +79,11 @@ impl<const N: usize> GripperModel<N> {
         terms: &Terms<f64>,
         sums: &mut Sums<N>,
     ) {
-        let (finger, index) = (&self.fingers[side as usize], Place::Finger(side, site).index());
-        let Some(law) = finger.normal_law(site).filter(|_| mode[index].presses()) else { return };
+        let (finger, place) = (&self.fingers[side as usize], Place::Finger(side, site));
+        let Some(laws) = self.laws(place, mode) else { return };
         let touch = self.phalanx(finger, (&terms.pose, &terms.rates), site, self.centre_in_finger(side, q));
-        let press = touch::press(&touch, &self.rates_in_finger(side, v), (law, finger.friction_law(site)), mode[index]);
-        sums.add(index, &press, &of_phalanx(side));
+        let press = touch::press(&touch, &self.rates_in_finger(side, v), self.memory(v, place), laws);
+        sums.add(place, &press, &of_phalanx(side));
     }
 }
 
@@ -93,27 +96,35 @@ impl<const N: usize> System<N, QUADRATURES> for GripperModel<N> {
         let field = self.felt(t).field;
         let right = self.add_finger(Side::Right, (q, v), (mode, &field), &mut sums);
         let left = self.add_finger(Side::Left, (q, v), (mode, &field), &mut sums);
-        for drive in &self.drives {
-            let pulls = [(Some(drive.pull(t, [v[0], v[2]])), WORK), (drive.hold(t, [v[0], v[2]]), LOST)];
-            for (pull, work) in pulls.into_iter().filter_map(|(pull, work)| Some((pull?, work))) {
-                (0..2).for_each(|side| sums.load[2 * side] += drive.weights[side] * pull.torque);
-                sums.g[work] += pull.torque * pull.rate;
+        for (index, drive) in self.drives.iter().enumerate() {
+            let pull = drive.pull(t, [v[0], v[2]]);
+            (0..2).for_each(|side| sums.load[2 * side] += drive.weights[side] * pull.torque);
+            sums.g[WORK] += pull.torque * pull.rate;
+            let Some(hold) = drive.hold(t, [v[0], v[2]], self.brake_memory(v, index)) else { continue };
+            (0..2).for_each(|side| sums.load[2 * side] += drive.weights[side] * hold.pull.torque);
+            sums.g[LOST] += hold.pull.torque * hold.pull.rate;
+            if Self::HOLDS {
+                sums.load[BRAKES + index.min(1)] += hold.driven;
             }
         }
         let ([x, y, _], rates) = (self.object_of(q), self.object_rates(v));
-        for (index, place) in PLANES {
-            let Some(plane) = self.plane(place).filter(|_| mode[index].presses()) else { continue };
-            let laws = (&plane.law.normal, plane.law.friction.as_ref());
+        for place in PLANES {
+            let Some((plane, laws)) = self.plane(place).zip(self.laws(place, mode)) else { continue };
+            let memory = self.memory(v, place);
             if Self::MOVES && place == Place::Table {
                 let touch = frame::table(plane, &self.pose(q), 0.0, [x, y], self.object.radius);
                 let rates = [rates[0], rates[1], v[TIME], rates[2]];
-                sums.add(index, &touch::press(&touch, &rates, laws, mode[index]), &of_object_in_time());
+                sums.add(place, &touch::press(&touch, &rates, memory, laws), &of_object_in_time());
                 // What the table does to all in the frame, by coming along.
                 sums.g[WORK] -= sums.load[TIME];
                 continue;
             }
             let touch = touch::plane(plane, [x, y], self.object.radius);
-            sums.add(index, &touch::press(&touch, &rates, laws, mode[index]), &of_object(1.0));
+            sums.add(place, &touch::press(&touch, &rates, memory, laws), &of_object(1.0));
+        }
+        if Self::HOLDS {
+            self.relaxing().for_each(|(memory, rate)| sums.load[memory] -= rate * v[memory]);
+            sums.load[TIME] = 0.0;
         }
         if N > FINGERS {
             (0..2).for_each(|i| sums.load[FINGERS + i] += self.object.mass * self.object.gravity[i]);

@@ -1,7 +1,7 @@
 //! The mass matrix: a block for each finger, a diagonal one for the object, and with a differential one number that couples both driven links.
 
-use super::FINGERS;
 use super::model::GripperModel;
+use super::{FINGERS, MEMORY};
 
 /// M by its blocks; (M₁₁, M₁₂, M₂₂) of each finger with what turns with its driven link.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,7 @@ impl Inertia {
             [d * inverse, -b * inverse, a * inverse]
         });
         let remainder = 1.0 - self.coupling * self.coupling * fingers[0][0] * fingers[1][0];
-        Inverse { fingers, coupling: self.coupling, remainder, object: self.object.map(f64::recip) }
+        Inverse { fingers, coupling: self.coupling, remainder, object: self.object.map(inverse_or_none) }
     }
 
     /// ½ vᵀ M v, J.
@@ -51,6 +51,11 @@ impl Inertia {
         }
         energy
     }
+}
+
+/// What does not move has no mass here.
+fn inverse_or_none(of: f64) -> f64 {
+    if of > 0.0 { 1.0 / of } else { 0.0 }
 }
 
 impl Inverse {
@@ -91,6 +96,8 @@ impl Inverse {
             a[FINGERS + 1] = loads[FINGERS + 1].map(|load| load * inverse_mass);
             a[FINGERS + 2] = loads[FINGERS + 2].map(|load| load * inverse_inertia);
         }
+        // Memories are no coordinates of masses.
+        a.iter_mut().zip(loads).skip(MEMORY).for_each(|(a, load)| *a = *load);
         a
     }
 }

@@ -1,8 +1,9 @@
 //! The analytic model of a gripper: two five-bars, and an object that both grasp.
 //!
 //! Coordinates are (q11, q21) of the right finger, (q11, q21) of the left one, which is its mirror image's, and (x, y, θ) of an object
-//! that moves, in the frame of the palm; where the palm moves, time itself is the last one, of rate 1. Independent of the engine model,
-//! which it checks.
+//! that moves, in the frame of the palm; where the palm moves, time itself comes next, of rate 1. Where
+//! friction holds, the rates behind it are the bristles' memories σ: of coordinates that nothing depends on. Independent of the engine
+//! model, which it checks.
 //!
 //! | file | job |
 //! |---|---|
@@ -57,3 +58,10 @@ pub const FINGERS: usize = 4;
 
 /// Where time is among the coordinates of a gripper whose palm moves.
 const TIME: usize = FINGERS + 3;
+
+/// Where the memories of bristles begin: those of four phalanges, palm and table, then of two brakes.
+const MEMORY: usize = TIME + 1;
+const BRAKES: usize = MEMORY + 6;
+
+/// Coordinates where friction holds.
+pub const HELD: usize = BRAKES + 2;

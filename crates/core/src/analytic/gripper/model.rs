@@ -1,6 +1,8 @@
 //! What does not change in time.
 
-use super::{FINGERS, QUADRATURES, TIME};
+use super::coordinates::memory_of;
+use super::touch::Laws;
+use super::{BRAKES, FINGERS, GripperMode, HELD, MEMORY, QUADRATURES, TIME};
 use crate::analytic::finger::FingerModel;
 use crate::fivebar::carried::Carried;
 use crate::integrator::State;
@@ -11,7 +13,7 @@ use crate::scene::{
     Actuation, Brake, GripperFinger, GripperScene, Motor, ObjectMotion, PalmMotion, Place, Side, next_corner, torque,
 };
 
-/// The model of a scene with N = 7 coordinates, 8 where the palm moves, or 4 where the object is fixed.
+/// The model of a scene with N = 7 coordinates, 8 where the palm moves, or 4 where the object is fixed; [`HELD`] where friction holds.
 #[derive(Clone, Debug)]
 pub struct GripperModel<const N: usize> {
     pub(super) fingers: [FingerModel; 2],
@@ -47,6 +49,17 @@ pub(super) struct Pull {
     pub by_time: f64,
 }
 
+/// What a brake gives at one instant, and what that does to the memory of its bristle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hold {
+    pub pull: Pull,
+    /// Derivative of its torque by the memory.
+    pub by_memory: f64,
+    /// What it adds to the memory's rate: `gain` times its torque.
+    pub driven: f64,
+    pub gain: f64,
+}
+
 impl Drive {
     fn new(motor: &Motor, weights: [f64; 2]) -> Self {
         let Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
@@ -60,10 +73,17 @@ impl Drive {
 
     /// What the brake holds it with, if it has one.
     #[inline(always)]
-    pub fn hold(&self, t: f64, driven: [f64; 2]) -> Option<Pull> {
+    pub fn hold(&self, t: f64, driven: [f64; 2], memory: Option<f64>) -> Option<Hold> {
         let (brake, rate) = (self.brake.as_ref()?, self.rate(driven));
-        let [torque, by_rate, by_time] = brake.torque(t, rate);
-        Some(Pull { rate, torque, by_rate, by_time })
+        let Some((bristle, memory)) = brake.bristle.as_ref().zip(memory) else {
+            let [torque, by_rate, by_time] = brake.torque(t, rate);
+            let pull = Pull { rate, torque, by_rate, by_time };
+            return Some(Hold { pull, by_memory: 0.0, driven: 0.0, gain: 0.0 });
+        };
+        let [torque, by_rate, by_time] = brake.held(t, rate + memory, bristle);
+        // On the memory it acts the other way than on the shaft.
+        let gain = -bristle.driven();
+        Some(Hold { pull: Pull { rate, torque, by_rate, by_time }, by_memory: by_rate, driven: gain * torque, gain })
     }
 
     /// τ − |τ| q̇/q̇0, whichever way it turns.
@@ -105,12 +125,16 @@ pub fn start<const N: usize>(scene: &GripperScene) -> State<N, QUADRATURES> {
         (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
         (state.v[2 * index], state.v[2 * index + 1]) = (initial.qd11_rad_s, initial.qd21_rad_s);
     }
-    if let (ObjectMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. }, true) = (scene.object.motion, N > FINGERS) {
+    if N > FINGERS {
         let ([x, y], angle) = (scene.object.centre_m, scene.object.angle_rad);
         state.q[FINGERS..TIME].copy_from_slice(&[x, y, angle]);
-        state.v[FINGERS..TIME].copy_from_slice(&[vx, vy, spin_rad_s]);
+        if let ObjectMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. } = scene.object.motion {
+            state.v[FINGERS..TIME].copy_from_slice(&[vx, vy, spin_rad_s]);
+        }
     }
-    state.v.iter_mut().skip(TIME).for_each(|rate| *rate = 1.0);
+    if N > TIME {
+        state.v[TIME] = 1.0;
+    }
     state
 }
 
@@ -138,8 +162,13 @@ impl<const N: usize> GripperModel<N> {
             ObjectMotion::Fixed => (0.0, 0.0),
             ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => (mass_kg, inertia_kg_m2),
         };
-        let time = usize::from(scene.palm_motion.is_some());
-        assert_eq!(N, if mass > 0.0 { FINGERS + 3 + time } else { FINGERS }, "the object's coordinates, and time");
+        let coordinates = match (scene.holds(), mass > 0.0, scene.palm_motion.is_some()) {
+            (true, ..) => HELD,
+            (_, true, true) => MEMORY,
+            (_, true, false) => TIME,
+            (_, false, _) => FINGERS,
+        };
+        assert_eq!(N, coordinates, "the object's coordinates, time, and memories");
         let half_palm = 0.5 * scene.palm_width_m;
         let [cx, cy] = scene.object.centre_m;
         Self {
@@ -162,12 +191,64 @@ impl<const N: usize> GripperModel<N> {
         }
     }
 
+    /// Whether there are memories of bristles.
+    pub(super) const HOLDS: bool = N > MEMORY;
+
+    /// Laws of a place that presses.
+    #[inline(always)]
+    pub(super) fn laws(&self, place: Place, mode: &GripperMode) -> Option<Laws<'_>> {
+        let state = mode[place.index()];
+        let normal = self.normal_law(place).filter(|_| state.presses())?;
+        Some(Laws { normal, friction: self.friction_law(place), state })
+    }
+
+    /// Memory of the bristle of a place, where there are any.
+    #[inline(always)]
+    pub(super) fn memory(&self, v: &[f64; N], place: Place) -> Option<f64> {
+        if Self::HOLDS { memory_of(place).map(|memory| v[memory]) } else { None }
+    }
+
+    /// That of a drive's brake: a differential's input is the last of three, beside two without any.
+    #[inline(always)]
+    pub(super) fn brake_memory(&self, v: &[f64; N], drive: usize) -> Option<f64> {
+        if Self::HOLDS { Some(v[BRAKES + drive.min(1)]) } else { None }
+    }
+
+    /// Memories in use, with the rate at which each relaxes.
+    pub(super) fn relaxing(&self) -> impl Iterator<Item = (usize, f64)> {
+        let places = Place::ALL.into_iter().filter_map(|place| {
+            let bristle = self.friction_law(place).and_then(|friction| friction.bristle)?;
+            Some((memory_of(place)?, bristle.rate()))
+        });
+        let brakes = self.drives.iter().enumerate().filter_map(|(index, drive)| {
+            let bristle = drive.brake.and_then(|brake| brake.bristle)?;
+            Some((BRAKES + index.min(1), bristle.rate()))
+        });
+        places.chain(brakes)
+    }
+
+    /// Energy in bristles, J.
+    pub(super) fn bristle_energy(&self, v: &[f64; N]) -> f64 {
+        if !Self::HOLDS {
+            return 0.0;
+        }
+        let places = Place::ALL.into_iter().filter_map(|place| {
+            let bristle = self.friction_law(place).and_then(|friction| friction.bristle)?;
+            Some(bristle.energy(v[memory_of(place)?]))
+        });
+        let brakes = self.drives.iter().enumerate().filter_map(|(index, drive)| {
+            Some(drive.brake.and_then(|brake| brake.bristle)?.energy(v[BRAKES + index.min(1)]))
+        });
+        places.chain(brakes).sum()
+    }
+
     /// Torques of all motors and brakes on the driven links, N·m.
     pub fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; 2] {
         let mut torques = [0.0; 2];
-        for drive in &self.drives {
+        for (index, drive) in self.drives.iter().enumerate() {
             let driven = [v[0], v[2]];
-            let torque = drive.pull(t, driven).torque + drive.hold(t, driven).map_or(0.0, |hold| hold.torque);
+            let hold = drive.hold(t, driven, self.brake_memory(v, index));
+            let torque = drive.pull(t, driven).torque + hold.map_or(0.0, |hold| hold.pull.torque);
             (0..2).for_each(|i| torques[i] += drive.weights[i] * torque);
         }
         torques

@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::contacts::Posture;
+use super::coordinates::memory_of;
 use super::model::GripperModel;
 use super::{GUARDS, GripperMode, PLACES, QUADRATURES, TIME, first_step};
 use crate::analytic::SiteState;
@@ -30,7 +31,9 @@ impl<const N: usize> GripperModel<N> {
         let (mut row, mut tangent) = (touch.normal_row, touch.tangent_row);
         // Nothing moves time.
         [&mut row, &mut tangent].into_iter().flat_map(|row| row.iter_mut().skip(TIME)).for_each(|part| *part = 0.0);
-        Some(Contact { delta: -touch.gap, rate, slip, row, tangent })
+        let memory = memory_of(place).filter(|memory| *memory < N);
+        memory.into_iter().for_each(|memory| tangent[memory] = 1.0);
+        Some(Contact { delta: -touch.gap, rate, slip, memory: memory.map_or(0.0, |memory| v[memory]), row, tangent })
     }
 
     #[inline(always)]

@@ -1,12 +1,12 @@
 //! Accelerations with their exact Jacobian: that of every finger and every contact in the few coordinates it depends on, put together.
 
-use super::coordinates::{Where, of_finger, of_object, of_object_in_time, of_phalanx, scatter};
+use super::coordinates::{Where, memory_of, of_finger, of_object, of_object_in_time, of_phalanx, scatter};
 use super::forces::PLANES;
 use super::frame::{self, Felt};
 use super::inertia::Inertia;
-use super::model::{GripperModel, variables};
+use super::model::{GripperModel, Pull, variables};
 use super::touch::{self, Press, Slope};
-use super::{FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
+use super::{BRAKES, FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::Site;
@@ -40,19 +40,47 @@ impl<const N: usize> Sums<N> {
 
     /// Adds a contact whose rates are those of `at`, and whose place depends on the first P of them.
     #[inline(always)]
-    fn add<const P: usize, const K: usize>(&mut self, place: usize, press: &Press<Slope<P, K>, K>, at: &[Where; K]) {
+    fn add<const P: usize, const K: usize>(&mut self, place: Place, press: &Press<Slope<P, K>, K>, at: &[Where; K]) {
+        let memory = memory_of(place).filter(|memory| *memory < N);
         for (part, (row, sign)) in press.load.iter().zip(at) {
             if *row < N {
                 self.load[*row] += sign * part.value;
                 scatter(&mut self.load_q[*row], at, &part.by_q.map(|slope| sign * slope));
                 scatter(&mut self.load_v[*row], at, &part.by_v.map(|slope| sign * slope));
+                memory.into_iter().for_each(|memory| self.load_v[*row][memory] += sign * part.by_memory);
             }
         }
-        for (index, part) in [(place, &press.normal), (LOST, &press.power)] {
+        if let Some(memory) = memory {
+            self.load[memory] += press.driven.value;
+            scatter(&mut self.load_q[memory], at, &press.driven.by_q);
+            scatter(&mut self.load_v[memory], at, &press.driven.by_v);
+            self.load_v[memory][memory] += press.driven.by_memory;
+            self.g_v[LOST][memory] += press.power.by_memory;
+        }
+        for (index, part) in [(place.index(), &press.normal), (LOST, &press.power)] {
             self.g[index] += part.value;
             scatter(&mut self.g_q[index], at, &part.by_q);
             scatter(&mut self.g_v[index], at, &part.by_v);
         }
+    }
+
+    /// Adds what turns both driven links by these parts of it.
+    #[inline(always)]
+    fn add_pull(&mut self, pull: &Pull, weights: [f64; 2], work: usize) {
+        self.g[work] += pull.torque * pull.rate;
+        self.g_t[work] += pull.by_time * pull.rate;
+        for (i, weight) in weights.into_iter().enumerate() {
+            self.load[2 * i] += weight * pull.torque;
+            self.load_t[2 * i] += weight * pull.by_time;
+            self.g_v[work][2 * i] += weight * (pull.torque + pull.by_rate * pull.rate);
+            (0..2).for_each(|j| self.load_v[2 * i][2 * j] += weight * weights[j] * pull.by_rate);
+        }
+    }
+
+    /// Nothing moves time, whatever acts along it.
+    fn let_time_be(&mut self) {
+        (self.load[TIME], self.load_t[TIME]) = (0.0, 0.0);
+        (self.load_q[TIME], self.load_v[TIME]) = ([0.0; N], [0.0; N]);
     }
 
     /// What the table does to all in the frame, by coming along: the power of its force on time.
@@ -79,20 +107,27 @@ impl<const N: usize> GripperModel<N> {
         let left = self.add_finger_slopes(Side::Left, (q, v), (mode, &felt), &mut sums);
         self.add_drive_slopes(t, v, &mut sums);
         let ([x, y, _], rates) = (self.object_of(q), self.object_rates(v));
-        for (index, place) in PLANES {
-            let Some(plane) = self.plane(place).filter(|_| mode[index].presses()) else { continue };
-            let laws = (&plane.law.normal, plane.law.friction.as_ref());
+        for place in PLANES {
+            let Some((plane, laws)) = self.plane(place).zip(self.laws(place, mode)) else { continue };
+            let memory = self.memory(v, place);
             if Self::MOVES && place == Place::Table {
                 let centre = [Dual::<3>::variable(x, 0), Dual::variable(y, 1)];
                 let touch = frame::table(plane, &self.pose(q), Dual::variable(0.0, 2), centre, self.object.radius);
                 let rates = [rates[0], rates[1], v[TIME], rates[2]];
-                let press = touch::press_with_slopes(&touch, &rates, laws, mode[index]);
-                sums.add(index, &press, &of_object_in_time());
+                let press = touch::press_with_slopes(&touch, &rates, memory, laws);
+                sums.add(place, &press, &of_object_in_time());
                 sums.let_table_work();
                 continue;
             }
             let touch = touch::plane(plane, variables([x, y]), self.object.radius);
-            sums.add(index, &touch::press_with_slopes(&touch, &rates, laws, mode[index]), &of_object(1.0));
+            sums.add(place, &touch::press_with_slopes(&touch, &rates, memory, laws), &of_object(1.0));
+        }
+        if Self::HOLDS {
+            for (memory, rate) in self.relaxing() {
+                sums.load[memory] -= rate * v[memory];
+                sums.load_v[memory][memory] -= rate;
+            }
+            sums.let_time_be();
         }
         if N > FINGERS {
             (0..2).for_each(|i| sums.load[FINGERS + i] += self.object.mass * self.object.gravity[i]);
@@ -147,10 +182,10 @@ impl<const N: usize> GripperModel<N> {
         }
         self.add_phalanx_slopes((side, Site::Proximal), (q, v), mode, &terms, sums);
         self.add_phalanx_slopes((side, Site::Distal), (q, v), mode, &terms, sums);
-        let index = Place::Finger(side, Site::Limit).index();
-        if let Some(law) = finger.normal_law(Site::Limit).filter(|_| mode[index].presses()) {
+        let limit = Place::Finger(side, Site::Limit);
+        if let Some(laws) = self.laws(limit, mode) {
             let touch = touch::limit(&finger.limit_geometry(&terms.pose, &terms.rates));
-            sums.add(index, &touch::press_with_slopes(&touch, &own, (law, None), mode[index]), &of_finger(side));
+            sums.add(limit, &touch::press_with_slopes(&touch, &own, None, laws), &of_finger(side));
         }
         terms.mass
     }
@@ -164,15 +199,15 @@ impl<const N: usize> GripperModel<N> {
         terms: &Terms<Dual<2>>,
         sums: &mut Sums<N>,
     ) {
-        let (finger, index) = (&self.fingers[side as usize], Place::Finger(side, site).index());
-        let Some(law) = finger.normal_law(site).filter(|_| mode[index].presses()) else { return };
+        let (finger, place) = (&self.fingers[side as usize], Place::Finger(side, site));
+        let Some(laws) = self.laws(place, mode) else { return };
         // Where surfaces are depends on the finger's angles and the centre, not on how the object is turned.
         let [x, y] = self.centre_in_finger(side, q);
         let centre = [Dual::<4>::variable(x, 2), Dual::variable(y, 3)];
         let touch = self.phalanx(finger, (&terms.pose.widen(), &terms.rates.widen()), site, centre);
-        let laws = (law, finger.friction_law(site));
-        let press = touch::press_with_slopes(&touch, &self.rates_in_finger(side, v), laws, mode[index]);
-        sums.add(index, &press, &of_phalanx(side));
+        let memory = self.memory(v, place);
+        let press = touch::press_with_slopes(&touch, &self.rates_in_finger(side, v), memory, laws);
+        sums.add(place, &press, &of_phalanx(side));
     }
 
     /// What a finger's links feel in a frame that moves.
@@ -234,17 +269,21 @@ impl<const N: usize> GripperModel<N> {
 
     #[inline(always)]
     fn add_drive_slopes(&self, t: f64, v: &[f64; N], sums: &mut Sums<N>) {
-        for drive in &self.drives {
-            let pulls = [(Some(drive.pull(t, [v[0], v[2]])), WORK), (drive.hold(t, [v[0], v[2]]), LOST)];
-            for (pull, work) in pulls.into_iter().filter_map(|(pull, work)| Some((pull?, work))) {
-                sums.g[work] += pull.torque * pull.rate;
-                sums.g_t[work] += pull.by_time * pull.rate;
-                for (i, weight) in drive.weights.into_iter().enumerate() {
-                    sums.load[2 * i] += weight * pull.torque;
-                    sums.load_t[2 * i] += weight * pull.by_time;
-                    sums.g_v[work][2 * i] += weight * (pull.torque + pull.by_rate * pull.rate);
-                    (0..2).for_each(|j| sums.load_v[2 * i][2 * j] += weight * drive.weights[j] * pull.by_rate);
-                }
+        for (index, drive) in self.drives.iter().enumerate() {
+            sums.add_pull(&drive.pull(t, [v[0], v[2]]), drive.weights, WORK);
+            let Some(hold) = drive.hold(t, [v[0], v[2]], self.brake_memory(v, index)) else { continue };
+            sums.add_pull(&hold.pull, drive.weights, LOST);
+            if !Self::HOLDS {
+                continue;
+            }
+            let memory = BRAKES + index.min(1);
+            sums.load[memory] += hold.driven;
+            sums.load_t[memory] += hold.gain * hold.pull.by_time;
+            sums.load_v[memory][memory] += hold.gain * hold.by_memory;
+            sums.g_v[LOST][memory] += hold.by_memory * hold.pull.rate;
+            for (i, weight) in drive.weights.into_iter().enumerate() {
+                sums.load_v[2 * i][memory] += weight * hold.by_memory;
+                sums.load_v[memory][2 * i] += weight * hold.gain * hold.pull.by_rate;
             }
         }
     }

@@ -6,7 +6,7 @@
 use super::model::Plane;
 use crate::analytic::contact::Geometry;
 use crate::analytic::mode::{SiteState, along};
-use crate::law::{FrictionLaw, NormalLaw, friction_force, normal_over_gap};
+use crate::law::{FrictionLaw, NormalLaw, bristle_pull, friction_force, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale};
 use crate::numeric::{Dual, Real};
 
@@ -67,61 +67,93 @@ pub struct Press<T, const K: usize> {
     /// Of both forces on both surfaces.
     pub power: T,
     pub load: [T; K],
+    /// What the memory of its bristle has of it: k T/c².
+    pub driven: T,
 }
 
-/// A number with its derivatives by the P positions that a contact's place depends on, and by its K rates.
+/// A number with its derivatives by the P positions that a contact's place depends on, by its K rates, and by its memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Slope<const P: usize, const K: usize> {
     pub value: f64,
     pub by_q: [f64; P],
     pub by_v: [f64; K],
+    pub by_memory: f64,
 }
 
-/// Normal force and friction of a contact, which know of nothing but its gap, the rate of that, and its slip.
+/// Laws of one place, and the branch they are on.
+#[derive(Clone, Copy)]
+pub struct Laws<'a> {
+    pub normal: &'a NormalLaw,
+    pub friction: Option<&'a FrictionLaw>,
+    pub state: SiteState,
+}
+
+/// Normal force and friction of a contact, which know of nothing but its gap, the rate of that, its slip, and its memory; and what drives
+/// that.
 #[inline(always)]
-fn forces<T: Real>(
-    [gap, gap_rate, slip]: [T; 3],
-    (law, friction): (&NormalLaw, Option<&FrictionLaw>),
-    state: SiteState,
-) -> [T; 2] {
-    let normal = normal_over_gap(|depth, speed| branch(law, state, depth, speed), gap, gap_rate);
-    [normal, friction.map_or(T::zero(), |friction| friction_force(friction, slip, normal))]
+fn forces<T: Real>([gap, gap_rate, slip]: [T; 3], memory: Option<T>, laws: Laws<'_>) -> [T; 3] {
+    let normal = normal_over_gap(|depth, speed| branch(laws.normal, laws.state, depth, speed), gap, gap_rate);
+    let Some(friction) = laws.friction else { return [normal, T::zero(), T::zero()] };
+    match (&friction.bristle, memory) {
+        (Some(bristle), Some(memory)) => {
+            let pull = bristle_pull(friction, bristle, slip, memory, normal);
+            [normal, -pull, pull * bristle.driven()]
+        }
+        _ => [normal, friction_force(friction, slip, normal), T::zero()],
+    }
 }
 
-/// Forces of a contact at these rates.
+/// Forces of a contact at these rates; `memory` of where friction holds.
 #[inline(always)]
 pub fn press<const K: usize>(
     touch: &Touch<f64, K>,
     v: &[f64; K],
-    laws: (&NormalLaw, Option<&FrictionLaw>),
-    state: SiteState,
+    memory: Option<f64>,
+    laws: Laws<'_>,
 ) -> Press<f64, K> {
     let (gap_rate, slip) = (along(&touch.normal_row, v), along(&touch.tangent_row, v));
-    let [normal, tangential] = forces([touch.gap, gap_rate, slip], laws, state);
+    let [normal, tangential, driven] = forces([touch.gap, gap_rate, slip], memory, laws);
     Press {
         normal,
         power: normal * gap_rate + tangential * slip,
         load: std::array::from_fn(|k| touch.normal_row[k] * normal + touch.tangent_row[k] * tangential),
+        driven,
     }
 }
 
-/// The same with its derivatives: the laws' own by their three variables, of which the rows say how they depend on the rest.
+/// The same with its derivatives: the laws' own by their variables, of which the rows say how they depend on the rest.
 #[inline(always)]
 pub fn press_with_slopes<const P: usize, const K: usize>(
     touch: &Touch<Dual<P>, K>,
     v: &[f64; K],
-    laws: (&NormalLaw, Option<&FrictionLaw>),
-    state: SiteState,
+    memory: Option<f64>,
+    laws: Laws<'_>,
+) -> Press<Slope<P, K>, K> {
+    match memory {
+        None => sloped::<P, K, 3>(touch, v, None, laws),
+        Some(memory) => sloped::<P, K, 4>(touch, v, Some(memory), laws),
+    }
+}
+
+/// By D variables of the laws: gap, its rate, slip, and with four of them the memory.
+#[inline(always)]
+fn sloped<const P: usize, const K: usize, const D: usize>(
+    touch: &Touch<Dual<P>, K>,
+    v: &[f64; K],
+    memory: Option<f64>,
+    laws: Laws<'_>,
 ) -> Press<Slope<P, K>, K> {
     let (normal_row, tangent_row) = (touch.normal_row.map(|part| part.value), touch.tangent_row.map(|part| part.value));
     let rate = |row: &[Dual<P>; K]| (1..K).fold(row[0] * v[0], |sum, k| sum + row[k] * v[k]);
     let places = [touch.gap, rate(&touch.normal_row), rate(&touch.tangent_row)];
-    let [gap, gap_rate, slip] = std::array::from_fn(|i| Dual::<3>::variable(places[i].value, i));
-    let [normal, tangential] = forces([gap, gap_rate, slip], laws, state);
-    let slope = |of: Dual<3>| Slope {
+    let [gap, gap_rate, slip] = std::array::from_fn(|i| Dual::<D>::variable(places[i].value, i));
+    let [normal, tangential, driven] =
+        forces([gap, gap_rate, slip], memory.map(|memory| Dual::variable(memory, D - 1)), laws);
+    let slope = |of: Dual<D>| Slope {
         value: of.value,
         by_q: std::array::from_fn(|j| (0..3).map(|i| of.grad[i] * places[i].grad[j]).sum()),
         by_v: std::array::from_fn(|k| of.grad[1] * normal_row[k] + of.grad[2] * tangent_row[k]),
+        by_memory: if D > 3 { of.grad[D - 1] } else { 0.0 },
     };
     let (along_normal, along_tangent) = (slope(normal), slope(tangential));
     let load = |k: usize| {
@@ -134,7 +166,13 @@ pub fn press_with_slopes<const P: usize, const K: usize>(
                     + (n.grad[j] * normal.value + t.grad[j] * tangential.value)
             }),
             by_v: std::array::from_fn(|j| n.value * along_normal.by_v[j] + t.value * along_tangent.by_v[j]),
+            by_memory: t.value * along_tangent.by_memory,
         }
     };
-    Press { normal: along_normal, power: slope(normal * gap_rate + tangential * slip), load: std::array::from_fn(load) }
+    Press {
+        normal: along_normal,
+        power: slope(normal * gap_rate + tangential * slip),
+        load: std::array::from_fn(load),
+        driven: slope(driven),
+    }
 }

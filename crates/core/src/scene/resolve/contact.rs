@@ -184,7 +184,7 @@ fn friction(c: &mut Checker<'_>, levels: &[Level<'_>]) -> Option<Option<Friction
     if law.mu_dynamic.is_nan() {
         law.mu_dynamic = defaults::mu_dynamic(law.mu_static);
     }
-    let FrictionLaw { mu_static, mu_dynamic, v_static_m_s: v_static, v_dynamic_m_s: v_dynamic } = law;
+    let FrictionLaw { mu_static, mu_dynamic, v_static_m_s: v_static, v_dynamic_m_s: v_dynamic, .. } = law;
     if mu_dynamic > mu_static {
         c.push(
             raw.span("mu_dynamic").or(raw.span.clone()),
@@ -202,6 +202,10 @@ fn friction(c: &mut Checker<'_>, levels: &[Level<'_>]) -> Option<Option<Friction
             "raise v_dynamic or lower v_static; left out, they are 0.2 m/s and 0.1 m/s",
         );
         return None;
+    }
+    if let Some(bristle) = law.bristle.as_mut().filter(|bristle| bristle.damping_n_s_per_m.is_nan()) {
+        let damping = levels.last().map_or(0.0, |level| level.normal.damping_max_n_s_per_m);
+        bristle.damping_n_s_per_m = if damping > 0.0 { damping } else { defaults::BRISTLE_DAMPING_N_S_PER_M };
     }
     Some((mu_static > 0.0).then_some(law))
 }

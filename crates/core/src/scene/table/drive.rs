@@ -1,8 +1,11 @@
 //! `[motor]` and `[spring]` of a finger, and the motor of a gripper.
 
 use super::{lines, of};
+use crate::law::Bristle;
 use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
-use crate::scene::kinds::{Angle, AngularRate, AngularStiffness, Choice, Inertia, List, Time, Torque, Words};
+use crate::scene::kinds::{
+    Angle, AngularDamping, AngularRate, AngularStiffness, Choice, Inertia, List, Time, Torque, Words,
+};
 use crate::scene::{self, Actuation, Brake, Interpolation, Placement, Spring, SpringKind};
 
 const GIVEN: f64 = f64::NAN;
@@ -129,6 +132,17 @@ impl BoughtMotor {
         self.brake.and(self.brake_release_s).filter(|time| time.is_finite())
     }
 
+    /// A shaft of 1e4 N·m/rad, stiffer than a real one.
+    fn hold_by(&mut self, law: Option<Bristle>) {
+        if let Some(brake) = &mut self.brake {
+            brake.bristle = law.map(|_| Bristle { damping_n_s_per_m: 2.0, relaxation_s: 2e-4 });
+        }
+    }
+
+    fn bristle(&mut self) -> Option<&mut Bristle> {
+        self.brake.as_mut()?.bristle.as_mut()
+    }
+
     fn release_place(&mut self) -> Option<&mut f64> {
         self.brake.is_some().then_some(self.brake_release_s.as_mut()).flatten()
     }
@@ -143,8 +157,15 @@ impl Words for Option<Brake> {
     }
 }
 
-const GRIPS: Brake =
-    Brake { torque_n_m: GIVEN, start_s: GIVEN, rise_s: 1e-3, release_s: None, one_way: false, v_static_rad_s: 0.01 };
+const GRIPS: Brake = Brake {
+    torque_n_m: GIVEN,
+    start_s: GIVEN,
+    rise_s: 1e-3,
+    release_s: None,
+    one_way: false,
+    v_static_rad_s: 0.01,
+    bristle: None,
+};
 
 motor! {
     BoughtMotor = Self {
@@ -174,6 +195,15 @@ motor! {
     /// Half width of the range of rates in which it sticks: its torque rises from 0 to all of it up to there.
     "brake_v_static": AngularRate = m.brake.as_mut().map(|brake| &mut brake.v_static_rad_s), allowed(POSITIVE),
         beside("brake", "with brake = \"none\"");
+    /// "regularised": creeps within `brake_v_static`; "bristle": holds, like a shaft with a spring and a damper.
+    "brake_law": Choice<Option<Bristle>> = m.brake.as_mut().map(|brake| &mut brake.bristle),
+        put(|m, law| m.hold_by(law)), beside("brake", "with brake = \"none\"");
+    /// Damping of that.
+    "brake_damping": AngularDamping = m.bristle().map(|bristle| &mut bristle.damping_n_s_per_m), allowed(POSITIVE),
+        beside("brake_law", "without brake_law = \"bristle\"");
+    /// Time in which it relaxes: its damping over its stiffness.
+    "brake_relaxation": Time = m.bristle().map(|bristle| &mut bristle.relaxation_s), allowed(POSITIVE),
+        beside("brake_law", "without brake_law = \"bristle\"");
 }
 
 impl Words for Option<SpringKind> {

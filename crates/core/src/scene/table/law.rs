@@ -1,9 +1,11 @@
 //! `[contact]` with its parts, and `[limit]`: the laws of contacts.
 
 use super::lines;
-use crate::law::{FrictionLaw, NormalLaw};
+use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::scene::check::{Bound, NOT_NEGATIVE, POSITIVE};
-use crate::scene::kinds::{Angle, AngularDamping, Flag, Length, LinearDamping, Number, Pressure, Speed};
+use crate::scene::kinds::{
+    Angle, AngularDamping, Choice, Flag, Length, LinearDamping, Number, Pressure, Speed, Time, Words,
+};
 
 const EXPONENT: Bound = Bound { allowed: |x| x >= 1.0, text: "at least 1" };
 const POISSON: Bound = Bound { allowed: |x| x > -1.0 && x <= 0.5, text: "above -1 and up to 0.5" };
@@ -81,8 +83,8 @@ law! {
 }
 
 lines! {
-    /// Regularised Coulomb friction; left out, the contact is frictionless.
-    FrictionLaw = Self { mu_static: 0.0, mu_dynamic: f64::NAN, v_static_m_s: 0.1, v_dynamic_m_s: 0.2 }, f;
+    /// Coulomb friction; left out, the contact is frictionless.
+    FrictionLaw = Self { mu_static: 0.0, mu_dynamic: f64::NAN, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None }, f;
     /// Static coefficient, reached at v_static; 0 is frictionless.
     "mu_static": Number = Some(&mut f.mu_static), allowed(NOT_NEGATIVE),
         put(|f, mu_static| (f.mu_static, f.mu_dynamic) = (mu_static, f64::NAN));
@@ -90,6 +92,23 @@ lines! {
     "mu_dynamic": Number = Some(&mut f.mu_dynamic), allowed(NOT_NEGATIVE);
     "v_static": Speed = Some(&mut f.v_static_m_s), allowed(POSITIVE);
     "v_dynamic": Speed = Some(&mut f.v_dynamic_m_s), allowed(POSITIVE);
+    /// "regularised": the thesis' law, which creeps; "bristle": a spring and damper before a Coulomb slider, which holds.
+    "law": Choice<Option<Bristle>> = Some(&mut f.bristle);
+    /// Damping of the bristle. Default: that of the normal law, or 1e6 N*s/m where that has none.
+    "bristle_damping": LinearDamping = f.bristle.as_mut().map(|bristle| &mut bristle.damping_n_s_per_m),
+        allowed(POSITIVE), beside("law", "without law = \"bristle\"");
+    /// Time in which the bristle relaxes: its damping over its stiffness.
+    "bristle_relaxation": Time = f.bristle.as_mut().map(|bristle| &mut bristle.relaxation_s),
+        allowed(POSITIVE), beside("law", "without law = \"bristle\"");
+}
+
+impl Words for Option<Bristle> {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("regularised", None), ("bristle", Some(Bristle { damping_n_s_per_m: f64::NAN, relaxation_s: 1e-3 }))];
+
+    fn word(&self) -> &'static str {
+        if self.is_some() { "bristle" } else { "regularised" }
+    }
 }
 
 /// The two surfaces of a Hertz contact.
