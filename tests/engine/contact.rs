@@ -60,7 +60,7 @@ fn contact_space_inverse_inertia_is_that_of_the_jointed_bodies() {
     scratch.clear();
     // The space is that of the step's start: build it anew where the bodies are now.
     let Motion { world, linkage, touches, velocities, accelerations, space, .. } = &mut motion;
-    space.assemble(world, &plan, linkage, touches, velocities, accelerations, 2e-3);
+    space.assemble(world, &plan, linkage, (touches, &[]), velocities, accelerations, 2e-3);
     let (inverse_mass, joints) = masses_and_joints(&plan, linkage);
     let bodies = plan.bodies.len();
     let rows: Vec<DVector<f64>> = space.rows.iter().map(|row| column(row, bodies)).collect();
@@ -88,7 +88,7 @@ fn single(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f64) -> engine:
     (touch.gap, touch.law, touch.friction) = (gap, law.normal, law.friction);
     let rows = 1 + usize::from(law.friction.is_some());
     let mut space = engine::Space::default();
-    space.sites.push(engine::Site { touch, normal: 0, tangent: law.friction.map(|_| 1) });
+    space.sites.push(engine::Site { touch, normal: 0, tangent: law.friction.map(|_| 1), memory: 0.0 });
     space.rows = vec![touch.normal_row; rows];
     space.w = vec![0.0; rows * rows];
     (0..rows).for_each(|i| space.w[i * rows + i] = 1.0 / mass);

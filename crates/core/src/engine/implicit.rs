@@ -23,6 +23,8 @@ pub struct Stage<'a> {
     /// Rates ũ and gaps g̃ (one per site) at h = 0.
     pub rate: &'a [f64],
     pub gap: &'a [f64],
+    /// Memories of bristles, one per site.
+    pub memory: &'a [f64],
     pub h: f64,
 }
 
@@ -39,6 +41,8 @@ pub struct Workspace {
     /// Sizes to whose last digits the forces are known.
     known: Vec<f64>,
     pub force: Vec<f64>,
+    /// Memories of bristles there, one per site.
+    pub memory: Vec<f64>,
 }
 
 /// The laws have no solution within the iterations allowed.
@@ -48,7 +52,9 @@ pub struct NotConverged {
 }
 
 impl Workspace {
-    pub fn resize(&mut self, rows: usize) {
+    pub fn resize(&mut self, rows: usize, sites: usize) {
+        self.memory.clear();
+        self.memory.resize(sites, 0.0);
         for list in [
             &mut self.residual,
             &mut self.step,
@@ -138,11 +144,16 @@ impl Workspace {
             (self.force[n], self.own[n]) = (law.force, slope);
             self.known[n] = law.force.abs();
             if let Some(t) = site.tangent {
-                let (mu, mu_slope) = site.touch.coefficient(rate[t]);
-                self.force[t] = -mu * law.force;
-                self.known[t] = law.force.abs() * mu.abs().max(1.0);
-                self.own[t] = -mu_slope * law.force;
-                self.cross[t] = -mu * slope;
+                let memory = stage.memory[index];
+                let found = site.touch.friction_after([rate[t], memory, law.force], h);
+                self.force[t] = -found.pull;
+                self.known[t] = match site.touch.bristle() {
+                    Some(bristle) => found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs()),
+                    None => law.force.abs() * found.by_normal.abs().max(1.0),
+                };
+                self.own[t] = -found.by_slip;
+                self.cross[t] = -found.by_normal * slope;
+                self.memory[index] = found.memory;
             }
         }
         let mut largest: f64 = 0.0;

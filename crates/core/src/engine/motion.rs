@@ -60,6 +60,8 @@ pub struct Motion<'a> {
     pub step_accelerations: Vec<Twist>,
     impulse: Vec<Twist>,
     middle: Vec<Twist>,
+    /// σ of the bristle of every stop, contact and hold.
+    pub memories: Vec<f64>,
     /// Accelerations of driven bodies.
     driven: Vec<(usize, Twist)>,
     open: Vec<[f64; 2]>,
@@ -101,6 +103,7 @@ impl<'a> Motion<'a> {
             impulse: vec![[0.0; 3]; bodies],
             middle: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
+            memories: vec![0.0; plan.first_hold() + plan.holds.len()],
             open: Vec::new(),
             overshoot: Vec::new(),
             opening: 0.0,
@@ -130,8 +133,10 @@ impl<'a> Motion<'a> {
         touch::grip(self.plan, self.clock.now() + 0.5 * dt, &mut self.touches);
         let power_before = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         let Self { world, plan, linkage, .. } = self;
-        self.space.assemble(world, plan, linkage, &self.touches, &self.velocities, &self.step_accelerations, dt);
+        let touches = (&self.touches[..], &self.memories[..]);
+        self.space.assemble(world, plan, linkage, touches, &self.velocities, &self.step_accelerations, dt);
         self.contact.solve_while(&self.space, dt, go_on)?;
+        self.remember(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
         self.motor_work_j -=
@@ -181,6 +186,24 @@ impl<'a> Motion<'a> {
         self.motor_work_j += 0.5 * dt * (power_before + power_after);
         self.look();
         Ok(())
+    }
+
+    /// Takes over what bristles have become; those that are out of reach relax.
+    fn remember(&mut self, dt: f64) {
+        for touch in &self.touches {
+            if let Some(bristle) = touch.bristle() {
+                self.memories[touch.index] *= (-dt * bristle.rate()).exp();
+            }
+        }
+        for (site, memory) in self.space.sites.iter().zip(&self.contact.memory) {
+            self.memories[site.touch.index] = *memory;
+        }
+    }
+
+    /// Energy in bristles, J.
+    pub fn bristle_energy(&self) -> f64 {
+        let of = |touch: &Touch| touch.bristle().map_or(0.0, |bristle| bristle.energy(self.memories[touch.index]));
+        self.touches.iter().map(of).sum()
     }
 
     /// Torque with which a hold answers on its shaft, N·m.
@@ -246,8 +269,8 @@ impl<'a> Motion<'a> {
         for (index, site) in space.sites.iter().enumerate() {
             let (normal, force) = (site.normal, contact.force[site.normal]);
             if let (Source::Hold(_), Some(tangent)) = (site.touch.source, site.tangent) {
-                let (_, slope) = site.touch.coefficient(contact.rate[tangent]);
-                settled.take_slip(tangent, site.touch.slip_row, contact.rate[tangent], 0.0, dt * force * slope);
+                let after = site.touch.friction_after([contact.rate[tangent], contact.memory[index], force], dt);
+                settled.take_slip(tangent, site.touch.slip_row, contact.rate[tangent], 0.0, dt * after.by_slip);
                 continue;
             }
             // Where every side is fixed or driven there is nothing to settle.
@@ -259,8 +282,9 @@ impl<'a> Motion<'a> {
             let stiffness = dt * (law.d_rate + dt * law.d_delta);
             settled.take(normal, touch.normal_row, contact.rate[normal], contact.late[normal], stiffness);
             let Some(tangent) = site.tangent else { continue };
-            let (mu, slope) = touch.coefficient(contact.rate[tangent]);
-            settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], mu, (dt * force * slope).max(0.0));
+            let after = touch.friction_after([contact.rate[tangent], contact.memory[index], force], dt);
+            let creep = (dt * after.by_slip).max(0.0);
+            settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], after.by_normal, creep);
         }
         self.contact_work_j += settled.solve(&mut self.linkage, &mut self.velocities);
         for (index, size) in settled.found() {

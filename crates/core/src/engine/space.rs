@@ -12,6 +12,8 @@ pub struct Site {
     /// Index of the normal row, and of the tangent row behind it.
     pub normal: usize,
     pub tangent: Option<usize>,
+    /// σ of its bristle at the step's start.
+    pub memory: f64,
 }
 
 /// W and the free motion of every row, for one step: all of it frozen at the step's start.
@@ -46,7 +48,7 @@ impl Space {
         world: &World,
         plan: &Plan,
         linkage: &mut Linkage,
-        touches: &[Touch],
+        (touches, memories): (&[Touch], &[f64]),
         velocities: &[Twist],
         accelerations: &[Twist],
         dt: f64,
@@ -64,7 +66,8 @@ impl Space {
                 self.rows.push(touch.slip_row);
                 normal + 1
             });
-            self.sites.push(Site { touch: *touch, normal, tangent });
+            let memory = memories.get(touch.index).copied().unwrap_or(0.0);
+            self.sites.push(Site { touch: *touch, normal, tangent, memory });
         }
         if self.rows.is_empty() {
             return;

@@ -33,6 +33,8 @@ const COARSEST_SLIP_TOLERANCE: f64 = 0.1;
 const BEYOND_RANGE: f64 = 0.1;
 /// Part of the damper's transition that a first sub-step may cross.
 const FIRST_CROSSING: f64 = 0.05;
+/// Friction, N, that a bristle may always hold as far as errors go.
+const BRISTLE_FLOOR: f64 = 1e-3;
 const GROWTH: f64 = 4.0;
 /// Sub-steps one step may take before the contact counts as unsolved.
 const MAX_SUBSTEPS: u32 = 100_000;
@@ -88,6 +90,8 @@ pub struct Contact {
     pub force: Vec<f64>,
     pub gap: Vec<f64>,
     pub rate: Vec<f64>,
+    /// Memories of bristles there, per site.
+    pub memory: Vec<f64>,
     /// Where the normal force of each site is largest, and where its penetration.
     pub peak: Vec<Moment>,
     pub deepest: Vec<Moment>,
@@ -113,6 +117,7 @@ struct Buffers {
     first_force: Vec<f64>,
     base_rate: Vec<f64>,
     base_gap: Vec<f64>,
+    base_memory: Vec<f64>,
     error: Vec<f64>,
     touching: Vec<bool>,
     pressing: Vec<bool>,
@@ -243,7 +248,11 @@ impl Contact {
             list.clear();
             list.resize(rows, 0.0);
         }
-        self.work_space.resize(rows);
+        self.work_space.resize(rows, space.sites.len());
+        self.memory.clear();
+        self.memory.extend(space.sites.iter().map(|site| site.memory));
+        self.buffers.base_memory.clear();
+        self.buffers.base_memory.resize(space.sites.len(), 0.0);
         self.rate.clear();
         self.rate.extend_from_slice(&space.rate);
         self.gap.clear();
@@ -289,6 +298,9 @@ impl Contact {
         for (rate, free) in self.rate.iter_mut().zip(&space.free) {
             *rate += time * free;
         }
+        for (memory, site) in self.memory.iter_mut().zip(&space.sites) {
+            *memory *= site.touch.bristle().map_or(1.0, |bristle| (-time * bristle.rate()).exp());
+        }
     }
 
     /// Marks the sites that a flight has brought to touch: those whose gap is rounding.
@@ -319,11 +331,11 @@ impl Contact {
     fn substep(&mut self, space: &Space, h: f64, left: f64, tolerance: Tolerance) -> Result<f64, NotConverged> {
         debug_assert!(h <= left * (1.0 + 1e-12));
         self.substeps += 1;
-        let Buffers { first, second, first_force, base_rate, base_gap, error, .. } = &mut self.buffers;
+        let Buffers { first, second, first_force, base_rate, base_gap, base_memory, error, .. } = &mut self.buffers;
         let implicit = GAMMA * h;
 
         first.copy_from_slice(&self.rate);
-        let stage = Stage { rate: &self.rate, gap: &self.gap, h: implicit };
+        let stage = Stage { rate: &self.rate, gap: &self.gap, memory: &self.memory, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, first)?;
         first_force.copy_from_slice(&self.work_space.force);
 
@@ -333,9 +345,10 @@ impl Contact {
         }
         for (index, site) in space.sites.iter().enumerate() {
             base_gap[index] = self.gap[index] + (1.0 - GAMMA) * h * first[site.normal];
+            base_memory[index] = self.memory[index] + ratio * (self.work_space.memory[index] - self.memory[index]);
         }
         second.copy_from_slice(first);
-        let stage = Stage { rate: base_rate, gap: base_gap, h: implicit };
+        let stage = Stage { rate: base_rate, gap: base_gap, memory: base_memory, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, second)?;
 
         // γ h (a₂ − a₁), aᵢ the stages' accelerations; the filter takes out what decays within the sub-step anyway.
@@ -343,12 +356,12 @@ impl Contact {
             let (a1, a2) = (first[i] - self.rate[i], second[i] - base_rate[i]);
             error[i] = a2 - a1;
         }
-        let size = relative_error(space, &self.rate, second, error, tolerance);
+        let size = relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance);
         if size <= 1.0 && h >= left {
             return Ok(size);
         }
         self.work_space.filter(space, implicit, error);
-        Ok(relative_error(space, &self.rate, second, error, tolerance))
+        Ok(relative_error(space, (&self.rate, second, &self.work_space.force), error, tolerance))
     }
 
     /// The part of the sub-step after which friction leaves the polynomial it starts on; `None` where it stays there, or goes
@@ -357,7 +370,8 @@ impl Contact {
         let Buffers { second, .. } = &self.buffers;
         let mut part: Option<f64> = None;
         for site in &space.sites {
-            let Some((t, law)) = site.tangent.zip(site.touch.friction.as_ref()) else { continue };
+            let law = site.touch.friction.as_ref().filter(|law| law.bristle.is_none());
+            let Some((t, law)) = site.tangent.zip(law) else { continue };
             let (held, holds) = (self.force[site.normal], self.work_space.force[site.normal]);
             if held <= 0.0 && holds <= 0.0 {
                 continue;
@@ -414,6 +428,7 @@ impl Contact {
                 *deepest = end;
             }
         }
+        self.memory.copy_from_slice(&self.work_space.memory);
         self.rate.copy_from_slice(second);
         self.force.copy_from_slice(second_force);
     }
@@ -451,13 +466,25 @@ impl Contact {
 
 /// Largest error of any site's rates, relative to what its speed allows, and, where friction depends on it, what the ranges
 /// of its law allow.
-fn relative_error(space: &Space, from: &[f64], rate: &[f64], error: &[f64], tolerance: Tolerance) -> f64 {
+fn relative_error(
+    space: &Space,
+    (from, rate, force): (&[f64], &[f64], &[f64]),
+    error: &[f64],
+    tolerance: Tolerance,
+) -> f64 {
     let of = |site: &Site| {
         let n = site.normal;
         let Some(t) = site.tangent else {
             return error[n].abs() / (tolerance.absolute + tolerance.relative * rate[n].abs());
         };
         let allowed = tolerance.absolute + tolerance.relative * rate[t].hypot(rate[n]);
+        if let Some(bristle) = site.touch.bristle() {
+            let most = site.touch.friction.map_or(0.0, |law| law.mu_static) * force[n] + BRISTLE_FLOOR;
+            let held = tolerance.slip * most / bristle.damping_n_s_per_m;
+            let sticks = force[t].abs() < most && rate[t].abs() < most / bristle.damping_n_s_per_m;
+            let slip_allowed = if sticks { held.min(allowed) } else { allowed };
+            return (error[n].abs() / allowed).max(error[t].abs() / slip_allowed);
+        }
         let slip = site.touch.friction.filter(|law| from[t].abs().min(rate[t].abs()) <= law.v_dynamic_m_s);
         let slip_allowed = slip.map_or(allowed, |law| allowed.min(tolerance.slip * law.finest_m_s()));
         (error[n].abs() / allowed).max(error[t].abs() / slip_allowed)

@@ -6,7 +6,7 @@ use rapier2d_f64::prelude::*;
 use super::linkage::{Linkage, Place, Twist};
 use super::plan::{Against, Meet, Plan, PlannedHold};
 use super::world::World;
-use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
+use crate::law::{Bristle, FrictionLaw, NormalLaw, Stepped, friction_coefficient, stepped};
 use crate::numeric::plane::{cross, perp, rotate, sub};
 use crate::scene::Response;
 
@@ -88,6 +88,22 @@ impl Touch {
         }
     }
 
+    /// What an implicit step makes of its friction: the force along the slip row at this rate, and its derivatives by rate and normal force,
+    /// as [`Stepped`] has those of what pulls against it; a law without memory leaves that as it is.
+    #[inline(always)]
+    pub fn friction_after(&self, [slip, memory, normal]: [f64; 3], h: f64) -> Stepped {
+        if let Some((law, bristle)) = self.friction.as_ref().and_then(|law| Some((law, law.bristle.as_ref()?))) {
+            return stepped(law, bristle, [slip, memory, normal], h, self.one_way);
+        }
+        let (mu, slope) = self.coefficient(slip);
+        Stepped { pull: mu * normal, by_slip: slope * normal, by_normal: mu, memory }
+    }
+
+    /// The bristle of its friction.
+    pub fn bristle(&self) -> Option<&Bristle> {
+        self.friction.as_ref().and_then(|law| law.bristle.as_ref())
+    }
+
     /// Whether it is one of surfaces or of a stop, which have a gap.
     pub fn has_gap(&self) -> bool {
         !matches!(self.source, Source::Hold(_))
@@ -163,7 +179,7 @@ fn hold(plan: &Plan, index: usize) -> Touch {
             mu_dynamic: 1.0,
             v_static_m_s: width,
             v_dynamic_m_s: 2.0 * width,
-            bristle: None,
+            bristle: brake.bristle,
         }),
         gap: -1.0,
         normal: [0.0; 2],

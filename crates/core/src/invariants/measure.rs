@@ -2,7 +2,7 @@
 
 use super::momentum::Books;
 use super::{Finding, Invariant, Tolerances};
-use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
+use crate::law::{FrictionLaw, NormalLaw, cone, friction_coefficient};
 use crate::trace::{Energy, Model, Sample};
 
 /// Slack of bounds that hold in exact arithmetic.
@@ -247,6 +247,11 @@ impl Invariants {
 /// Range of F_t / F_n by the law while the slip goes from one value to another. A force of a step belongs to all of its
 /// slips: near v = 0 the law can turn over within one.
 fn friction_range(law: &FrictionLaw, slips_m_s: [f64; 2]) -> [f64; 2] {
+    if law.bristle.is_some() {
+        // What a bristle holds slip does not say: only that it is within the cone.
+        let most = slips_m_s.into_iter().map(|slip| cone(law, slip).0).fold(0.0, f64::max);
+        return [-most, most];
+    }
     let [from, to] = [slips_m_s[0].min(slips_m_s[1]), slips_m_s[0].max(slips_m_s[1])];
     let peaks = [-law.v_static_m_s, law.v_static_m_s].into_iter().filter(|peak| (from..=to).contains(peak));
     let ratios = [from, to].into_iter().chain(peaks).map(|slip| -friction_coefficient(law, slip).0);

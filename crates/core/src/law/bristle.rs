@@ -59,6 +59,43 @@ pub fn bristle_pull<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, memo
     }
 }
 
+/// What an implicit step of length h makes of a bristle: T at a slip, its derivatives by slip and normal force, and the memory after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepped {
+    pub pull: f64,
+    pub by_slip: f64,
+    pub by_normal: f64,
+    pub memory: f64,
+}
+
+/// One implicit Euler step from a memory: what sticks stretches by the slip at its end; `one_way` pulls back only against slip that is
+/// negative.
+#[inline(always)]
+pub fn stepped(
+    law: &FrictionLaw,
+    bristle: &Bristle,
+    [slip, memory, normal]: [f64; 3],
+    h: f64,
+    one_way: bool,
+) -> Stepped {
+    let (c, part) = (bristle.damping_n_s_per_m, h / bristle.relaxation_s);
+    let (mu, slope) = cone(law, slip);
+    let most = mu * normal;
+    let held = c * (memory + (1.0 + part) * slip);
+    let upper = if one_way { 0.0 } else { most };
+    if held <= upper && held >= -most {
+        return Stepped { pull: held, by_slip: c * (1.0 + part), by_normal: 0.0, memory: memory + part * slip };
+    }
+    let sign = if held > upper { if one_way { 0.0 } else { 1.0 } } else { -1.0 };
+    let pull = sign * most;
+    Stepped {
+        pull,
+        by_slip: sign * slope * normal,
+        by_normal: sign * mu,
+        memory: (memory + part * pull / c) / (1.0 + part),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,6 +134,27 @@ mod tests {
                 assert!((found.grad[i] - slope).abs() < 1e-6 * slope.abs().max(1.0), "{at:?} {i}");
             }
         }
+    }
+
+    #[test]
+    fn an_implicit_step_ends_on_the_law() {
+        for (slip, memory, h) in [(1e-6, 2e-6, 1e-4), (3e-5, 2e-6, 1e-4), (-0.2, 1e-6, 1e-5), (0.0, 9e-6, 1e-3)] {
+            let found = stepped(&LAW, &BRISTLE, [slip, memory, 10.0], h, false);
+            let there = bristle_pull(&LAW, &BRISTLE, slip, found.memory, 10.0);
+            assert!((found.pull - there).abs() < 1e-9, "{found:?} {there}");
+            let rate = (found.pull / BRISTLE.damping_n_s_per_m - found.memory) / BRISTLE.relaxation_s;
+            assert!((found.memory - memory - h * rate).abs() < 1e-18);
+            let d = 1e-9;
+            let at = |slip: f64, normal: f64| stepped(&LAW, &BRISTLE, [slip, memory, normal], h, false).pull;
+            assert!(
+                ((at(slip + d, 10.0) - at(slip - d, 10.0)) / (2.0 * d) - found.by_slip).abs()
+                    < 1e-3 * (1.0 + found.by_slip.abs())
+            );
+            assert!(((at(slip, 10.0 + d) - at(slip, 10.0 - d)) / (2.0 * d) - found.by_normal).abs() < 1e-5);
+        }
+        // Slip that a ratchet lets pass leaves it without a pull.
+        assert_eq!(stepped(&LAW, &BRISTLE, [1e-5, 0.0, 10.0], 1e-4, true).pull, 0.0);
+        assert!(stepped(&LAW, &BRISTLE, [-1e-5, 0.0, 10.0], 1e-4, true).pull < 0.0);
     }
 
     /// T v = d/dt ½ k s² + c ṡ² + T u with T u ≥ 0, u = v − ṡ.

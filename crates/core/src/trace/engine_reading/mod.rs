@@ -8,7 +8,7 @@ pub(super) use finger::FingerReader;
 
 use super::{ContactSample, Energy, Sample};
 use crate::engine::{Frame, Motion, Plan, Touch, kinetic, potential};
-use crate::law::{elastic_energy, friction_force, normal_force};
+use crate::law::{elastic_energy, normal_force};
 
 /// Reads the nodes of a motion.
 pub(super) trait EngineReader {
@@ -40,7 +40,7 @@ pub(super) fn stored(motion: &Motion) -> Energy {
         kinetic_j: kinetic(&motion.linkage, &motion.velocities, &frame),
         gravity_j,
         spring_j,
-        elastic_j: governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum(),
+        elastic_j: governed.map(|touch| elastic_energy(&touch.law, -touch.gap)).sum::<f64>() + motion.bristle_energy(),
         ..Energy::default()
     }
 }
@@ -74,6 +74,5 @@ fn pressing(motion: &Motion, touch: &Touch) -> (f64, f64) {
     }
     let [rate, slip] = [&touch.normal_row, &touch.slip_row].map(|row| row.rate(&motion.velocities));
     let normal = normal_force(&touch.law, -touch.gap, -rate).force;
-    let friction = touch.friction.filter(|_| normal > 0.0);
-    (normal, friction.map_or(0.0, |law| friction_force(&law, slip, normal)))
+    (normal, -touch.friction_after([slip, 0.0, normal], 0.0).pull)
 }
