@@ -13,7 +13,12 @@ use phalanx::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
 use phalanx::validate::{Subject, compare, record, reference, sampled};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
-const NAMES: [&str; 10] = [
+const NAMES: [&str; 15] = [
+    "bristle-holds",
+    "bristle-jams",
+    "bristle-rolls",
+    "bristle-slides",
+    "bristle-stick-slip",
     "damper",
     "friction",
     "impact",

@@ -21,6 +21,7 @@ mod invariants;
 mod jacobian;
 mod landing;
 mod laws_bodies;
+mod laws_bristle;
 mod laws_driven;
 mod laws_impact;
 mod laws_jacobian;

@@ -113,7 +113,7 @@ impl Press {
     }
 
     #[inline(always)]
-    fn force(&self) -> f64 {
+    pub fn force(&self) -> f64 {
         self.spring + self.damper
     }
 }
@@ -122,49 +122,53 @@ impl Press {
 const CONE_SHARE: f64 = 0.1;
 const CONE_FLOOR: f64 = 1e-3;
 
-/// How far a bristle's pull is below the cone, in parts of what counts as the law's finest range of slip, m/s.
-fn room_in_cone<const N: usize>(law: &FrictionLaw, bristle: &Bristle, at: &Contact<N>, force: f64) -> f64 {
+/// How far a bristle's pull is below the cone on one side of it, in parts of what counts as the law's finest range of slip, m/s.
+fn room_below<const N: usize>(law: &FrictionLaw, bristle: &Bristle, at: &Contact<N>, force: f64, forward: bool) -> f64 {
     let most = cone(law, at.slip).0 * force.max(0.0);
-    let held = (bristle.damping_n_s_per_m * (at.memory + at.slip)).abs();
-    law.finest_m_s() * (most - held) / (CONE_SHARE * (most + CONE_FLOOR))
+    let held = bristle.damping_n_s_per_m * (at.memory + at.slip);
+    law.finest_m_s() * (most - if forward { held } else { -held }) / (CONE_SHARE * (most + CONE_FLOOR))
 }
 
 /// The range that the friction of a contact under a normal force is in. A bristle sticks below its cone, and has two ranges of sliding.
-fn range_of<const N: usize>(law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
+pub fn range_of<const N: usize>(law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
     let Some(bristle) = &law.bristle else { return friction_range(law, at.slip) };
-    if room_in_cone(law, bristle, at, force) >= 0.0 {
-        return FrictionRange::Sticks;
-    }
     let forward = at.memory + at.slip > 0.0;
-    if at.slip.abs() <= law.v_dynamic_m_s {
+    if room_below(law, bristle, at, force, forward) >= 0.0 {
+        FrictionRange::Sticks
+    } else if at.slip.abs() <= law.v_dynamic_m_s {
         FrictionRange::Yields { forward }
     } else {
-        FrictionRange::Slides { forward }
+        FrictionRange::Slides { forward: at.slip > 0.0 }
     }
 }
 
 /// How far a contact is from the end of a range, m/s or what counts as that.
 fn room_of<const N: usize>(range: FrictionRange, law: &FrictionLaw, at: &Contact<N>, force: f64) -> f64 {
     let Some(bristle) = &law.bristle else { return range.room(law, at.slip) };
-    let in_cone = || room_in_cone(law, bristle, at, force);
     match range {
-        FrictionRange::Sticks => in_cone(),
-        FrictionRange::Yields { .. } => (-in_cone()).min(law.v_dynamic_m_s - at.slip.abs()),
-        FrictionRange::Slides { .. } => at.slip.abs() - law.v_dynamic_m_s,
-        FrictionRange::Any => f64::INFINITY,
+        FrictionRange::Sticks => {
+            let [up, down] = [true, false].map(|forward| room_below(law, bristle, at, force, forward));
+            up.min(down)
+        }
+        FrictionRange::Yields { forward } => {
+            (-room_below(law, bristle, at, force, forward)).min(law.v_dynamic_m_s - at.slip.abs())
+        }
+        FrictionRange::Slides { .. } | FrictionRange::Any => range.room(law, at.slip),
     }
 }
 
 /// The range beyond the end that a contact is nearest to.
 fn neighbour_of<const N: usize>(range: FrictionRange, law: &FrictionLaw, at: &Contact<N>, force: f64) -> FrictionRange {
     let Some(bristle) = &law.bristle else { return range.neighbour(law, at.slip) };
-    let forward = at.memory + at.slip > 0.0;
     match range {
-        FrictionRange::Sticks | FrictionRange::Slides { .. } => FrictionRange::Yields { forward },
-        FrictionRange::Yields { .. } if -room_in_cone(law, bristle, at, force) < law.v_dynamic_m_s - at.slip.abs() => {
+        FrictionRange::Sticks => FrictionRange::Yields { forward: at.memory + at.slip > 0.0 },
+        FrictionRange::Slides { forward } => FrictionRange::Yields { forward },
+        FrictionRange::Yields { forward }
+            if -room_below(law, bristle, at, force, forward) < law.v_dynamic_m_s - at.slip.abs() =>
+        {
             FrictionRange::Sticks
         }
-        FrictionRange::Yields { .. } => FrictionRange::Slides { forward },
+        FrictionRange::Yields { .. } => FrictionRange::Slides { forward: at.slip > 0.0 },
         FrictionRange::Any => FrictionRange::Any,
     }
 }

@@ -5,7 +5,7 @@ use super::grid::Span;
 use super::reading::{DiscsReader, Reader};
 use super::recorder::Recorder;
 use super::{Outcome, RunError, Simulated, Sink, Work};
-use crate::analytic::discs::{self, Discs, moving_discs};
+use crate::analytic::discs::{self, Discs, HOLDING, moving_discs};
 use crate::analytic::gripper::{self as grasp, GripperModel};
 use crate::analytic::{GUARDS, Model, QUADRATURES};
 use crate::integrator::{
@@ -25,6 +25,9 @@ pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) ->
     match scene {
         Simulated::Finger(scene) => finger(scene, span, sink),
         Simulated::Discs(scene) => match moving_discs(scene) {
+            Ok(1) if scene.holds() => some_discs::<{ 3 + HOLDING[1] }, { 6 + 2 * HOLDING[1] }>(scene, span, sink),
+            Ok(2) if scene.holds() => some_discs::<{ 6 + HOLDING[2] }, { 12 + 2 * HOLDING[2] }>(scene, span, sink),
+            Ok(3) if scene.holds() => some_discs::<{ 9 + HOLDING[3] }, { 18 + 2 * HOLDING[3] }>(scene, span, sink),
             Ok(1) => some_discs::<3, 6>(scene, span, sink),
             Ok(2) => some_discs::<6, 12>(scene, span, sink),
             Ok(3) => some_discs::<9, 18>(scene, span, sink),

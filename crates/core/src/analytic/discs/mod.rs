@@ -32,16 +32,21 @@ pub const MOVING: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{moving} discs move and {pairs} pairs of surfaces may meet; the analytic model takes up to {MOVING} moving discs and \
-     {PAIRS} pairs: fix or remove some"
+     {most} pairs: fix or remove some"
 )]
 pub struct TooMany {
     pub moving: usize,
     pub pairs: usize,
+    pub most: usize,
 }
+
+/// Pairs that may hold where so many discs move: as many memories are there.
+pub const HOLDING: [usize; MOVING + 1] = [0, 4, 6, 9];
 
 /// Number of discs that move, where the model takes as many.
 pub fn moving_discs(scene: &BodiesScene) -> Result<usize, TooMany> {
     let moving = scene.discs.iter().filter(|disc| disc.motion.moves()).count();
     let pairs = scene.pairs().len();
-    if moving > MOVING || pairs > PAIRS { Err(TooMany { moving, pairs }) } else { Ok(moving) }
+    let most = if scene.holds() { HOLDING[moving.min(MOVING)] } else { PAIRS };
+    if moving > MOVING || pairs > most { Err(TooMany { moving, pairs, most }) } else { Ok(moving) }
 }

@@ -3,7 +3,7 @@
 use super::pair::{Meeting, Other, PairRates};
 use super::{DiscMode, SiteState, branch};
 use crate::integrator::{Linearised, Rates, State, System};
-use crate::law::{ContactLaw, elastic_energy, friction_force, normal_over_gap};
+use crate::law::{Bristle, ContactLaw, FrictionLaw, bristle_pull, elastic_energy, friction_force, normal_over_gap};
 use crate::numeric::plane::{add, perp, scale};
 use crate::numeric::{Dual, Real};
 use crate::scene::{BodiesScene, DiscMotion, Partner};
@@ -27,7 +27,8 @@ pub(super) struct Mover {
     acceleration: [f64; 2],
 }
 
-/// The model of a scene with N/3 moving discs; M = 2 N is the number of variables its Jacobian is taken in.
+/// The model of a scene with N/3 moving discs, or fewer and a memory for each pair's bristle behind their coordinates, among the rates;
+/// M = 2 N is the number of variables its Jacobian is taken in.
 #[derive(Clone, Debug)]
 pub struct Discs<const N: usize, const M: usize> {
     pub(super) movers: Vec<Mover>,
@@ -61,7 +62,7 @@ pub struct PairReading {
 }
 
 impl<const N: usize, const M: usize> Discs<N, M> {
-    /// Builds the model; the scene has N/3 moving discs and no more than [`PAIRS`] pairs.
+    /// Builds the model; the scene has as many moving discs and no more pairs than there is room for.
     pub fn new(scene: &BodiesScene) -> Self {
         let mover = |motion: &DiscMotion| match *motion {
             DiscMotion::Fixed => None,
@@ -103,8 +104,20 @@ impl<const N: usize, const M: usize> Discs<N, M> {
             law: scene.contact,
             gravity: scene.gravity_m_s2,
         };
-        assert!(3 * model.movers.len() == N && 2 * N == M && model.meetings.len() <= PAIRS);
+        let memories = if model.bristle().is_some() { N - 3 * model.movers.len() } else { PAIRS };
+        assert!(3 * model.movers.len() <= N && 2 * N == M && model.meetings.len() <= memories.min(PAIRS));
         model
+    }
+
+    /// The bristle of every pair.
+    fn bristle(&self) -> Option<Bristle> {
+        self.law.friction.and_then(|law| law.bristle)
+    }
+
+    /// Where the memory of a pair's bristle is among the rates.
+    #[inline(always)]
+    pub(super) fn memory(&self, pair: usize) -> Option<usize> {
+        self.bristle().map(|_| 3 * self.movers.len() + pair)
     }
 
     /// Coordinates and rates at the start.
@@ -135,6 +148,12 @@ impl<const N: usize, const M: usize> Discs<N, M> {
             a[3 * index] = T::constant(mover.acceleration[0]);
             a[3 * index + 1] = T::constant(mover.acceleration[1]);
         }
+        if let Some(bristle) = self.bristle() {
+            let first = 3 * self.movers.len();
+            for memory in first..first + self.meetings.len() {
+                a[memory] = v[memory] * -bristle.rate();
+            }
+        }
         let mut quadratures = [T::zero(); QUADRATURES];
         for (index, meeting) in self.meetings.iter().enumerate() {
             if matches!(mode[index], SiteState::Free | SiteState::Released) {
@@ -145,7 +164,15 @@ impl<const N: usize, const M: usize> Discs<N, M> {
             let PairRates { gap_rate, slip, own, other } = rates;
             let law = &self.law;
             let normal = normal_over_gap(|d, rate| branch(&law.normal, mode[index], d, rate), geometry.gap, gap_rate);
-            let tangential = law.friction.map_or(T::zero(), |friction| friction_force(&friction, slip, normal));
+            let tangential = match (&law.friction, self.memory(index)) {
+                (None, _) => T::zero(),
+                (Some(friction @ FrictionLaw { bristle: Some(bristle), .. }), Some(memory)) => {
+                    let pull = bristle_pull(friction, bristle, slip, v[memory], normal);
+                    a[memory] += pull * bristle.driven();
+                    -pull
+                }
+                (Some(friction), _) => friction_force(friction, slip, normal),
+            };
             let force = add(scale(geometry.normal, normal), scale(perp(geometry.normal), tangential));
             let mut push = |disc: usize, sign: f64, radius: f64| {
                 let mover = &self.movers[disc];
@@ -178,7 +205,13 @@ impl<const N: usize, const M: usize> Discs<N, M> {
         let rates = meeting.rates(geometry.normal, v);
         let (delta, delta_rate) = (-geometry.gap, -rates.gap_rate);
         let normal_force = branch(&self.law.normal, state, delta, delta_rate).force.max(0.0);
-        let tangential_force = self.law.friction.map_or(0.0, |law| friction_force(&law, rates.slip, normal_force));
+        let tangential_force = match (self.law.friction, self.memory(pair)) {
+            (None, _) => 0.0,
+            (Some(law), Some(memory)) => {
+                self.bristle().map_or(0.0, |b| -bristle_pull(&law, &b, rates.slip, v[memory], normal_force))
+            }
+            (Some(law), None) => friction_force(&law, rates.slip, normal_force),
+        };
         let [x, y] = geometry.normal;
         let disc = 3 * meeting.disc;
         PairReading {
@@ -201,6 +234,9 @@ impl<const N: usize, const M: usize> Discs<N, M> {
         }
         let elastic = |meeting: &Meeting| elastic_energy(&self.law.normal, -meeting.geometry(q).gap);
         energies.elastic = self.meetings.iter().map(elastic).sum();
+        if let Some(bristle) = self.bristle() {
+            energies.elastic += v[3 * self.movers.len()..].iter().map(|memory| bristle.energy(*memory)).sum::<f64>();
+        }
         energies
     }
 }

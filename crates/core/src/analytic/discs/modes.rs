@@ -1,10 +1,10 @@
 //! Where the branches of the pairs change.
 
-use super::mode::{Contact, DamperRange, Landing, Press};
+use super::mode::{Contact, DamperRange, Landing, Press, range_of};
 use super::pair::Other;
 use super::{DiscMode, Discs, GUARDS, PAIRS, QUADRATURES, SiteState, first_step};
 use crate::integrator::{Guard, Hybrid, System, Watch};
-use crate::law::{FrictionRange, friction_range, unclamped_normal_force};
+use crate::law::{FrictionRange, unclamped_normal_force};
 
 /// Touch-downs are landed on to within a part of δ_max, as far as positions have digits: contact times are measured.
 const LANDING: Landing = Landing { depth_share: 1e-8, force: 1e-9 };
@@ -20,13 +20,15 @@ impl<const N: usize, const M: usize> Discs<N, M> {
         let meeting = &self.meetings[pair];
         let geometry = meeting.geometry(q);
         let rates = meeting.rates(geometry.normal, v);
+        let (memory, mut tangent) = (self.memory(pair), meeting.tangent_row(geometry.normal));
+        memory.into_iter().for_each(|memory| tangent[memory] = 1.0);
         Contact {
             delta: -geometry.gap,
             rate: -rates.gap_rate,
-            memory: 0.0,
+            memory: memory.map_or(0.0, |memory| v[memory]),
             slip: rates.slip,
             row: meeting.normal_row(geometry.normal),
-            tangent: meeting.tangent_row(geometry.normal),
+            tangent,
         }
     }
 
@@ -116,9 +118,11 @@ impl<const N: usize, const M: usize> Hybrid<N, QUADRATURES, GUARDS> for Discs<N,
         let mut touching = [None; PAIRS];
         let law = &self.law.normal;
         for pair in 0..self.pairs() {
-            let Contact { delta, rate, slip, .. } = self.contact(q, v, pair);
+            let at = self.contact(q, v, pair);
+            let Contact { delta, rate, .. } = at;
+            let pressed = Press::of(law, &at).force();
             mode.dampers[pair] = DamperRange::of(law, delta);
-            mode.slips[pair] = self.law.friction.map_or(FrictionRange::Any, |law| friction_range(&law, slip));
+            mode.slips[pair] = self.law.friction.map_or(FrictionRange::Any, |law| range_of(&law, &at, pressed));
             if delta.abs() <= LANDING.depth_share * law.transition_m {
                 touching[pair] = Some(rate);
             } else if delta > 0.0 {

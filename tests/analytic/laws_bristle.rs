@@ -1,0 +1,167 @@
+//! Friction that holds, by itself: discs whose motion has a closed form.
+
+use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
+use phalanx::trace::{Model, Outcome, Sample, Sink, SinkError};
+
+use crate::support::held;
+use crate::support::laws::BOTH;
+
+const G: f64 = 9.81;
+
+fn load(name: &str) -> BodiesScene {
+    match scene::load_any(format!("scenes/laws/bristle-{name}.toml")).unwrap_or_else(|error| panic!("{error}")) {
+        AnyScene::Bodies(scene) => *scene,
+        _ => panic!("{name} is one of discs"),
+    }
+}
+
+#[derive(Default)]
+struct Kept(Vec<Sample>);
+
+impl Sink for Kept {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.push(sample.clone());
+        Ok(())
+    }
+
+    fn event(&mut self, _: &phalanx::trace::Event) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+fn run(model: Model, scene: &BodiesScene) -> (Outcome, Vec<Sample>) {
+    let mut scene = scene.clone();
+    scene.integrator = scene.integrator.with_preset(Preset::Reference);
+    let mut kept = Kept::default();
+    let outcome = held::run_bodies(model, &scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+    (outcome, kept.0)
+}
+
+/// What both models are held to.
+fn within(model: Model) -> f64 {
+    if model == Model::Analytic { 1e-9 } else { 1e-4 }
+}
+
+#[test]
+fn a_block_stays_on_an_incline_within_the_cone_and_slides_beyond_it() {
+    for model in BOTH {
+        let scene = load("holds");
+        let (outcome, _) = run(model, &scene);
+        let [x, _] = outcome.last.bodies[0].centre_m;
+        // The mass hangs on a bristle of 1e9 N/m.
+        let stretch = 0.1 * scene.gravity_m_s2[0] / 1e9;
+        let start = scene.discs[0].centre_m[0];
+        assert!((x - start - stretch).abs() < within(model) * 1e-6, "{}: {x:e} {stretch:e}", model.name());
+        assert!(
+            outcome.last.contacts[0].slip_m_s.abs() < 1e-15,
+            "{}: {:e}",
+            model.name(),
+            outcome.last.contacts[0].slip_m_s
+        );
+
+        let (outcome, _) = run(model, &load("slides"));
+        let [gx, gy] = load("slides").gravity_m_s2;
+        let expected = 1.0 + 0.1 * (gx + 0.7 * 0.5 * gy);
+        let [found, _] = outcome.last.bodies[0].velocity_m_s;
+        assert!((found - expected).abs() < within(model), "{}: {found} {expected}", model.name());
+    }
+}
+
+#[test]
+fn a_sliding_disc_comes_to_roll_and_does_not_creep() {
+    for model in BOTH {
+        let (outcome, samples) = run(model, &load("rolls"));
+        let wheel = &outcome.last.bodies[0];
+        assert!((wheel.velocity_m_s[0] - 2.0 / 3.0).abs() < within(model), "{}", wheel.velocity_m_s[0]);
+        assert!((wheel.spin_rad_s + 40.0 / 3.0).abs() < 20.0 * within(model), "{}", wheel.spin_rad_s);
+        assert!(outcome.last.contacts[0].slip_m_s.abs() < 1e-12, "{:e}", outcome.last.contacts[0].slip_m_s);
+        // Slip goes down evenly until then.
+        let slid_s = 1.0 / (3.0 * 0.3 * G);
+        for sample in samples.iter().filter(|sample| sample.time_s < slid_s) {
+            let expected = 1.0 - 0.3 * G * sample.time_s;
+            assert!((sample.bodies[0].velocity_m_s[0] - expected).abs() < 10.0 * within(model), "{}", sample.time_s);
+        }
+        let stuck = samples.iter().find(|sample| sample.contacts[0].slip_m_s.abs() < 1e-6).expect("it sticks").time_s;
+        assert!((stuck - slid_s).abs() < 2e-4, "{stuck} {slid_s}");
+    }
+}
+
+/// The wedge at its limit angle, within a hundredth of a degree.
+#[test]
+fn a_wedge_jams_up_to_the_angle_of_friction() {
+    let at = |degrees: f64| {
+        let mut scene = load("jams");
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let reach = 10.0 + 0.02 - 1e-4;
+        for disc in &mut scene.discs {
+            let [x, _] = disc.centre_m;
+            if disc.radius_m == 10.0 {
+                disc.centre_m = [x.signum() * reach * cos, -reach * sin];
+            }
+        }
+        scene
+    };
+    let limit = 0.4f64.atan().to_degrees();
+    for model in BOTH {
+        let speed = |degrees: f64| {
+            let (outcome, _) = run(model, &at(degrees));
+            outcome.last.bodies.iter().map(|body| body.velocity_m_s[0].hypot(body.velocity_m_s[1])).fold(0.0, f64::max)
+        };
+        let (jammed, squeezed) = (speed(limit - 0.01), speed(limit + 0.01));
+        assert!(jammed < 1e-9, "{}: {jammed:e} m/s", model.name());
+        assert!(squeezed > 1e-4, "{}: {squeezed:e} m/s", model.name());
+    }
+}
+
+/// Times at which the block begins to slip, and to stick.
+fn changes(samples: &[Sample]) -> (Vec<f64>, Vec<f64>) {
+    let moving =
+        |sample: &Sample| sample.bodies.iter().any(|body| body.velocity_m_s[0] > 2e-3 && body.velocity_m_s[0] != 0.01);
+    let (mut slips, mut sticks) = (Vec::new(), Vec::new());
+    for pair in samples.windows(2) {
+        match (moving(&pair[0]), moving(&pair[1])) {
+            (false, true) => slips.push(pair[1].time_s),
+            (true, false) => sticks.push(pair[1].time_s),
+            _ => {}
+        }
+    }
+    (slips, sticks)
+}
+
+/// A mass on a spring that is pulled sticks and slips: in the limit of dry friction a period of 72.78 ms, which is approached as the root
+/// of v_static.
+#[test]
+fn a_mass_on_a_spring_sticks_and_slips() {
+    let (drop, omega, pull) = (0.15 * G, 100.0f64, 100.0);
+    let dry = 2.0 * drop / pull + (std::f64::consts::TAU - 2.0 * (drop * omega / pull).atan()) / omega;
+    for model in BOTH {
+        let mut off = Vec::new();
+        for v_static in [1e-4, 1e-5, 1e-6] {
+            let mut scene = load("stick-slip");
+            scene.log.numeric_hz = 1e5;
+            let friction = scene.contact.friction.as_mut().expect("friction");
+            (friction.v_static_m_s, friction.v_dynamic_m_s) = (v_static, 2.0 * v_static);
+            let (_, samples) = run(model, &scene);
+            let (slips, sticks) = changes(&samples);
+            assert!(slips.len() >= 4 && sticks.len() >= 3, "{}: {slips:?} {sticks:?}", model.name());
+            let last = slips.len() - 1;
+            let period = (slips[last] - slips[1]) / (last - 1) as f64;
+            off.push((period - dry).abs() / dry);
+        }
+        assert!(off[2] < 0.005 && off[1] < 0.5 * off[0] && off[2] < 0.5 * off[1], "{off:?}");
+    }
+}
+
+/// Below half of v_static nothing sticks and slips: at those speeds friction does not fall.
+#[test]
+fn a_mass_that_is_pulled_slowly_creeps_along() {
+    let mut scene = load("stick-slip");
+    let friction = scene.contact.friction.as_mut().expect("friction");
+    (friction.v_static_m_s, friction.v_dynamic_m_s) = (0.03, 0.06);
+    for model in BOTH {
+        let (_, samples) = run(model, &scene);
+        let late = samples.iter().filter(|sample| sample.time_s > 0.1);
+        let fastest = late.flat_map(|sample| &sample.bodies).map(|body| body.velocity_m_s[0]).fold(0.0, f64::max);
+        assert!(fastest < 0.0201, "{}: {fastest}", model.name());
+    }
+}
