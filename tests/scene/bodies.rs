@@ -153,6 +153,10 @@ fn documented_defaults_are_the_real_ones() {
             "contact.exponent" => "discs.ball.mass = \"1 g\"\ncontact.stiffness_si = 1e8\n",
             "engine.restitution" => "discs.ball.mass = \"1 g\"\nengine.law = \"rapier\"\n",
             "half_plane.level" => "discs.ball.mass = \"1 g\"\nhalf_plane = {}\n",
+            "contact.friction.law" => "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\n",
+            "contact.friction.bristle_relaxation" => {
+                "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\ncontact.friction.law = \"bristle\"\n"
+            }
             k if k.starts_with("contact.friction.v_") => {
                 "discs.ball.mass = \"1 g\"\ncontact.friction.mu_static = 0.4\n"
             }

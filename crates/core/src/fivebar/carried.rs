@@ -3,7 +3,11 @@
 //! Every mass element at ρ with velocity w feels e − α × ρ + Ω² ρ − 2 Ω × w, and every body the couple −J α; e is uniform. Forces are
 //! linear in (e, Ω², Ω, α), so that their derivative by time is the same sum with the derivatives of these.
 
+#[cfg(test)]
+use super::dynamics::absolute_rates;
 use super::kinematics::{Directions, PassiveRates};
+#[cfg(test)]
+use super::kinematics::{directions, passive_rates};
 use crate::gripper::{Body, Finger};
 use crate::numeric::Real;
 use crate::numeric::plane::{Vector, add, cross, dot, perp, rotate, scale_by};
@@ -105,8 +109,6 @@ impl Carried {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dynamics::absolute_rates;
-    use super::super::kinematics::{directions, passive_rates};
     use super::*;
     use crate::gripper::{Assembly, Bodies, Lengths};
 

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `model` | what does not change in time: fingers, drives, object, planes |
 //! | `coordinates` | which coordinates a part depends on |
+//! | `laws` | what answers at one place |
 //! | `touch` | gaps and the rows that give their rates, of a phalanx or a plane against the object, and the forces there |
 //! | `contacts` | any contact in one state, in all coordinates |
 //! | `inertia` | the mass matrix by its blocks, and what solves it |
@@ -23,6 +24,7 @@ mod coordinates;
 mod forces;
 mod frame;
 mod inertia;
+mod laws;
 mod model;
 mod modes;
 mod reading;

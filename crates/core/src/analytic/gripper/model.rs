@@ -1,7 +1,7 @@
 //! What does not change in time.
 
 use super::coordinates::memory_of;
-use super::touch::Laws;
+use super::laws::Laws;
 use super::{BRAKES, FINGERS, GripperMode, HELD, MEMORY, QUADRATURES, TIME};
 use crate::analytic::finger::FingerModel;
 use crate::fivebar::carried::Carried;

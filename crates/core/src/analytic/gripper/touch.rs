@@ -5,12 +5,13 @@
 
 use super::model::Plane;
 use crate::analytic::contact::Geometry;
-use crate::analytic::mode::{SiteState, along};
-use crate::law::{FrictionLaw, NormalLaw, bristle_pull, friction_force, normal_over_gap};
+use crate::analytic::mode::along;
+use crate::law::{bristle_pull, friction_force, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale};
 use crate::numeric::{Dual, Real};
 
 use super::branch;
+use super::laws::Laws;
 
 /// One contact, on K coordinates: a finger's two and the object's three in its frame, the object's three, or a finger's two (limit).
 #[derive(Clone, Copy, Debug)]
@@ -78,14 +79,6 @@ pub struct Slope<const P: usize, const K: usize> {
     pub by_q: [f64; P],
     pub by_v: [f64; K],
     pub by_memory: f64,
-}
-
-/// Laws of one place, and the branch they are on.
-#[derive(Clone, Copy)]
-pub struct Laws<'a> {
-    pub normal: &'a NormalLaw,
-    pub friction: Option<&'a FrictionLaw>,
-    pub state: SiteState,
 }
 
 /// Normal force and friction of a contact, which know of nothing but its gap, the rate of that, its slip, and its memory; and what drives
