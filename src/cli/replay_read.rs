@@ -51,7 +51,7 @@ impl<'a> Listeners<'a> {
             }
             Some(Ok(scene)) => {
                 if let AnyScene::Gripper(gripper) = &scene {
-                    listeners.gripper = Some(GraspTracker::new(gripper.object.radius_m));
+                    listeners.gripper = Some(GraspTracker::of(gripper));
                 }
                 listeners.moved = Some(scene);
             }

@@ -47,7 +47,7 @@ pub fn simulate<W: Write + Send + 'static>(
     match scene {
         Simulated::Finger(scene) => grasp = scene.object.and_then(|object| at_rest(scene, object).ok()),
         Simulated::Discs(scene) => rebounds = Some(Rebounds::new(scene.pairs().len())),
-        Simulated::Gripper(scene) => gripper = Some(GraspTracker::new(scene.object.radius_m)),
+        Simulated::Gripper(scene) => gripper = Some(GraspTracker::of(scene)),
     }
     let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
     let listeners = Listeners { log, tracker, gripper, rebounds, last_s: 0.0, also };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::named::Named;
-use crate::criteria::{Fate, GraspCriteria, Travel, is_form_closed};
+use crate::criteria::{CycleCriteria, Fate, GraspCriteria, Travel, is_form_closed};
 use crate::trace::{Sample, Simulated};
 
 /// The grasp of a gripper, see [`crate::criteria::GraspCriteria`].
@@ -30,8 +30,37 @@ pub struct GraspReport {
     /// Largest of the object since the start, and in the hand since `tts_s`.
     pub travel: TravelReport,
     pub slip: Option<TravelReport>,
+    /// Of a gripper that carries or lets go.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cycle: Option<CycleReport>,
     /// By their names.
     pub contacts: Named<HeldContactReport>,
+}
+
+/// What became of a cycle, see [`CycleCriteria`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CycleReport {
+    /// When the palm begins to move, and when nothing closes the fingers any more.
+    pub carries_s: Option<f64>,
+    pub releases_s: Option<f64>,
+    /// Slip in the hand between.
+    pub carried: Option<TravelReport>,
+    /// Since when no phalanx presses after that; and how long that took, the opening time.
+    pub opened_s: Option<f64>,
+    pub opening_s: Option<f64>,
+    /// Largest turn of the driven links under their brakes, right and left.
+    pub brake_slip_rad: [Option<f64>; 2],
+}
+
+impl CycleReport {
+    /// `None` of a gripper that neither carries nor lets go nor is blocked.
+    fn new(found: &CycleCriteria) -> Option<Self> {
+        let CycleCriteria { carries_s, releases_s, carried, opened_s, brake_slip_rad } = *found;
+        let is_one = carries_s.is_some() || releases_s.is_some() || brake_slip_rad.iter().any(Option::is_some);
+        let opening_s = opened_s.zip(releases_s).map(|(opened, released)| opened - released);
+        let carried = carried.map(TravelReport::from);
+        is_one.then_some(CycleReport { carries_s, releases_s, carried, opened_s, opening_s, brake_slip_rad })
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -84,6 +113,7 @@ impl GraspReport {
             speed_m_s: found.end_speed_m_s(),
             travel: found.travel.into(),
             slip: found.slip.map(TravelReport::from),
+            cycle: CycleReport::new(&found.cycle),
             contacts: contacts.collect(),
         }
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 use super::discs::DiscReport;
 use super::document::{Dynamics, Energies, Final};
-use super::grasp::GraspReport;
+use super::grasp::{CycleReport, GraspReport};
 use super::named::Named;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
@@ -237,6 +237,35 @@ pub(super) fn grasp(report: &GraspReport) -> Sheet {
             "Dropped: no longer held from both sides from {} ms on.\n",
             milliseconds(Some(until_s))
         ));
+    }
+    report.cycle.iter().for_each(|cycle| text.push_str(&carried(cycle)));
+    text
+}
+
+/// What a gripper carries, and how it lets go, in words.
+fn carried(cycle: &CycleReport) -> String {
+    let mut text = String::new();
+    if let Some((from_s, slip)) = cycle.carries_s.zip(cycle.carried) {
+        let until = cycle
+            .releases_s
+            .map_or("to the end".to_string(), |until_s| format!("to {} ms", milliseconds(Some(until_s))));
+        let (slip, turn) = (figure(slip.displacement_m * 1e6, 4), figure(slip.rotation_rad.to_degrees(), 4));
+        text.push_str(&format!(
+            "Carried from {} ms {until}: slip in the hand {slip} um and {turn} deg.\n",
+            milliseconds(Some(from_s))
+        ));
+    }
+    if let Some(most) = cycle.brake_slip_rad.into_iter().flatten().reduce(f64::max) {
+        text.push_str(&format!("Blocked driven links turn by up to {} deg.\n", figure(most.to_degrees(), 4)));
+    }
+    match (cycle.releases_s, cycle.opened_s.zip(cycle.opening_s)) {
+        (Some(_), Some((_, opening_s))) => {
+            text.push_str(&format!("Let go, and clear of the object {} ms later.\n", milliseconds(Some(opening_s))));
+        }
+        (Some(released_s), None) => {
+            text.push_str(&format!("Let go at {} ms, but not clear of the object.\n", milliseconds(Some(released_s))));
+        }
+        (None, _) => {}
     }
     text
 }

@@ -12,7 +12,7 @@ use crate::support::grippers::{anchor, anchors};
 use crate::support::statics::check;
 
 fn watch(scene: &GripperScene) -> (GraspCriteria, Sample) {
-    let mut tracker = GraspTracker::new(scene.object.radius_m);
+    let mut tracker = GraspTracker::of(scene);
     let outcome = run(Model::Analytic, scene, &mut tracker).expect("a run to its end");
     (tracker.criteria().expect("samples"), outcome.last)
 }

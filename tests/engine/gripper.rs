@@ -109,7 +109,7 @@ fn touches_and_impulses_are_those_of_an_independent_program() {
 fn criteria_of_a_grasp_are_those_of_the_analytic_model() {
     for anchor in anchors() {
         let judged = |model| -> GraspCriteria {
-            let mut tracker = GraspTracker::new(anchor.scene.object.radius_m);
+            let mut tracker = GraspTracker::of(&anchor.scene);
             run(model, &anchor.scene, &mut tracker).expect("a run to its end");
             tracker.criteria().expect("samples")
         };

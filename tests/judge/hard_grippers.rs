@@ -57,7 +57,7 @@ fn assert_held(found: &[Finding], what: &str) {
 
 /// What a recorded run came to.
 fn criteria(scene: &GripperScene, run: &Recording) -> GraspCriteria {
-    let mut tracker = GraspTracker::new(scene.object.radius_m);
+    let mut tracker = GraspTracker::of(scene);
     let mut events = run.events.iter().peekable();
     for sample in &run.samples {
         while let Some(event) = events.next_if(|event| event.time_s <= sample.time_s) {

@@ -56,7 +56,7 @@ pub(super) fn place(model: Model, offset_m: f64, load: Load<'_>, go_on: &(dyn Fn
         }
     };
     placed.closed_there = closed_there(&scene);
-    let mut tracker = GraspTracker::new(scene.object.radius_m);
+    let mut tracker = GraspTracker::of(&scene);
     placed.found = match trace::run(model, &scene, &mut While { sink: &mut tracker, go_on }) {
         Ok(outcome) => tracker.criteria().map_or(Err("there is no sample".to_string()), |criteria| {
             let GraspCriteria { fate, tts_s, end, slip, .. } = &criteria;

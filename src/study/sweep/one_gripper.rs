@@ -21,7 +21,7 @@ pub(super) fn of_gripper(
         Err(error) => return Some(cells.row(run, Status::Refused, &refusal(&error))),
     };
     design(&mut cells, &scene);
-    let tracker = GraspTracker::new(scene.object.radius_m);
+    let tracker = GraspTracker::of(&scene);
     simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| {
         if let Some(found) = tracker.criteria() {
             closing(cells, &scene, &found, outcome);

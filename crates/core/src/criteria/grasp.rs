@@ -27,6 +27,22 @@ pub struct GraspCriteria {
     pub travel: Travel,
     /// Slip in the hand: of the object since [`GraspCriteria::tts_s`].
     pub slip: Option<Travel>,
+    /// What a cycle adds: of all else above, its end is when the fingers let go.
+    pub cycle: CycleCriteria,
+}
+
+/// What became of a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CycleCriteria {
+    /// When the palm begins to move, and when nothing closes the fingers any more.
+    pub carries_s: Option<f64>,
+    pub releases_s: Option<f64>,
+    /// How far the object got in the hand from the one to the other, or to the end of the run.
+    pub carried: Option<Travel>,
+    /// Since when no phalanx presses once the fingers let go; `None` while one does, and where they do not.
+    pub opened_s: Option<f64>,
+    /// How far the driven links, right and left, turned at most once their brakes had gripped, rad, until they let go.
+    pub brake_slip_rad: [Option<f64>; 2],
 }
 
 /// Nearer to the middle than this, m, an object starts centred: far below anything that can be positioned.
@@ -64,7 +80,7 @@ pub struct ContactCriteria {
 /// What became of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// At the end it is held from both sides, and its centre is within its radius of where it was at
+    /// At the end, or when the fingers let go, it is held from both sides, and its centre is within its radius of where it was at
     /// [`GraspCriteria::grasped_s`].
     Held,
     /// It was held once, and is no longer: since this time one of the two has been missing. What is let go and caught again in between

@@ -1,11 +1,11 @@
 //! The criteria of a gripper found while a run streams by.
 
-use super::grasp::{ContactCriteria, Fate, GraspCriteria};
+use super::grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria};
 use super::hermite::Hermite;
 use super::history::{History, Onset, Pose};
 use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
-use crate::scene::Place;
+use crate::scene::{Cycle, GripperScene, Place};
 use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError};
 
 const PLACES: usize = Place::ALL.len();
@@ -33,9 +33,28 @@ struct Found {
     /// Since when it is not held.
     dropped_s: Option<f64>,
     ejected_s: Option<f64>,
+    cycle: Cycle,
+    carried: Option<Onset>,
+    opened_s: Option<f64>,
+    /// q11 of both fingers when their brakes had gripped, and how far they turned since.
+    braked: [Option<(f64, f64)>; 2],
 }
 
 impl Found {
+    /// What the brakes let through, and how far the object gets while it is carried.
+    fn carry(&mut self, piece: &Piece<PLACES>, [from, to]: &[Pose; 2]) {
+        if self.cycle.carries_s.is_some_and(|start| piece.from_s >= start) {
+            self.carried.get_or_insert(Onset::new(piece.from_s, *from)).reach(to);
+        }
+        for (side, braked) in self.braked.iter_mut().enumerate() {
+            if self.cycle.blocked_s[side].is_some_and(|start| piece.to_s >= start) {
+                let angle = piece.next.fingers.get(side).map_or(0.0, |finger| finger.q11_rad);
+                let (first, most) = braked.get_or_insert((angle, 0.0));
+                *most = most.max((angle - *first).abs());
+            }
+        }
+    }
+
     fn fate(&self) -> Fate {
         match (self.ejected_s, self.grasped, self.dropped_s) {
             (Some(at_s), _, _) => Fate::Ejected { at_s },
@@ -81,6 +100,12 @@ fn holds_from_both_sides(piece: &Piece<PLACES>) -> bool {
     from(1.0) && from(-1.0)
 }
 
+/// Whether a phalanx presses on the object.
+fn any_phalanx(piece: &Piece<PLACES>) -> bool {
+    let is_phalanx = |place: &Place| matches!(place, Place::Finger(_, Site::Proximal | Site::Distal));
+    Place::ALL.iter().zip(piece.pressing).any(|(place, pressing)| pressing && is_phalanx(place))
+}
+
 impl Judge<PLACES> for Found {
     type Path = Path;
 
@@ -99,6 +124,8 @@ impl Judge<PLACES> for Found {
         for (point, limit) in limits.into_iter().flatten() {
             Hermite::new(distance(t0, from, point), distance(t1, to, point)).crossings(limit, cuts_s);
         }
+        let within = |time: &f64| *time > t0 && *time < t1;
+        cuts_s.extend([self.cycle.carries_s, self.cycle.releases_s].into_iter().flatten().filter(within));
         let along = |axis: usize| {
             Hermite::new(
                 (t0, from.centre_m[axis], from.velocity_m_s[axis]),
@@ -114,11 +141,19 @@ impl Judge<PLACES> for Found {
         let poses = times.map(|time| path.pose(time));
         let middle = path.pose(0.5 * (piece.from_s + piece.to_s));
         self.start.iter_mut().for_each(|(_, travelled)| travelled.reach(&poses[1]));
-        for (index, contact) in self.contacts.iter_mut().enumerate() {
-            contact.judge((piece.touched[index], piece.pressing[index]), times, &poses);
-        }
         if middle.distance([0.0; 2]) > EJECTED_RADII * self.radius_m {
             self.ejected_s.get_or_insert(piece.from_s);
+        }
+        if self.cycle.releases_s.is_some_and(|end| piece.from_s >= end) {
+            match any_phalanx(piece) {
+                true => self.opened_s = None,
+                false => _ = self.opened_s.get_or_insert(piece.from_s),
+            }
+            return;
+        }
+        self.carry(piece, &poses);
+        for (index, contact) in self.contacts.iter_mut().enumerate() {
+            contact.judge((piece.touched[index], piece.pressing[index]), times, &poses);
         }
         self.both_sides = holds_from_both_sides(piece);
         if self.both_sides {
@@ -134,7 +169,14 @@ impl Judge<PLACES> for Found {
 }
 
 impl GraspTracker {
-    /// For an object of this radius.
+    /// Of a scene, with the times of its cycle.
+    pub fn of(scene: &GripperScene) -> Self {
+        let mut tracker = Self::new(scene.object.radius_m);
+        tracker.found.cycle = scene.cycle();
+        tracker
+    }
+
+    /// For an object of this radius, that is to be held to the end.
     pub fn new(radius_m: f64) -> Self {
         let found = Found {
             radius_m,
@@ -144,6 +186,10 @@ impl GraspTracker {
             both_sides: false,
             dropped_s: None,
             ejected_s: None,
+            cycle: Cycle::default(),
+            carried: None,
+            opened_s: None,
+            braked: [None; 2],
         };
         GraspTracker { pieces: Pieces::default(), found }
     }
@@ -174,6 +220,13 @@ impl GraspTracker {
             end: self.pieces.last()?.bodies[0],
             travel: travelled.travel,
             slip: stable.map(|onset| onset.travel),
+            cycle: CycleCriteria {
+                carries_s: found.cycle.carries_s,
+                releases_s: found.cycle.releases_s,
+                carried: found.carried.map(|onset| onset.travel),
+                opened_s: found.opened_s,
+                brake_slip_rad: found.braked.map(|braked| braked.map(|(_, most)| most)),
+            },
         })
     }
 }

@@ -30,7 +30,7 @@ mod tracker;
 
 pub use at_rest::{AtRest, at_rest};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
-pub use grasp::{ContactCriteria, Fate, GraspCriteria, Travel};
+pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel};
 pub use grasp_tracker::GraspTracker;
 pub use rebounds::{Rebound, Rebounds};
 pub use stance::{is_form_closed, normal_forces, stance};

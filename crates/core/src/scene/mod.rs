@@ -15,12 +15,13 @@
 //! | `torque` | the motor torque of an actuation over time |
 //! | `bodies` | scenes of discs instead of a finger |
 //! | `gripper` | scenes of two fingers and what they grasp |
-//! | `palm_motion` | how a gripper's palm moves, and brakes |
+//! | `palm_motion`, `cycle` | how a gripper's palm moves, and brakes; when it carries |
 
 pub mod any;
 mod bodies;
 pub mod check;
 mod compose;
+mod cycle;
 mod defaults;
 pub mod entry;
 pub mod error;
@@ -44,6 +45,7 @@ pub mod words;
 
 pub use bodies::{AnyScene, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use compose::{Layer, extended, parse_layers};
+pub use cycle::Cycle;
 pub use error::{Problem, SceneError};
 pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
 pub use kinds::Words;

@@ -121,16 +121,18 @@ impl PalmMotion {
         first_after(t, moves.chain(vibrations).chain(path))
     }
 
+    /// When it begins to move, s.
+    pub fn starts_s(&self) -> f64 {
+        let (moves, vibrations) =
+            (self.moves.iter().map(|one| one.start_s), self.vibrations.iter().map(|one| one.start_s));
+        let path = self.path.iter().filter_map(|path| path.points.first()).map(|point| point.0);
+        moves.chain(vibrations).chain(path).fold(f64::INFINITY, f64::min)
+    }
+
     /// When all moves are over, s; vibrations go on.
     pub fn arrives_s(&self) -> f64 {
         let moves = self.moves.iter().map(|one| one.start_s + one.length_s);
         moves.chain(self.path.iter().filter_map(|path| path.points.last()).map(|point| point.0)).fold(0.0, f64::max)
-    }
-
-    pub fn turns(&self) -> bool {
-        let moved = self.moves.iter().any(|one| one.axis == Axis::Angle);
-        let shaken = self.vibrations.iter().any(|one| one.axis == Axis::Angle);
-        moved || shaken || self.path.iter().any(|path| path.points.iter().any(|point| point.1[2] != 0.0))
     }
 }
 
