@@ -11,12 +11,16 @@ use phalanx::scene::{self, AnyScene, GripperScene};
 use phalanx::trace::{Model, Sink};
 use phalanx::validate::{Recording, Subject, compare, record, reference, sampled};
 
-const GRIPPERS: [&str; 19] = [
+const GRIPPERS: [&str; 23] = [
     "gripper/bought",
+    "gripper/carried",
+    "gripper/cycle",
     "gripper/design-95",
     "gripper/different",
     "gripper/fixed",
     "gripper/heavy",
+    "gripper/hold",
+    "gripper/lift",
     "gripper/light",
     "gripper/offset",
     "gripper/offset-left",
@@ -118,6 +122,16 @@ fn what_scenes_expect_is_what_happens() {
         assert_eq!(found.fate == Fate::Held, held, "{name}: {found:?}");
     }
     let of = |name: &str| recorded(Model::Analytic, &reference(&load(name)));
+    // What is carried is held until the fingers let go, and slips by micrometres.
+    for (name, slip_m) in [("gripper/carried", [11e-6, 13e-6]), ("gripper/cycle", [3e-6, 4e-6])] {
+        let scene = load(name);
+        let found = criteria(&scene, &recorded(Model::Analytic, &reference(&scene)));
+        let carried = found.cycle.carried.expect("it is carried").displacement_m;
+        assert!(found.fate == Fate::Held && (slip_m[0]..slip_m[1]).contains(&carried), "{name}: {carried:e} {found:?}");
+        let opening_s = found.cycle.opened_s.zip(found.cycle.releases_s).map(|(opened, released)| opened - released);
+        assert_eq!(opening_s.is_some_and(|time| time > 3e-3 && time < 5e-3), name == "gripper/cycle", "{opening_s:?}");
+        assert!(found.cycle.brake_slip_rad.iter().all(|slip| slip.is_some_and(|slip| slip < 2e-4)), "{found:?}");
+    }
     // The disc is thrown out, which ends the run.
     let thrown = of("hard/gripper-no-friction");
     assert!(

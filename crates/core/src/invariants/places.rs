@@ -15,7 +15,11 @@ impl Invariants {
             Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m, None),
             // Discs have no joints that could open.
             Simulated::Discs(scene) => (of_discs(scene), 0.0, None),
-            Simulated::Gripper(scene) => (of_gripper(scene), scene.bounds.loop_gap_m, object(scene)),
+            // In a frame that moves, momentum is not kept.
+            Simulated::Gripper(scene) => {
+                let free = object(scene).filter(|_| scene.palm_motion.is_none());
+                (of_gripper(scene), scene.bounds.loop_gap_m, free)
+            }
         };
         let tolerances = Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m);
         // The engine's forces are means of its steps: what they gave between samples no sample says to these bounds.
