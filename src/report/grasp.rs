@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::named::Named;
-use crate::criteria::{CycleCriteria, Fate, GraspCriteria, Travel, is_form_closed};
+use crate::criteria::{CycleCriteria, Fate, GraspCriteria, Travel, force_closure_of, is_form_closed};
+use crate::statics::ForceClosure;
 use crate::trace::{Sample, Simulated};
 
 /// The grasp of a gripper, see [`crate::criteria::GraspCriteria`].
@@ -20,6 +21,8 @@ pub struct GraspReport {
     /// Whether the contacts that press at the end, with what is blocked of the drives, hold it fast; null where it is not held, or where
     /// that cannot be decided.
     pub form_closed: Option<bool>,
+    /// How the contacts in the hand that press at the end hold it with friction; null where it is not held, and without its scene.
+    pub force_closure: Option<ForceClosureReport>,
     /// Of the object, along the palm from its middle, at the start and at the end; and |end| / |start|, null for one that started
     /// centred.
     pub x_start_m: f64,
@@ -63,6 +66,17 @@ impl CycleReport {
     }
 }
 
+/// See [`ForceClosure`]: wrenches are a force and a moment over the object's radius, for normal forces that add up to 1, or of at most 1
+/// each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ForceClosureReport {
+    pub closed: bool,
+    pub q1_l1: f64,
+    pub q1_linf: f64,
+    /// The direction in which least can be balanced.
+    pub weakest: [f64; 3],
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TravelReport {
     pub displacement_m: f64,
@@ -92,6 +106,8 @@ impl GraspReport {
             Some(Simulated::Gripper(scene)) => Some(scene),
             _ => None,
         };
+        // Fingers that have let go hold nothing.
+        let holding = gripper.filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none());
         let contacts = found.contacts.iter().map(|contact| {
             let report = HeldContactReport {
                 first_touch_s: contact.first_touch_s,
@@ -106,7 +122,13 @@ impl GraspReport {
             grasped_s: found.grasped_s,
             tts_s: found.tts_s,
             until_s: found.fate.until_s(),
-            form_closed: gripper.filter(|_| found.fate == Fate::Held).and_then(|scene| is_form_closed(scene, last)),
+            form_closed: holding.and_then(|scene| is_form_closed(scene, last)),
+            force_closure: gripper.filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none()).map(
+                |scene| {
+                    let ForceClosure { closed, q1_l1, q1_linf, weakest } = force_closure_of(scene, last);
+                    ForceClosureReport { closed, q1_l1, q1_linf, weakest }
+                },
+            ),
             x_start_m: found.start.centre_m[0],
             x_end_m: found.end.centre_m[0],
             offset_ratio: found.offset_ratio(),

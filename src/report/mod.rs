@@ -28,7 +28,7 @@ pub use check::RunCheckReport;
 pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 pub use discs::DiscReport;
 pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
-pub use grasp::{CycleReport, GraspReport, HeldContactReport, TravelReport};
+pub use grasp::{CycleReport, ForceClosureReport, GraspReport, HeldContactReport, TravelReport};
 pub use named::Named;
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
 pub use replay::{

@@ -238,6 +238,13 @@ pub(super) fn grasp(report: &GraspReport) -> Sheet {
             milliseconds(Some(until_s))
         ));
     }
+    if let Some(closure) = report.force_closure {
+        let (one, each) = (figure(closure.q1_l1, 3), figure(closure.q1_linf, 3));
+        text.push_str(&match closure.closed {
+            true => format!("With friction it is force-closed: Q1 = {one} (normal forces that add up to 1), {each} (of up to 1 each).\n"),
+            false => "Not force-closed, even with friction.\n".to_string(),
+        });
+    }
     report.cycle.iter().for_each(|cycle| text.push_str(&carried(cycle)));
     text
 }

@@ -33,7 +33,7 @@ pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel};
 pub use grasp_tracker::GraspTracker;
 pub use rebounds::{Rebound, Rebounds};
-pub use stance::{is_form_closed, normal_forces, stance};
+pub use stance::{force_closure_of, is_form_closed, normal_forces, stance};
 pub use tracker::{FinalAngles, Tracker};
 
 /// The dynamic criteria of one run.

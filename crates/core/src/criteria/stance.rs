@@ -2,8 +2,8 @@
 
 use crate::gripper::{Circle, Site};
 use crate::scene::{GripperScene, Place, Side};
-use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
-use crate::trace::{FingerState, Sample};
+use crate::statics::{Blocked, ForceClosure, Holding, PerContact, Stance, force_closure, gripper_closure};
+use crate::trace::{ContactSample, FingerState, Sample};
 
 /// Where fingers and object of a gripper are in a sample of its run.
 pub fn stance<'a>(scene: &'a GripperScene, sample: &Sample) -> Stance<'a> {
@@ -32,4 +32,22 @@ pub fn is_form_closed(scene: &GripperScene, sample: &Sample) -> Option<bool> {
     let blocked = if scene.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     let touching = normal_forces(sample).map(|normal_n| normal_n > 0.0);
     gripper_closure(&stance(scene, sample), &touching, blocked).ok().map(|found| found.closed)
+}
+
+/// How the contacts in the hand (phalanges and palm) that press in a sample hold the object with friction, whatever their forces are.
+pub fn force_closure_of(scene: &GripperScene, sample: &Sample) -> ForceClosure {
+    let holding = |(place, contact): (Place, &ContactSample)| {
+        let law = match place {
+            Place::Finger(side, Site::Proximal) => scene.finger(side).contact.proximal,
+            Place::Finger(side, Site::Distal) => scene.finger(side).contact.distal,
+            Place::Palm => scene.palm?,
+            Place::Finger(_, Site::Limit) | Place::Table => return None,
+        };
+        let mu = law.friction.map_or(0.0, |friction| friction.mu_static);
+        // A sample's normals point away from the object.
+        let push = contact.normal.map(|part| -part);
+        (contact.normal_n > 0.0).then_some(Holding { point_m: contact.point_m, push, mu })
+    };
+    let contacts: Vec<Holding> = Place::ALL.into_iter().zip(&sample.contacts).filter_map(holding).collect();
+    force_closure(&contacts, sample.bodies[0].centre_m, scene.object.radius_m)
 }

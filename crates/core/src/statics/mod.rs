@@ -13,6 +13,7 @@
 //! | `unilateral` | what a motion of the grasp may not do, row by row: U (1.15)–(1.18) |
 //! | `form_closure` | whether nothing is left that it may do, with a certificate either way |
 //! | `gripper_closure` | the same of a whole gripper, with a differential or without |
+//! | `force_closure` | which wrenches contacts with friction can balance, and how large ones |
 //! | `linear` | ranks, null vectors and projections of U |
 //! | `program` | the linear programmes |
 //! | `error` | why there is no statics |
@@ -20,6 +21,7 @@
 mod birglen;
 mod equilibrium;
 mod error;
+mod force_closure;
 mod form_closure;
 mod gripper_closure;
 mod hand;
@@ -33,6 +35,7 @@ mod unilateral;
 pub use birglen::{Birglen, birglen};
 pub use equilibrium::{Ejection, Equilibrium, contact_jacobian, drive_loads, equilibrium, equilibrium_each};
 pub use error::StaticsError;
+pub use force_closure::{ForceClosure, Holding, force_closure};
 pub use form_closure::{BOUNDARY, Certificate, Decision, FormClosure, decide, decide_by_program, form_closure};
 pub use gripper_closure::{Blocked, GripperRow, gripper_closure, gripper_unilateral};
 pub use hand::{Grip, Hand, Side, Touch};
