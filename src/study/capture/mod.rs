@@ -1,7 +1,7 @@
 //! Which positioning errors a gripper captures (thesis §4.2.1.3): its object, placed further and further off the middle of the palm.
 //!
 //! Motors, springs and starts are those of one gripper, made for the largest error; only where the object lies differs from run to
-//! run. The object is *captured* where it is held when the run ends ([`Fate::Held`]). Beside where it ends stands the thesis' open
+//! run. The object is *captured* where it is held when the run ends ([held](crate::criteria::Fate::Held)). Beside where it ends stands the thesis' open
 //! question: would the grasp be form-closed if the object stayed where it lies, and is the one that the unbalanced forces make of it?
 //!
 //! | file | job |
