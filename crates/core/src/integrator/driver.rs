@@ -67,6 +67,8 @@ const APPROACH_CUT: f64 = 0.25;
 const NEAREST_APPROACH_S: f64 = 1e-11;
 /// A step in which a contact that sticks lets go is cut to this part.
 const LETTING_GO_CUT: f64 = 0.4;
+/// Error of a part of a step, in what a whole one may err by, beyond which the interpolant is better.
+const WORST_RESOLVED: f64 = 10.0;
 /// Tries to land on one event.
 const MAX_LANDINGS: usize = 12;
 
@@ -462,6 +464,7 @@ impl<Y: Hybrid<N, Z, S>, K: Method<N, Z>, const N: usize, const Z: usize, const 
     fn resolve(&mut self, theta: f64) -> State<N, Z> {
         let interpolated = self.interpolate(theta);
         let attempt = self.method.attempt(&self.origin, theta * self.size);
-        if attempt.error.is_finite() { attempt.end } else { interpolated }
+        // A part of a step that was good may be none: where friction falls with slip, some size meets the reciprocal of what grows.
+        if attempt.error <= WORST_RESOLVED { attempt.end } else { interpolated }
     }
 }
