@@ -72,6 +72,15 @@ pub fn off<const N: usize>(anchor: &Anchor, found: &[State<N, QUADRATURES>]) -> 
     found.iter().zip(anchor.states.iter().map(|state| &state.q)).map(of).fold(0.0, f64::max)
 }
 
+/// Impulses of phalanges, palm and table are those of an anchor.
+#[track_caller]
+pub fn assert_impulses<const N: usize>(anchor: &Anchor, end: &End<N, QUADRATURES>) {
+    for (place, wanted) in [0, 1, 3, 4, 6, 7].into_iter().zip(anchor.impulse) {
+        let impulse = end.state.z[place];
+        assert!((impulse - wanted).abs() < 1e-6 * wanted.max(1e-3), "{}: {place} {impulse} {wanted}", anchor.name);
+    }
+}
+
 pub fn times(anchor: &Anchor) -> Vec<f64> {
     anchor.states.iter().map(|state| state.time_s).collect()
 }
@@ -86,10 +95,7 @@ fn the_reference_agrees_with_an_independent_program() {
             let first = found.events.iter().find(|(_, at, presses)| *at == place && *presses).expect("a touch").0;
             assert!((first - wanted).abs() < 1e-10, "{}: place {place} at {first}, not {wanted}", anchor.name);
         }
-        for (place, wanted) in [0, 1, 3, 4, 6, 7].into_iter().zip(anchor.impulse) {
-            let impulse = end.state.z[place];
-            assert!((impulse - wanted).abs() < 1e-6 * wanted.max(1e-3), "{}: {place} {impulse} {wanted}", anchor.name);
-        }
+        assert_impulses(&anchor, &end);
     }
 }
 

@@ -65,6 +65,13 @@ fn apart(scene: &GripperScene, a: &Kept, b: &Kept) -> f64 {
     most
 }
 
+/// The same of the engine at a hundredth of its tolerance.
+fn finely_apart(scene: &GripperScene, exact: &Kept) -> f64 {
+    let mut fine = scene.clone();
+    fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
+    apart(&fine, exact, &kept(Model::Engine, &fine).0)
+}
+
 /// The offset of case c is the hardest: one finger is first by 2 ms, and what a method is off by grows ten-thousandfold.
 const ENGINE: [(&str, f64); 5] = [("a", 2e-5), ("b", 6e-5), ("c", 1e-4), ("f", 4e-5), ("i", 2e-5)];
 
@@ -77,9 +84,7 @@ fn both_models_agree_and_more_finely_the_better() {
         let off = apart(&anchor.scene, &exact, &usual);
         assert!(off < bound, "{}: {off:.1e}", anchor.name);
         assert!(outcome.loop_gap_m < 1e-7, "{}: joints open by {:.1e} m", anchor.name, outcome.loop_gap_m);
-        let mut fine = anchor.scene.clone();
-        fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
-        let finer = apart(&fine, &exact, &kept(Model::Engine, &fine).0);
+        let finer = finely_apart(&anchor.scene, &exact);
         assert!(finer < 2e-6 && finer < 0.3 * off, "{}: {finer:.1e} at 1e-9 m, {off:.1e} at 1e-7 m", anchor.name);
     }
 }
@@ -212,9 +217,7 @@ fn a_palm_that_moves_is_the_same_in_both_models() {
         let energies = [&told, &outcome].map(|outcome| outcome.last.energy);
         assert!(off < bound, "{}: {off:.1e}", anchor.name);
         assert!(outcome.loop_gap_m < 1e-7, "{}: joints open by {:.1e} m", anchor.name, outcome.loop_gap_m);
-        let mut fine = anchor.scene.clone();
-        fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
-        let finer = apart(&fine, &exact, &kept(Model::Engine, &fine).0);
+        let finer = finely_apart(&anchor.scene, &exact);
         assert!(finer < 2e-6 && finer < 0.3 * off, "{}: {finer:.1e} at 1e-9 m, {off:.1e} at 1e-7 m", anchor.name);
         assert!((energies[0].motor_work_j - energies[1].motor_work_j).abs() < 1e-4, "{energies:?}");
     }
@@ -242,9 +245,7 @@ fn a_palm_that_turns_is_the_same_in_both_models() {
         let off = apart(&scene, &exact, &usual);
         let energies = [&told, &outcome].map(|outcome| outcome.last.energy);
         assert!(off < bound, "{off:.1e}");
-        let mut fine = scene.clone();
-        fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
-        let finer = apart(&fine, &exact, &kept(Model::Engine, &fine).0);
+        let finer = finely_apart(&scene, &exact);
         assert!(finer < 2e-6 && finer < 0.3 * off, "{finer:.1e} at 1e-9 m, {off:.1e} at 1e-7 m");
         assert!(energies.iter().all(|energy| energy.balance_j.abs() < 3e-5), "{energies:?}");
         let [kinetic, given] = [|energy: &Energy| energy.kinetic_j, |energy: &Energy| energy.motor_work_j]
@@ -265,9 +266,7 @@ fn what_bristles_hold_is_the_same_in_both_models() {
         assert!(off < bound, "{}: {off:.1e}", anchor.name);
         assert!(energies.iter().all(|energy| energy.balance_j.abs() < 3e-5), "{energies:?}");
         assert!((energies[0].elastic_j - energies[1].elastic_j).abs() < 5e-7, "what bristles store: {energies:?}");
-        let mut fine = anchor.scene.clone();
-        fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
-        let finer = apart(&fine, &exact, &kept(Model::Engine, &fine).0);
+        let finer = finely_apart(&anchor.scene, &exact);
         assert!(finer < finest && finer < 0.3 * off, "{}: {finer:.1e} at 1e-9 m, {off:.1e} at 1e-7 m", anchor.name);
     }
 }

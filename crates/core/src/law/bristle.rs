@@ -4,7 +4,7 @@
 //! With s the stretch of the bristle, L = μ(v) F_n and T = min(max(k s + c v, −L), L) the friction is −T and ṡ = (T − k s)/c. What a
 //! model carries along is σ = k s/c, a speed, so that T = c (σ + v) within the cone and σ̇ = (k/c) (T/c − σ).
 
-use super::{FrictionLaw, friction_coefficient};
+use super::{FrictionLaw, friction_coefficient, friction_force};
 use crate::numeric::Real;
 
 /// A bristle, by its damping c and the time c/k in which it relaxes when it is let go; of a brake, in rad for m.
@@ -56,6 +56,15 @@ pub fn bristle_pull<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, memo
         -most
     } else {
         held
+    }
+}
+
+/// Friction on the sliding surface by whichever law there is: that of a bristle where it has a memory, the regularised one otherwise.
+#[inline(always)]
+pub fn friction_with_memory<T: Real>(law: &FrictionLaw, slip: T, memory: Option<T>, normal: T) -> T {
+    match law.bristle.as_ref().zip(memory) {
+        Some((bristle, memory)) => -bristle_pull(law, bristle, slip, memory, normal),
+        None => friction_force(law, slip, normal),
     }
 }
 

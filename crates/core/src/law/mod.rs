@@ -9,7 +9,7 @@ mod hertz;
 mod normal;
 mod smoothstep;
 
-pub use bristle::{Bristle, Stepped, bristle_pull, cone, stepped};
+pub use bristle::{Bristle, Stepped, bristle_pull, cone, friction_with_memory, stepped};
 pub use contact::{friction_force, normal_over_gap};
 pub use friction::{FrictionRange, friction_coefficient, friction_range};
 pub use hertz::{Material, hertz_stiffness};

@@ -3,7 +3,7 @@
 use super::pair::{Meeting, Other, PairRates};
 use super::{DiscMode, SiteState, branch};
 use crate::integrator::{Linearised, Rates, State, System};
-use crate::law::{Bristle, ContactLaw, FrictionLaw, bristle_pull, elastic_energy, friction_force, normal_over_gap};
+use crate::law::{Bristle, ContactLaw, elastic_energy, friction_with_memory, normal_over_gap};
 use crate::numeric::plane::{add, perp, scale};
 use crate::numeric::{Dual, Real};
 use crate::scene::{BodiesScene, DiscMotion, Partner};
@@ -164,15 +164,12 @@ impl<const N: usize, const M: usize> Discs<N, M> {
             let PairRates { gap_rate, slip, own, other } = rates;
             let law = &self.law;
             let normal = normal_over_gap(|d, rate| branch(&law.normal, mode[index], d, rate), geometry.gap, gap_rate);
-            let tangential = match (&law.friction, self.memory(index)) {
-                (None, _) => T::zero(),
-                (Some(friction @ FrictionLaw { bristle: Some(bristle), .. }), Some(memory)) => {
-                    let pull = bristle_pull(friction, bristle, slip, v[memory], normal);
-                    a[memory] += pull * bristle.driven();
-                    -pull
-                }
-                (Some(friction), _) => friction_force(friction, slip, normal),
-            };
+            let memory = self.memory(index);
+            let friction = |law| friction_with_memory(law, slip, memory.map(|memory| v[memory]), normal);
+            let tangential = law.friction.as_ref().map_or(T::zero(), friction);
+            if let Some((memory, bristle)) = memory.zip(self.bristle()) {
+                a[memory] += -tangential * bristle.driven();
+            }
             let force = add(scale(geometry.normal, normal), scale(perp(geometry.normal), tangential));
             let mut push = |disc: usize, sign: f64, radius: f64| {
                 let mover = &self.movers[disc];
@@ -205,13 +202,9 @@ impl<const N: usize, const M: usize> Discs<N, M> {
         let rates = meeting.rates(geometry.normal, v);
         let (delta, delta_rate) = (-geometry.gap, -rates.gap_rate);
         let normal_force = branch(&self.law.normal, state, delta, delta_rate).force.max(0.0);
-        let tangential_force = match (self.law.friction, self.memory(pair)) {
-            (None, _) => 0.0,
-            (Some(law), Some(memory)) => {
-                self.bristle().map_or(0.0, |b| -bristle_pull(&law, &b, rates.slip, v[memory], normal_force))
-            }
-            (Some(law), None) => friction_force(&law, rates.slip, normal_force),
-        };
+        let memory = self.memory(pair).map(|memory| v[memory]);
+        let friction = |law| friction_with_memory(law, rates.slip, memory, normal_force);
+        let tangential_force = self.law.friction.as_ref().map_or(0.0, friction);
         let [x, y] = geometry.normal;
         let disc = 3 * meeting.disc;
         PairReading {

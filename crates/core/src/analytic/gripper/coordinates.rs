@@ -1,6 +1,6 @@
 //! Which coordinates of the gripper a part of it depends on.
 
-use super::{FINGERS, MEMORY, TIME};
+use super::{BRAKES, FINGERS, MEMORY, TIME};
 use crate::gripper::Site;
 use crate::scene::{Place, Side};
 
@@ -52,4 +52,10 @@ pub fn memory_of(place: Place) -> Option<usize> {
         Place::Palm => Some(MEMORY + 4),
         Place::Table => Some(MEMORY + 5),
     }
+}
+
+/// That of a drive's brake: a differential's input comes behind two drives that have none then, and shares the second place.
+#[inline(always)]
+pub fn memory_of_brake(drive: usize) -> usize {
+    BRAKES + drive.min(1)
 }

@@ -1,11 +1,11 @@
 //! Accelerations: every finger and every contact in the few coordinates it depends on, put together.
 
-use super::coordinates::{Where, memory_of, of_finger, of_object, of_object_in_time, of_phalanx};
+use super::coordinates::{Where, memory_of, memory_of_brake, of_finger, of_object, of_object_in_time, of_phalanx};
 use super::frame;
 use super::inertia::Inertia;
 use super::model::GripperModel;
 use super::touch::{self, Press};
-use super::{BRAKES, FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
+use super::{FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::Site;
@@ -104,7 +104,7 @@ impl<const N: usize> System<N, QUADRATURES> for GripperModel<N> {
             (0..2).for_each(|side| sums.load[2 * side] += drive.weights[side] * hold.pull.torque);
             sums.g[LOST] += hold.pull.torque * hold.pull.rate;
             if Self::HOLDS {
-                sums.load[BRAKES + index.min(1)] += hold.driven;
+                sums.load[memory_of_brake(index)] += hold.driven;
             }
         }
         let ([x, y, _], rates) = (self.object_of(q), self.object_rates(v));
@@ -123,8 +123,7 @@ impl<const N: usize> System<N, QUADRATURES> for GripperModel<N> {
             sums.add(place, &touch::press(&touch, &rates, memory, laws), &of_object(1.0));
         }
         if Self::HOLDS {
-            self.relaxing().for_each(|(memory, rate)| sums.load[memory] -= rate * v[memory]);
-            sums.load[TIME] = 0.0;
+            self.bristles().for_each(|(memory, bristle)| sums.load[memory] -= bristle.rate() * v[memory]);
         }
         if N > FINGERS {
             (0..2).for_each(|i| sums.load[FINGERS + i] += self.object.mass * self.object.gravity[i]);

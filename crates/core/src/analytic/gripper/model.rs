@@ -1,12 +1,12 @@
 //! What does not change in time.
 
-use super::coordinates::memory_of;
+use super::coordinates::{memory_of, memory_of_brake};
 use super::laws::Laws;
-use super::{BRAKES, FINGERS, GripperMode, HELD, MEMORY, QUADRATURES, TIME};
+use super::{FINGERS, GripperMode, HELD, MEMORY, QUADRATURES, TIME};
 use crate::analytic::finger::FingerModel;
 use crate::fivebar::carried::Carried;
 use crate::integrator::State;
-use crate::law::{ContactLaw, FrictionLaw, NormalLaw};
+use crate::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use crate::numeric::Dual;
 use crate::numeric::plane::Vector;
 use crate::scene::{
@@ -208,38 +208,28 @@ impl<const N: usize> GripperModel<N> {
         if Self::HOLDS { memory_of(place).map(|memory| v[memory]) } else { None }
     }
 
-    /// That of a drive's brake: a differential's input is the last of three, beside two without any.
+    /// That of a drive's brake.
     #[inline(always)]
     pub(super) fn brake_memory(&self, v: &[f64; N], drive: usize) -> Option<f64> {
-        if Self::HOLDS { Some(v[BRAKES + drive.min(1)]) } else { None }
+        if Self::HOLDS { Some(v[memory_of_brake(drive)]) } else { None }
     }
 
-    /// Memories in use, with the rate at which each relaxes.
-    pub(super) fn relaxing(&self) -> impl Iterator<Item = (usize, f64)> {
+    /// All bristles, with the places of their memories.
+    pub(super) fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
         let places = Place::ALL.into_iter().filter_map(|place| {
             let bristle = self.friction_law(place).and_then(|friction| friction.bristle)?;
-            Some((memory_of(place)?, bristle.rate()))
+            Some((memory_of(place)?, bristle))
         });
-        let brakes = self.drives.iter().enumerate().filter_map(|(index, drive)| {
-            let bristle = drive.brake.and_then(|brake| brake.bristle)?;
-            Some((BRAKES + index.min(1), bristle.rate()))
-        });
+        let brakes =
+            self.drives.iter().enumerate().filter_map(|(index, drive)| {
+                Some((memory_of_brake(index), drive.brake.and_then(|brake| brake.bristle)?))
+            });
         places.chain(brakes)
     }
 
     /// Energy in bristles, J.
     pub(super) fn bristle_energy(&self, v: &[f64; N]) -> f64 {
-        if !Self::HOLDS {
-            return 0.0;
-        }
-        let places = Place::ALL.into_iter().filter_map(|place| {
-            let bristle = self.friction_law(place).and_then(|friction| friction.bristle)?;
-            Some(bristle.energy(v[memory_of(place)?]))
-        });
-        let brakes = self.drives.iter().enumerate().filter_map(|(index, drive)| {
-            Some(drive.brake.and_then(|brake| brake.bristle)?.energy(v[BRAKES + index.min(1)]))
-        });
-        places.chain(brakes).sum()
+        if Self::HOLDS { self.bristles().map(|(memory, bristle)| bristle.energy(v[memory])).sum() } else { 0.0 }
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.

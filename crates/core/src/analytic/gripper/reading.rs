@@ -9,7 +9,7 @@ use crate::analytic::finger::Passive;
 use crate::analytic::mode::along;
 use crate::analytic::model::{Energies, SiteReading};
 use crate::fivebar::dynamics::Terms;
-use crate::law::{bristle_pull, elastic_energy, friction_force};
+use crate::law::{elastic_energy, friction_with_memory};
 use crate::numeric::plane::dot;
 use crate::scene::{Place, Side};
 
@@ -39,10 +39,8 @@ impl<const N: usize> GripperModel<N> {
         let law = self.normal_law(place)?;
         let (delta, delta_rate, slip) = (-touch.gap, -along(&touch.normal_row, v), along(&touch.tangent_row, v));
         let normal = branch(law, state, delta, delta_rate).force.max(0.0);
-        let tangential = self.friction_law(place).map_or(0.0, |law| match law.bristle.zip(self.memory(v, place)) {
-            Some((bristle, memory)) => -bristle_pull(law, &bristle, slip, memory, normal),
-            None => friction_force(law, slip, normal),
-        });
+        let friction = |law| friction_with_memory(law, slip, self.memory(v, place), normal);
+        let tangential = self.friction_law(place).map_or(0.0, friction);
         let none = [0.0; 2];
         let turned = if let Place::Finger(side, _) = place { side.mirror() } else { 1.0 };
         let (point, direction) = match place {

@@ -1,12 +1,14 @@
 //! Accelerations with their exact Jacobian: that of every finger and every contact in the few coordinates it depends on, put together.
 
-use super::coordinates::{Where, memory_of, of_finger, of_object, of_object_in_time, of_phalanx, scatter};
+use super::coordinates::{
+    Where, memory_of, memory_of_brake, of_finger, of_object, of_object_in_time, of_phalanx, scatter,
+};
 use super::forces::PLANES;
 use super::frame::{self, Felt};
 use super::inertia::Inertia;
 use super::model::{GripperModel, Pull, variables};
 use super::touch::{self, Press, Slope};
-use super::{BRAKES, FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
+use super::{FINGERS, GripperMode, LOST, QUADRATURES, TIME, WORK};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::Site;
@@ -77,12 +79,6 @@ impl<const N: usize> Sums<N> {
         }
     }
 
-    /// Nothing moves time, whatever acts along it.
-    fn let_time_be(&mut self) {
-        (self.load[TIME], self.load_t[TIME]) = (0.0, 0.0);
-        (self.load_q[TIME], self.load_v[TIME]) = ([0.0; N], [0.0; N]);
-    }
-
     /// What the table does to all in the frame, by coming along: the power of its force on time.
     fn let_table_work(&mut self) {
         self.g[WORK] -= self.load[TIME];
@@ -123,11 +119,10 @@ impl<const N: usize> GripperModel<N> {
             sums.add(place, &touch::press_with_slopes(&touch, &rates, memory, laws), &of_object(1.0));
         }
         if Self::HOLDS {
-            for (memory, rate) in self.relaxing() {
-                sums.load[memory] -= rate * v[memory];
-                sums.load_v[memory][memory] -= rate;
+            for (memory, bristle) in self.bristles() {
+                sums.load[memory] -= bristle.rate() * v[memory];
+                sums.load_v[memory][memory] -= bristle.rate();
             }
-            sums.let_time_be();
         }
         if N > FINGERS {
             (0..2).for_each(|i| sums.load[FINGERS + i] += self.object.mass * self.object.gravity[i]);
@@ -276,7 +271,7 @@ impl<const N: usize> GripperModel<N> {
             if !Self::HOLDS {
                 continue;
             }
-            let memory = BRAKES + index.min(1);
+            let memory = memory_of_brake(index);
             sums.load[memory] += hold.driven;
             sums.load_t[memory] += hold.gain * hold.pull.by_time;
             sums.load_v[memory][memory] += hold.gain * hold.by_memory;

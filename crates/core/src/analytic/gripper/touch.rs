@@ -6,7 +6,7 @@
 use super::model::Plane;
 use crate::analytic::contact::Geometry;
 use crate::analytic::mode::along;
-use crate::law::{bristle_pull, friction_force, normal_over_gap};
+use crate::law::{friction_with_memory, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale};
 use crate::numeric::{Dual, Real};
 
@@ -87,13 +87,9 @@ pub struct Slope<const P: usize, const K: usize> {
 fn forces<T: Real>([gap, gap_rate, slip]: [T; 3], memory: Option<T>, laws: Laws<'_>) -> [T; 3] {
     let normal = normal_over_gap(|depth, speed| branch(laws.normal, laws.state, depth, speed), gap, gap_rate);
     let Some(friction) = laws.friction else { return [normal, T::zero(), T::zero()] };
-    match (&friction.bristle, memory) {
-        (Some(bristle), Some(memory)) => {
-            let pull = bristle_pull(friction, bristle, slip, memory, normal);
-            [normal, -pull, pull * bristle.driven()]
-        }
-        _ => [normal, friction_force(friction, slip, normal), T::zero()],
-    }
+    let tangential = friction_with_memory(friction, slip, memory, normal);
+    let driven = friction.bristle.map_or(T::zero(), |bristle| -tangential * bristle.driven());
+    [normal, tangential, driven]
 }
 
 /// Forces of a contact at these rates; `memory` of where friction holds.
