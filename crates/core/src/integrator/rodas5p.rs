@@ -1,13 +1,9 @@
 //! Rodas5P: linearly implicit, L-stable, stiffly accurate, order 5(4) (Steinebach 2023).
 
-use super::linear::ShiftedSolver;
+use super::linear::{FEW, ShiftedSolver};
 use super::method::{Attempt, Method, Origin};
 use super::tableau::{A, C, D, GAMMA, H, NODES, STAGES};
 use super::{Dense, State, System};
-
-/// Coordinates up to which rows of quadratures are not looked through for zeros: a closing of one finger took 0.7 % more instructions with
-/// the look.
-const FEW: usize = 3;
 
 /// The stages of the last attempt, for its dense output; Rodas5P remembers nothing else.
 pub struct Rodas5p<const N: usize, const Z: usize> {
@@ -46,8 +42,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
         let Origin { system, mode, linearised: lin, tolerances, t, latest, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
         let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
-        // What nothing feeds in this mode has no derivatives: most quadratures of a gripper. With few coordinates asking costs as much as
-        // it saves.
+        // What nothing feeds in this mode has no derivatives: most quadratures of a gripper.
         let is_fed = |m: usize| N <= FEW || lin.g_q[m].iter().chain(&lin.g_v[m]).any(|slope| *slope != 0.0);
         let fed: [bool; Z] = std::array::from_fn(is_fed);
         let k = &mut self.k;
