@@ -36,7 +36,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         Self {
             reader,
             sink,
-            grid: Grid::new(span.numeric_hz),
+            grid: Grid::new(span),
             end_s: span.end_s,
             last,
             node: Sample::default(),

@@ -43,7 +43,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         Self {
             reader,
             sink,
-            grid: Grid::new(span.numeric_hz),
+            grid: Grid::new(span),
             end_s: span.end_s,
             mode,
             start_energy,
@@ -99,6 +99,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         let end = step.t1;
         // A damper's force cannot be read off the dense output.
         let pressing = (0..self.places.len()).any(|index| mode[index].presses());
+        self.grid.begin_step(end.min(self.end_s));
         while let Some(t) = self.grid.before(end.min(self.end_s)) {
             // A grid can be so fine that one step holds millions of its points.
             if !self.sink.proceed() {
