@@ -165,3 +165,37 @@ fn a_mass_that_is_pulled_slowly_creeps_along() {
         assert!(fastest < 0.0201, "{}: {fastest}", model.name());
     }
 }
+
+/// A disc pinched between two upright flats: regularised friction lets it sink at W/(1.5 μ_s/v_s · ΣF_n), a bristle does not, in a minute
+/// either.
+#[test]
+fn what_is_pinched_sinks_under_the_regularised_law_and_stays_where_friction_holds() {
+    let mut scene = load("jams");
+    scene.gravity_m_s2 = [0.0, -G];
+    let press = 1e-4;
+    for disc in scene.discs.iter_mut().filter(|disc| disc.radius_m == 10.0) {
+        disc.centre_m = [disc.centre_m[0].signum() * (10.0 + 0.02 - press), 0.0];
+    }
+    let pinched = scene.discs.iter().position(|disc| disc.motion.moves()).expect("a disc that moves");
+    let (weight, normal) = (0.05 * G, 1e6 * press);
+    let friction = scene.contact.friction.expect("friction");
+    let bristle = friction.bristle.expect("a bristle");
+    // Softer than the flats are: what it gives way by can be seen.
+    let stretch = 0.5 * weight * bristle.relaxation_s / bristle.damping_n_s_per_m;
+    for (model, duration_s) in [(Model::Analytic, 60.0), (Model::Engine, 0.2)] {
+        scene.duration_s = duration_s;
+        scene.contact.friction = Some(friction);
+        let (outcome, samples) = run(model, &scene);
+        let (height, slip_m_s) = (outcome.last.bodies[pinched].centre_m[1], outcome.last.contacts[0].slip_m_s.abs());
+        assert!((height + stretch).abs() < 1e-12, "{}: {height:e} m", model.name());
+        assert!(slip_m_s < 1e-15, "{}: {slip_m_s:e} m/s", model.name());
+        assert!(model == Model::Engine || samples.len() < 1000, "a minute of rest in {} samples", samples.len());
+
+        scene.duration_s = 0.1;
+        scene.contact.friction = Some(phalanx::law::FrictionLaw { bristle: None, ..friction });
+        let (outcome, _) = run(model, &scene);
+        let sinks = -outcome.last.bodies[pinched].velocity_m_s[1];
+        let expected = weight * friction.v_static_m_s / (1.5 * friction.mu_static * 2.0 * normal);
+        assert!((sinks / expected - 1.0).abs() < 5e-3, "{}: {sinks:e}, expected {expected:e} m/s", model.name());
+    }
+}
