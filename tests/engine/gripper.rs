@@ -254,21 +254,25 @@ fn a_palm_that_turns_is_the_same_in_both_models() {
     }
 }
 
-/// A move that begins where another ends, in last digits not quite: steps between both would be of 7e-18 s.
+/// A move that begins where another ends, in last digits not quite. In a step of 7e-18 s from one to the other the palm has a speed of
+/// rounding: a heavy object under brakes that slip made 0.3 J of it.
 #[test]
 fn moves_that_follow_each_other_make_no_step_of_their_own() {
     let mut scene = anchor("d").scene;
-    let lift = Move { axis: Axis::Y, distance: -0.01, start_s: 0.02, length_s: 0.031 };
+    let lift = Move { axis: Axis::Y, distance: -0.007, start_s: 0.02, length_s: 0.031 };
     let across = Move { axis: Axis::X, distance: 0.01, start_s: 0.051, length_s: 0.025 };
     assert_ne!(lift.start_s + lift.length_s, across.start_s);
     scene.palm_motion.as_mut().expect("it moves").moves = vec![lift, across];
+    let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.object.motion else { panic!("it is free") };
+    (*mass_kg, *inertia_kg_m2) = (1.51, 0.5 * 1.51 * scene.object.radius_m.powi(2));
+    for finger in &mut scene.fingers {
+        finger.motor.brake.as_mut().expect("a brake").torque_n_m = 0.3194;
+    }
     let (exact, _) = kept(Model::Analytic, &reference(&scene));
     let (usual, outcome) = kept(Model::Engine, &scene);
     assert!(outcome.last.energy.balance_j.abs() < 3e-5, "{:?}", outcome.last.energy);
     let off = apart(&scene, &exact, &usual);
     assert!(off < 6e-5, "{off:.1e}");
-    let steps = usual.samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).fold(f64::INFINITY, f64::min);
-    assert!(steps > 1e-12, "{steps:e} s from one sample to the next");
 }
 
 /// Friction that holds: the same law in both models. In case h tips lose their contact a third of the time, under 32 g.
