@@ -58,11 +58,11 @@ function outline(shape, x, y, angle, view) {
       return points;
     }
     case "half_plane": {
-      // Solid below its level, or above it where the body is upside down.
-      const level = view.to(placed([0, shape.level_m], x, y, angle))[1];
-      const { left, right, top, bottom } = view.box;
-      const far = Math.cos(angle) >= 0 ? Math.max(bottom, level) : Math.min(top, level);
-      return [[left, level], [right, level], [right, far], [left, far]];
+      // Solid below its level, however the body is turned; it reaches beyond the view on all sides.
+      const [cx, cy] = view.to(placed([0, shape.level_m], x, y, angle));
+      const reach = Math.abs(cx) + Math.abs(cy) + 2 * (view.width + view.height);
+      const [along, below] = [[reach * Math.cos(angle), -reach * Math.sin(angle)], [reach * Math.sin(angle), reach * Math.cos(angle)]];
+      return [[-1, 0], [1, 0], [1, 1], [-1, 1]].map(([a, b]) => [0, 1].map((i) => [cx, cy][i] + a * along[i] + b * below[i]));
     }
     default:
       return points;
