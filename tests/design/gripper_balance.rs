@@ -81,7 +81,7 @@ fn without_friction_the_palm_has_what_the_fingers_leave() {
             let Balanced::UpTo(up) = of(&hand, [0.0, -1.0]) else { panic!("{design:?}") };
             assert!((up.acceleration_m_s2 - left / MASS).abs() < 1e-8 * (1.0 + left / MASS), "{up:?} {left}");
             let at = |spot: Spot| *up.contacts.iter().find(|held| held.spot == spot).expect("a contact");
-            assert_eq!(at(Spot::Palm).yields, Yields::Leaves);
+            assert_eq!(at(Spot::Palm).yields, Yields::Leaves, "{design:?} {torque} {left}: {up:?}");
             for side in Side::BOTH {
                 let [proximal, distal] =
                     [Site::Proximal, Site::Distal].map(|site| at(Spot::Finger(side, site)).normal_n);
@@ -254,7 +254,7 @@ fn by_corners(columns: &[Column], most: &[f64], right: &Column) -> Option<f64> {
 }
 
 /// The same in one direction of a hand.
-fn expected(hand: &HandAtRest<'_>, moved: &Moved, direction: [f64; 2]) -> Balanced2 {
+fn expected(hand: &HandAtRest<'_>, moved: &Moved, direction: [f64; 2]) -> Corners {
     let driving = moved.inertia[0] * direction[0] + moved.inertia[1] * direction[1];
     let span: Vec<f64> = hand.drives.iter().map(|drive| drive.brake_n_m[1] - drive.brake_n_m[0]).collect();
     let braked = span.iter().any(|span| *span > 0.0);
@@ -266,17 +266,17 @@ fn expected(hand: &HandAtRest<'_>, moved: &Moved, direction: [f64; 2]) -> Balanc
     // A corner at rest: the last variable is none that drives.
     let still: Vec<Column> = all.iter().copied().chain([Column::zeros()]).collect();
     if by_corners(&still, &most, &-fixed).is_none() {
-        return Balanced2::Nothing;
+        return Corners::Nothing;
     }
     let ray: Vec<Column> = moved.edges.iter().copied().chain([Column::zeros()]).collect();
     if by_corners(&ray, &[], &-driving).is_some() {
-        return Balanced2::Any;
+        return Corners::Any;
     }
     let driven: Vec<Column> = all.into_iter().chain([driving]).collect();
-    Balanced2::UpTo(by_corners(&driven, &most, &-fixed).expect("it is balanced at rest"))
+    Corners::UpTo(by_corners(&driven, &most, &-fixed).expect("it is balanced at rest"))
 }
 
-enum Balanced2 {
+enum Corners {
     Nothing,
     UpTo(f64),
     Any,
@@ -298,7 +298,7 @@ fn bound(hand: &HandAtRest<'_>, moved: &Moved, direction: [f64; 2], limit: &Limi
 fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> HandAtRest<'a> {
     loop {
         let mut angles = |Grasp { end, .. }: &Grasp| {
-            [end.posture.q11_rad, end.posture.q21_rad].map(|angle| angle + random.within(-0.1, 0.1))
+            [end.posture.q11_rad, end.posture.q21_rad].map(|angle| angle + random.within(-0.03, 0.03))
         };
         let angles_rad = [angles(right), angles(left)];
         let mut hand = symmetric(right, 0.0, Vec::new());
@@ -306,7 +306,7 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> HandAtRe
             fingers: [&right.finger, &left.finger],
             angles_rad,
             palm_width_m: -right.disc.centre_m[0] - left.disc.centre_m[0],
-            object: Circle { centre_m: [random.within(-2e-3, 2e-3), right.disc.centre_m[1]], ..right.disc },
+            object: Circle { centre_m: [random.within(-1e-3, 1e-3), right.disc.centre_m[1]], ..right.disc },
         };
         let mut mu = || Some(random.within(0.2, 0.9));
         hand.friction = PerContact { phalanges: [[mu(), mu()], [mu(), mu()]], palm: mu() };
@@ -320,8 +320,12 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> HandAtRe
 fn every_corner_of_what_forces_can_do_says_the_same() {
     let mut random = Random(17);
     let (mut nothing, mut limited, mut any) = (0, 0, 0);
-    for round in 0..24 {
-        let grasps = [random.grasp(), random.grasp()];
+    for round in 0..40 {
+        let mut grasps = [random.grasp(), random.grasp()];
+        if round % 5 == 2 {
+            // Whatever pushes the palm against the object, no finger is in its way.
+            grasps.iter_mut().for_each(|grasp| grasp.finger = massless(&grasp.finger));
+        }
         let mut hand = disturbed(&mut random, [&grasps[0], &grasps[1]]);
         hand.gravity_m_s2 = [random.within(-3.0, 3.0), 9.0];
         let torque = random.within(0.3, 0.9);
@@ -335,13 +339,13 @@ fn every_corner_of_what_forces_can_do_says_the_same() {
             hand.friction.palm = None;
         }
         let columns = moved(&hand);
-        for _ in 0..3 {
-            let (sin, cos) = random.within(0.0, TAU).sin_cos();
+        for angle in [0.25 * TAU, random.within(0.0, TAU), random.within(0.0, TAU)] {
+            let (sin, cos) = angle.sin_cos();
             let found = of(&hand, [cos, sin]);
             match (&found, expected(&hand, &columns, [cos, sin])) {
-                (Balanced::Nothing, Balanced2::Nothing) => nothing += 1,
-                (Balanced::Any, Balanced2::Any) => any += 1,
-                (Balanced::UpTo(limit), Balanced2::UpTo(most)) => {
+                (Balanced::Nothing, Corners::Nothing) => nothing += 1,
+                (Balanced::Any, Corners::Any) => any += 1,
+                (Balanced::UpTo(limit), Corners::UpTo(most)) => {
                     limited += 1;
                     let (a, near) = (limit.acceleration_m_s2, 1e-6 * (10.0 + most));
                     assert!((a - most).abs() < near, "{round}: {a}, not {most}");
@@ -353,7 +357,7 @@ fn every_corner_of_what_forces_can_do_says_the_same() {
             }
         }
     }
-    assert!(nothing > 5 && limited > 20 && any > 2, "{nothing} {limited} {any}");
+    assert!(nothing > 10 && limited > 30 && any > 2, "{nothing} {limited} {any}");
 }
 
 /// The same seen in a mirror that stands on the palm's middle.

@@ -55,16 +55,29 @@ pub fn forces(program: &Program, found: Forces) -> Forces {
     Forces { multiple: driving[0], pressing: pressing.to_vec(), bounded: bounded.to_vec() }
 }
 
+/// What of a motion some column notices: without friction a disc may turn as fast as it likes.
+fn noticed(columns: &[Load], motion: &Load) -> Load {
+    let matrix = DMatrix::from_fn(ROWS, columns.len(), |row, column| columns[column][row]);
+    let svd = matrix.svd(true, false);
+    let Some(u) = svd.u else { return *motion };
+    let rank = svd.singular_values.iter().filter(|value| **value > RANK * svd.singular_values.max()).count();
+    let basis = u.columns(0, rank);
+    let within = basis * basis.tr_mul(&DVector::from_row_slice(motion));
+    std::array::from_fn(|row| within[row])
+}
+
 /// The motion in which exactly no force takes part that is within its bounds, and the driving load does 1 W.
 pub fn motion(program: &Program, forces: &Forces, found: Bound) -> Bound {
-    let idle = all(program, forces);
-    let (driving, idle) = idle.split_last().map_or((program.driving, &idle[..]), |(last, rest)| (last.0, rest));
+    let every = all(program, forces);
+    let columns: Vec<Load> = every.iter().map(|(column, ..)| *column).chain([program.fixed]).collect();
+    let start = noticed(&columns, &found.motion);
+    let (driving, idle) = every.split_last().map_or((program.driving, &every[..]), |(last, rest)| (last.0, rest));
     let idle = idle.iter().filter(|(_, value, bounds)| on_bound(*value, *bounds).is_none()).map(|(column, ..)| *column);
     let mut rows: Vec<(Load, f64)> = idle.map(|column| (column, 0.0)).collect();
     rows.push((driving, 1.0));
     let matrix = DMatrix::from_fn(rows.len(), ROWS, |i, j| rows[i].0[j]);
-    let missing = DVector::from_fn(rows.len(), |i, _| rows[i].1 - weigh(&found.motion, &rows[i].0));
+    let missing = DVector::from_fn(rows.len(), |i, _| rows[i].1 - weigh(&start, &rows[i].0));
     let Ok(correction) = matrix.svd(true, true).solve(&missing, RANK) else { return found };
-    let motion: Load = std::array::from_fn(|row| found.motion[row] + correction[row]);
+    let motion: Load = std::array::from_fn(|row| start[row] + correction[row]);
     Bound { bound: program.resists(&motion), motion }
 }

@@ -53,5 +53,5 @@ pub use hand::{Grip, Hand, Side, Touch};
 pub use loads::{Drive, HandAtRest, Spot};
 pub use palm::{palm_force, palm_force_each};
 pub use posture::{AtRest, at_rest};
-pub use stance::{PerContact, Stance};
+pub use stance::{MetAt, PerContact, Stance};
 pub use unilateral::{Kind, NecessaryCount, Row, Unilateral, Unknown, unilateral};

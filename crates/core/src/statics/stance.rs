@@ -3,7 +3,7 @@
 use super::{Grip, Hand, Side, StaticsError, Touch};
 use crate::fivebar::capsule::{Capsule, nearest};
 use crate::gripper::{Circle, Finger, Posture, close, joints};
-use crate::numeric::plane::{Vector, dot, scale, sub};
+use crate::numeric::plane::{Vector, add, dot, scale, sub};
 
 /// A gripper in one posture. The frame is the palm's: origin in its middle, x along it, y out of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +15,17 @@ pub struct Stance<'a> {
     /// Distance between the ground joints.
     pub palm_width_m: f64,
     pub object: Circle,
+}
+
+/// Where a surface of the hand is nearest to the object, in the palm's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetAt {
+    /// On the surface of phalanx or palm.
+    pub point_m: [f64; 2],
+    /// Into the object.
+    pub normal: [f64; 2],
+    /// Negative in penetration.
+    pub gap_m: f64,
 }
 
 /// Something of every contact that a hand can have.
@@ -54,6 +65,24 @@ impl<'a> Stance<'a> {
     pub fn gaps(&self) -> Result<PerContact<f64>, StaticsError> {
         let [(_, right), (_, left)] = self.near()?;
         Ok(PerContact { phalanges: [right, left], palm: self.object.centre_m[1] - self.object.radius_m })
+    }
+
+    /// Where phalanges and palm are nearest to the object, touching or not.
+    ///
+    /// # Errors
+    /// A posture in which a loop does not close.
+    pub fn met(&self) -> Result<PerContact<MetAt>, StaticsError> {
+        let of = |side: Side| -> Result<[MetAt; 2], StaticsError> {
+            let Reach { finger, phalanges, .. } = self.reach(side)?;
+            Ok(phalanges.map(|Meeting { foot, normal: [nx, ny], gap }| MetAt {
+                point_m: self.in_palm(side, add(foot, scale([nx, ny], finger.lengths.half_width_m))),
+                normal: [side.mirror() * nx, ny],
+                gap_m: gap,
+            }))
+        };
+        let [x, y] = self.object.centre_m;
+        let palm = MetAt { point_m: [x, 0.0], normal: [0.0, 1.0], gap_m: y - self.object.radius_m };
+        Ok(PerContact { phalanges: [of(Side::Right)?, of(Side::Left)?], palm })
     }
 
     /// The hand whose contacts are these. A phalanx that is said to touch does so with the normal that it has, at whatever gap: contacts
