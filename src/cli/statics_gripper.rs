@@ -28,7 +28,8 @@ pub struct GripperArgs {
     #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Of a gripper")]
     at: Option<f64>,
 
-    /// Of angles that were given: how far a surface may be from the object, or in it, to touch it [default: 0.05 mm]
+    /// How far a surface may be from the object to touch it: where angles are given, 0.05 mm if nothing else is said; of a run only what
+    /// presses touches it otherwise
     #[arg(long, value_name = "LENGTH", value_parser = length, help_heading = "Of a gripper")]
     within: Option<f64>,
 
@@ -81,10 +82,10 @@ impl GripperArgs {
             Posture::Given { angles_rad, object_m } => {
                 Ok(PostureOf::Given(Given { angles_rad, object_m, within_m: self.within.unwrap_or(WITHIN_M) }))
             }
-            _ if self.within.is_some() => Err(Failure::bad_input(
-                "--within is for angles that are given, and --posture gives none: a run knows what presses",
-            )),
-            Posture::Run => Ok(PostureOf::Run { at_s: self.at }),
+            Posture::Run => Ok(PostureOf::Run { at_s: self.at, within_m: self.within }),
+            Posture::Geometric if self.within.is_some() => {
+                Err(Failure::bad_input("with --posture geometric all phalanges touch the object: take out --within"))
+            }
             Posture::Geometric => Ok(PostureOf::Geometric),
         }
     }

@@ -91,13 +91,18 @@ impl Polar {
         0.5 * f64::from(SIDE) - AROUND
     }
 
-    fn pixel(&self, g: f64, [x, y]: [f64; 2]) -> Pixel {
-        let (middle, reach) = (0.5 * f64::from(SIDE), Self::radius() * g.min(self.rim) / self.rim);
-        ((middle + reach * x).round() as i32, (middle - reach * y).round() as i32)
+    /// Of an acceleration, in g.
+    fn pixel(&self, [x, y]: [f64; 2]) -> Pixel {
+        let (middle, scale) = (0.5 * f64::from(SIDE), Self::radius() / self.rim);
+        ((middle + scale * x).round() as i32, (middle - scale * y).round() as i32)
+    }
+
+    fn along(&self, g: f64, direction: [f64; 2]) -> Pixel {
+        self.pixel(direction.map(|part| g * part))
     }
 
     fn circle(&self, g: f64) -> Vec<Pixel> {
-        (0..=180).map(|i| self.pixel(g, heading(TAU * f64::from(i) / 180.0))).collect()
+        (0..=180).map(|i| self.along(g, heading(TAU * f64::from(i) / 180.0))).collect()
     }
 
     fn circles(&self) -> impl Iterator<Item = f64> {
@@ -112,7 +117,7 @@ impl Polar {
         }
         for index in 0..12 {
             let direction = heading(TAU * f64::from(index) / 12.0);
-            let ends = vec![self.pixel(0.0, direction), self.pixel(self.rim, direction)];
+            let ends = vec![self.along(0.0, direction), self.along(self.rim, direction)];
             area.draw(&PathElement::new(ends, PALE.stroke_width(1)))?;
             let middle = 0.5 * f64::from(SIDE);
             let out = Self::radius() + 22.0;
@@ -132,7 +137,7 @@ impl Polar {
     /// What each circle stands for; over the curves.
     fn figures(&self, area: &Area) -> Result<(), DrawError> {
         for g in self.circles() {
-            let (x, y) = self.pixel(g, heading(FIGURES_RAD));
+            let (x, y) = self.along(g, heading(FIGURES_RAD));
             let digits = usize::from(self.step < 1.0) + usize::from(self.step < 0.1);
             let text = format!("{g:.digits$} g");
             let half = 4 * text.chars().count() as i32 + 2;
@@ -155,20 +160,25 @@ impl Polar {
         if balances.iter().all(|balance| balance.largest == Balanced::Nothing) {
             return Ok(());
         }
-        let all: Vec<(f64, Pixel)> = balances
+        let all: Vec<(bool, [f64; 2])> = balances
             .iter()
             .chain(balances.first())
             .map(|balance| {
                 let reach = self.reach(balance);
-                (reach, self.pixel(reach, balance.direction))
+                (reach > self.rim, balance.direction.map(|part| part * reach.min(self.rim)))
             })
             .collect();
-        let pixels: Vec<Pixel> = all.iter().map(|(_, pixel)| *pixel).collect();
+        let pixels: Vec<Pixel> = all.iter().map(|(_, at)| self.pixel(*at)).collect();
         area.draw(&Polygon::new(pixels, colour.mix(0.13).filled()))?;
-        for pair in all.windows(2) {
-            let beyond = pair.iter().all(|(reach, _)| *reach > self.rim);
-            let width = if beyond { 6 } else { 2 };
-            area.draw(&PathElement::new(vec![pair[0].1, pair[1].1], colour.stroke_width(width)))?;
+        // Each piece on one side of the rim is one line; what joins them belongs to the thin ones.
+        let sides: Vec<(bool, [f64; 2], [f64; 2])> =
+            all.windows(2).map(|pair| (pair[0].0 && pair[1].0, pair[0].1, pair[1].1)).collect();
+        for piece in sides.chunk_by(|a, b| a.0 == b.0) {
+            let points: Vec<[f64; 2]> =
+                piece.iter().take(1).map(|side| side.1).chain(piece.iter().map(|side| side.2)).collect();
+            let (points, width) = if piece[0].0 { (points, 6) } else { (straightened(&points, 1e-6 * self.rim), 2) };
+            let pixels: Vec<Pixel> = points.into_iter().map(|at| self.pixel(at)).collect();
+            area.draw(&PathElement::new(pixels, colour.stroke_width(width)))?;
         }
         Ok(())
     }
@@ -188,6 +198,23 @@ impl Polar {
             _ => None,
         }
     }
+}
+
+/// Without the points that lie on a line between their neighbours: what can be balanced is a polygon, whose sides are straight.
+fn straightened(points: &[[f64; 2]], off: f64) -> Vec<[f64; 2]> {
+    let mut kept: Vec<[f64; 2]> = Vec::with_capacity(points.len());
+    for (index, &point) in points.iter().enumerate() {
+        let (Some(&from), Some(&to)) = (kept.last(), points.get(index + 1)) else {
+            kept.push(point);
+            continue;
+        };
+        let (along, aside) = ([to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]);
+        let area = along[0] * aside[1] - along[1] * aside[0];
+        if area.abs() > off * along[0].hypot(along[1]) {
+            kept.push(point);
+        }
+    }
+    kept
 }
 
 fn heading(angle_rad: f64) -> [f64; 2] {

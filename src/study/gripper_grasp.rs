@@ -28,9 +28,11 @@ pub struct Asked {
 /// Which posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PostureOf {
-    /// Of a run of the analytic model at a time; where none is given, at its end, or when its fingers let go.
+    /// Of a run of the analytic model at a time; where none is given, at its end, or when its fingers let go. Contacts are those that
+    /// press, and, if that is said, those nearer than `within_m`.
     Run {
         at_s: Option<f64>,
+        within_m: Option<f64>,
     },
     /// All phalanges on the object where the scene has it.
     Geometric,
@@ -139,7 +141,7 @@ pub fn gripper_grasp(
     };
     let refused = |error| GripperGraspError::Statics { scene: name(), error };
     let (source, sample) = match asked.posture {
-        PostureOf::Run { at_s } => ran(scene, at_s, go_on)?,
+        PostureOf::Run { at_s, .. } => ran(scene, at_s, go_on)?,
         PostureOf::Geometric => (Source::Geometric, placed(scene, geometric(scene)?, scene.object.centre_m)?),
         PostureOf::Given(Given { angles_rad, object_m, .. }) => {
             let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.object.centre_m[axis]));
@@ -149,7 +151,10 @@ pub fn gripper_grasp(
     let mut press = pressed(scene, &sample);
     let met = press.stance.met().map_err(refused)?;
     match asked.posture {
-        PostureOf::Run { .. } => {}
+        PostureOf::Run { within_m, .. } => {
+            let near = within_m.map(|within_m| near(scene, &met, within_m));
+            press.touching = near.map_or(press.touching, |near| press.touching.with(near, |presses, is| presses || is));
+        }
         PostureOf::Geometric => press.touching = near(scene, &met, GEOMETRIC_M),
         PostureOf::Given(Given { within_m, .. }) => {
             deepest(scene, &met, within_m)?;
@@ -315,7 +320,9 @@ fn contacts(
     let touching = places(scene).filter(|place| of(&press.touching, *place));
     let touching = touching.map(|place| {
         let contact = &sample.contacts[place.index()];
-        let forces_n = ran.then_some([contact.normal_n, contact.tangential_n]);
+        // Along t, which is mirrored on the left; samples have it the same way round everywhere.
+        let along = if matches!(place, Place::Finger(Side::Left, _)) { -1.0 } else { 1.0 };
+        let forces_n = ran.then_some([contact.normal_n, along * contact.tangential_n]);
         Touching { place, at: of(met, place), mu_static: of(&mu, place), forces_n }
     });
     touching.collect()
@@ -325,7 +332,7 @@ fn nothing(scene: &GripperScene, source: Source) -> GripperGraspError {
     let (at, hint) = match source {
         Source::Run { time_s, fate } => {
             let at = format!("at {:.6} ms of its run, where it is {}", time_s * 1e3, fate.name());
-            (at, "ask for an earlier time with --at, or for another posture with --posture")
+            (at, "ask for another time with --at, or for another posture with --posture")
         }
         Source::Geometric | Source::Given => ("in this posture".to_string(), "give other angles, or a larger --within"),
     };
