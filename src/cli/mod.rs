@@ -45,6 +45,7 @@ pub mod set;
 mod simulate;
 mod size;
 mod statics;
+mod statics_gripper;
 mod study;
 mod study_stability;
 mod sweep;

@@ -15,6 +15,13 @@ pub struct Axis {
 /// Ticks of a linear axis, about.
 const TICKS: f64 = 5.0;
 
+/// 1, 2 or 5 times a power of ten: what a range is divided into some five parts by.
+pub fn round_step(range: f64) -> f64 {
+    let raw = range / TICKS;
+    let power = 10f64.powf(raw.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().find(|&m| m * power >= raw).unwrap_or(10.0) * power
+}
+
 impl Axis {
     /// A linear axis over all finite values, a little wider than they are.
     pub fn linear(label: &str, values: impl IntoIterator<Item = f64>) -> Axis {
@@ -25,9 +32,7 @@ impl Axis {
 
     /// A linear axis from one value to another.
     pub fn over(label: &str, from: f64, to: f64) -> Axis {
-        let raw = (to - from) / TICKS;
-        let power = 10f64.powf(raw.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|&m| m * power >= raw).unwrap_or(10.0) * power;
+        let step = round_step(to - from);
         let ticks = (((from / step).ceil() as i64)..=((to / step).floor() as i64)).map(|k| k as f64 * step).collect();
         Axis { label: label.to_string(), from, to, ticks, between: Vec::new(), log: false }
     }

@@ -47,7 +47,7 @@ pub const PROXIMAL: RGBColor = RGBColor(169, 210, 236);
 pub const DISTAL: RGBColor = RGBColor(245, 199, 161);
 pub const OBJECT: RGBColor = RGBColor(227, 220, 203);
 pub const PALM: RGBColor = RGBColor(228, 231, 236);
-const PALE: RGBColor = RGBColor(232, 232, 232);
+pub const PALE: RGBColor = RGBColor(232, 232, 232);
 const PALEST: RGBColor = RGBColor(246, 246, 246);
 
 /// The sign of a family of points, and how a line is drawn.

@@ -1,59 +1,28 @@
 //! A grasp at rest: the finger, its mirror image, the object, forces on the object, and a motion that is free.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
-
 use plotters::element::{PathElement, Polygon};
 use plotters::style::{Color, RGBColor, ShapeStyle};
 
 use super::canvas::{
     Area, BLACK, BLUE, COUPLER, DISTAL, DRIVER, DrawError, Entry, GREEN, GREY, Mark, OBJECT, ORANGE, PALM, PROXIMAL,
-    PURPLE, Pixel, WIDTH, legend, picture, titled, words,
+    PURPLE, WIDTH, legend, picture, titled, words,
 };
-use crate::drawing::{Body, Drawing, Part, Pose, Shape, finger_poses_at};
+use super::outline::{Point, View, circle, filled, outline};
+use crate::drawing::{Body, Drawing, Part, finger_poses_at};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
 use crate::statics::{Certificate, FormClosure, Unknown};
 use crate::study::grasp::{Forces, Grasp, Palm};
 
-type Point = [f64; 2];
-
 /// Width of the legend.
 const BESIDE: u32 = 330;
 const HEAD: u32 = 40;
-const MARGIN: f64 = 24.0;
-
 /// How far the free motion is drawn: the object by a part of its radius, or the fastest joint by an angle.
 const SHOWN_RADII: f64 = 0.2;
 const SHOWN_RAD: f64 = 0.15;
 
 /// The largest force is drawn as long as this part of the object's radius.
 const LONGEST: f64 = 0.65;
-
-/// From the world to pixels of an area: one scale for both axes.
-struct View {
-    low: Point,
-    high: Point,
-    scale: f64,
-}
-
-impl View {
-    /// A view of all points, so wide in pixels.
-    fn of(points: &[Point], width: u32) -> Self {
-        let fold = |i: usize, pick: fn(f64, f64) -> f64, from: f64| points.iter().map(|p| p[i]).fold(from, pick);
-        let low = [0, 1].map(|i| fold(i, f64::min, f64::INFINITY));
-        let high = [0, 1].map(|i| fold(i, f64::max, f64::NEG_INFINITY));
-        View { low, high, scale: (f64::from(width) - 2.0 * MARGIN) / (high[0] - low[0]) }
-    }
-
-    fn height(&self) -> u32 {
-        (self.scale * (self.high[1] - self.low[1]) + 2.0 * MARGIN).round() as u32
-    }
-
-    fn pixel(&self, [x, y]: Point) -> Pixel {
-        let place = |distance: f64| (MARGIN + self.scale * distance).round() as i32;
-        (place(x - self.low[0]), place(self.high[1] - y))
-    }
-}
 
 /// The picture, with the forces of the last of the friction coefficients.
 pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
@@ -122,30 +91,6 @@ fn coloured(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<(Vec<Point
     outlines
 }
 
-fn outline(shape: &Shape, pose: &Pose) -> Vec<Point> {
-    match shape {
-        Shape::Polygon { corners_m } => corners_m.iter().map(|corner| pose.apply(*corner)).collect(),
-        Shape::Disc { radius_m } => circle(pose.position_m, *radius_m),
-        Shape::HalfPlane { .. } => Vec::new(),
-        Shape::Capsule { from_m, to_m, radius_m } => {
-            let (from, to) = (pose.apply(*from_m), pose.apply(*to_m));
-            let along = (to[1] - from[1]).atan2(to[0] - from[0]);
-            let cap = |centre: Point, start: f64| {
-                (0..=12).map(move |i| on_circle(centre, *radius_m, start + FRAC_PI_2 * f64::from(i) / 6.0))
-            };
-            cap(to, along - FRAC_PI_2).chain(cap(from, along + FRAC_PI_2)).collect()
-        }
-    }
-}
-
-fn on_circle(centre: Point, radius: f64, angle: f64) -> Point {
-    [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()]
-}
-
-fn circle(centre: Point, radius: f64) -> Vec<Point> {
-    (0..96).map(|i| on_circle(centre, radius, TAU * f64::from(i) / 96.0)).collect()
-}
-
 fn mirrored(outline: &[Point], about_x: f64) -> Vec<Point> {
     outline.iter().map(|[x, y]| [2.0 * about_x - x, *y]).collect()
 }
@@ -198,13 +143,6 @@ fn ground(area: &Area, view: &View, middle_x: f64) -> Result<(), DrawError> {
     let line = vec![view.pixel([left, 0.0]), view.pixel([right, 0.0])];
     area.draw(&PathElement::new(line, GREY.stroke_width(2)))?;
     words(area, "palm", view.pixel([middle_x, 0.5 * below]), 13, GREY)
-}
-
-fn filled(area: &Area, view: &View, outline: &[Point], fill: impl Color, edge: RGBColor) -> Result<(), DrawError> {
-    let mut pixels: Vec<Pixel> = outline.iter().map(|point| view.pixel(*point)).collect();
-    area.draw(&Polygon::new(pixels.clone(), fill.filled()))?;
-    pixels.extend(pixels.first().copied());
-    area.draw(&PathElement::new(pixels, edge.stroke_width(1)))
 }
 
 fn dashed(area: &Area, view: &View, outline: &[Point], colour: RGBColor) -> Result<(), DrawError> {

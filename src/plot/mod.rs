@@ -3,6 +3,7 @@
 //! | file | job |
 //! |---|---|
 //! | `axis` | ranges and ticks, linear and logarithmic |
+//! | `balance` | accelerations that a gripper's grasp bears, around all directions |
 //! | `canvas` | fonts, colours, frames, legends beside the frames |
 //! | `capture` | where an object ends, over where it lay |
 //! | `closings` | angles of closings over time |
@@ -15,12 +16,14 @@
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
 //! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
+//! | `outline` | bodies as filled outlines |
 //! | `linkage` | the letters of scenes and results on the finger itself |
 //! | `volume` | slices of grasp-state volumes |
 //! | `colours` | colour scales of a quantity |
 //! | `difference` | difference of two runs over time |
 
 mod axis;
+mod balance;
 mod canvas;
 mod capture;
 mod closings;
@@ -30,6 +33,7 @@ mod dark;
 mod difference;
 mod grasp;
 mod linkage;
+mod outline;
 mod overlay;
 mod overlay_gripper;
 mod overlay_panel;
@@ -40,6 +44,7 @@ mod stability;
 mod step_size;
 mod volume;
 
+pub use balance::balance;
 pub use canvas::{DrawError, PICTURE_MARK};
 pub use capture::capture;
 pub use closings::closings;

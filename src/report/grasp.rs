@@ -77,6 +77,13 @@ pub struct ForceClosureReport {
     pub weakest: [f64; 3],
 }
 
+impl From<ForceClosure> for ForceClosureReport {
+    fn from(found: ForceClosure) -> Self {
+        let ForceClosure { closed, q1_l1, q1_linf, weakest } = found;
+        ForceClosureReport { closed, q1_l1, q1_linf, weakest }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TravelReport {
     pub displacement_m: f64,
@@ -123,12 +130,9 @@ impl GraspReport {
             tts_s: found.tts_s,
             until_s: found.fate.until_s(),
             form_closed: holding.and_then(|scene| is_form_closed(scene, last)),
-            force_closure: gripper.filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none()).map(
-                |scene| {
-                    let ForceClosure { closed, q1_l1, q1_linf, weakest } = force_closure_of(scene, last);
-                    ForceClosureReport { closed, q1_l1, q1_linf, weakest }
-                },
-            ),
+            force_closure: gripper
+                .filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none())
+                .map(|scene| force_closure_of(scene, last).into()),
             x_start_m: found.start.centre_m[0],
             x_end_m: found.end.centre_m[0],
             offset_ratio: found.offset_ratio(),

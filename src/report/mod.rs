@@ -46,9 +46,11 @@ pub use select::{
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use statics::{
-    BirglenReport, ClosureReport, ContactPlaceReport, DriveReport, FinalPostureReport, FingerMotionReport,
-    ForcesReport, MotionReport, MultiplierReport, NecessaryReport, RateReport, SpringReport, StaticsReport,
-    statics_json, statics_text,
+    AnglesReport, BalanceReport, BirglenReport, ClosureReport, ContactPlaceReport, DirectionReport, DriveReport,
+    FinalPostureReport, FingerMotionReport, ForceReport, ForcesReport, GripperClosureReport, GripperContactReport,
+    GripperPostureReport, GripperStaticsReport, HandMotionReport, HoldsReport, MotionReport, MotorReport,
+    MultiplierReport, NecessaryReport, RateReport, SpringReport, StaticsReport, gripper_statics_json,
+    gripper_statics_text, statics_json, statics_text,
 };
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use sweep::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};

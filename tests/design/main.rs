@@ -5,6 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod gripper_balance;
 mod gripper_closure;
 mod gripper_design;
 mod gripper_mass;
@@ -16,6 +17,7 @@ mod statics_closure;
 mod statics_command;
 mod statics_counts;
 mod statics_forces;
+mod statics_gripper;
 mod statics_simulated;
 mod study_stability;
 mod study_step_size;

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::motion::{FingerMotionReport, MotionReport, RateReport};
 use super::words::{motion_words, palm};
 use crate::gripper::Site;
-use crate::statics::{Certificate, Decision, FormClosure, Row, Unknown};
+use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Kind, Row, Unknown};
 use crate::study::grasp::Palm;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -53,7 +53,7 @@ pub struct MultiplierReport {
 }
 
 impl ClosureReport {
-    pub fn new(found: &FormClosure, resting: &Palm) -> Self {
+    pub fn new(found: &FormClosure<GripperRow>, resting: &Palm) -> Self {
         let count = found.necessary;
         let (multipliers, motion, residual) = match &found.certificate {
             Certificate::Multipliers { values, residual } => (Some(multipliers(found, values)), None, *residual),
@@ -98,7 +98,8 @@ pub(super) fn finger_name(finger: usize) -> String {
     }
 }
 
-fn constraint(row: Row) -> String {
+fn constraint(row: GripperRow) -> String {
+    let GripperRow::Hand(row) = row else { return "input".to_string() };
     match row {
         Row::Contact { finger, site: Site::Proximal } => format!("{} proximal phalanx", finger_name(finger)),
         Row::Contact { finger, .. } => format!("{} tip", finger_name(finger)),
@@ -107,9 +108,13 @@ fn constraint(row: Row) -> String {
     }
 }
 
-fn multipliers(found: &FormClosure, values: &[f64]) -> Vec<MultiplierReport> {
-    let report = |(&row, &value): (&Row, &f64)| {
-        let is_motor = matches!(row, Row::Motor { .. });
+fn is_motor(row: GripperRow) -> bool {
+    Kind::from(row) == Kind::Motor
+}
+
+fn multipliers(found: &FormClosure<GripperRow>, values: &[f64]) -> Vec<MultiplierReport> {
+    let report = |(&row, &value): (&GripperRow, &f64)| {
+        let is_motor = is_motor(row);
         MultiplierReport {
             constraint: constraint(row),
             force_n: (!is_motor).then_some(value),
@@ -119,17 +124,19 @@ fn multipliers(found: &FormClosure, values: &[f64]) -> Vec<MultiplierReport> {
     found.rows.iter().zip(values).map(report).collect()
 }
 
-fn motion(found: &FormClosure, values: &[f64], rates: &[f64]) -> MotionReport {
+fn motion(found: &FormClosure<GripperRow>, values: &[f64], rates: &[f64]) -> MotionReport {
     let of = |unknown: Unknown| found.unknowns.iter().position(|&k| k == unknown).map_or(0.0, |i| values[i]);
-    let motor = |finger: usize| found.rows.iter().position(|&row| row == Row::Motor { finger }).map(|i| rates[i]);
+    let motor = |finger: usize| {
+        found.rows.iter().position(|&row| row == GripperRow::Hand(Row::Motor { finger })).map(|i| rates[i])
+    };
     let finger = |finger: usize| FingerMotionReport {
         finger: finger_name(finger),
         qd21_rad_s: of(Unknown::Proximal { finger }),
         qd22_rad_s: of(Unknown::Distal { finger }),
         motor_rad_s: motor(finger),
     };
-    let rate = |(&row, &rate): (&Row, &f64)| {
-        let is_motor = matches!(row, Row::Motor { .. });
+    let rate = |(&row, &rate): (&GripperRow, &f64)| {
+        let is_motor = is_motor(row);
         RateReport {
             constraint: constraint(row),
             rate_m_s: (!is_motor).then_some(rate),

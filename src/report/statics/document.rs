@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::closure::ClosureReport;
 use crate::gripper::{Placement, Site, SpringKind};
-use crate::statics::{Ejection, Equilibrium};
+use crate::statics::{Ejection, Equilibrium, GripperRow};
 use crate::study::grasp::{Contact, Drive, Forces, Grasp};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -106,7 +106,7 @@ impl StaticsReport {
             drive: drive(&grasp.drive),
             forces: grasp.forces.iter().map(forces).collect(),
             forces_per_n_m: [pure.f21_n, pure.f22_n, pure.pfp_n],
-            form_closure: ClosureReport::new(&grasp.closure, &grasp.palm),
+            form_closure: ClosureReport::new(&grasp.closure.clone().named(GripperRow::Hand), &grasp.palm),
             svg: None,
         }
     }

@@ -14,7 +14,7 @@ pub fn statics_text(report: &StaticsReport) -> Sheet {
         Sheet::from(drive(&report.drive)),
         forces(&report.forces),
         birglen(&report.forces),
-        closure(&report.form_closure, report.forces_per_n_m),
+        closure(&report.form_closure, "form closure of two fingers", Some(report.forces_per_n_m)),
     ];
     if let Some(path) = &report.svg {
         sections.push(Sheet::from(format!("picture: {path}\n")));
@@ -162,10 +162,11 @@ fn matrix([[a, b], [c, d]]: &[[f64; 2]; 2], factor: f64) -> String {
     format!("[{} {}; {} {}]", n(*a), n(*b), n(*c), n(*d))
 }
 
-fn closure(found: &ClosureReport, pure: [f64; 3]) -> Sheet {
+/// What form closure says, `of` what; `pure` are forces of 1 N·m where their signs decide.
+pub(super) fn closure(found: &ClosureReport, of: &str, pure: Option<[f64; 3]>) -> Sheet {
     let n = &found.necessary;
     let mut text = Sheet::from(format!(
-        "form closure of two fingers{}: {}\n",
+        "{of}{}: {}\n",
         match found.palm {
             "rests" | "within" => " and the palm",
             _ => "",
@@ -182,7 +183,7 @@ fn closure(found: &ClosureReport, pure: [f64; 3]) -> Sheet {
                 millimetres(-gap)
             ));
         }
-        ("none", _) => text.push_str("the scene has no palm\n"),
+        ("none", _) if pure.is_some() => text.push_str("the scene has no palm\n"),
         _ => {}
     }
     text.push_str(&format!(
@@ -194,7 +195,7 @@ fn closure(found: &ClosureReport, pure: [f64; 3]) -> Sheet {
         n.object,
         if n.met { "met" } else { "not met" }
     ));
-    if matches!(found.palm, "rests" | "within") {
+    if let Some(pure) = pure.filter(|_| matches!(found.palm, "rests" | "within")) {
         let [f21, f22, pfp] = pure.map(number);
         text.push_str(&format!(
             "without spring and friction, 1 N·m makes F21 {f21} N, F22 {f22} N, PFP {pfp} N; closed if all are positive\n"

@@ -45,6 +45,15 @@ pub struct FormClosure<R = Row> {
     pub decision: Decision,
 }
 
+impl<R> FormClosure<R> {
+    /// The same with its constraints by other names.
+    pub fn named<S>(self, name: impl Fn(R) -> S) -> FormClosure<S> {
+        let FormClosure { closed, certificate, rows, unknowns, rank, necessary, margin, decision } = self;
+        let rows = rows.into_iter().map(name).collect();
+        FormClosure { closed, certificate, rows, unknowns, rank, necessary, margin, decision }
+    }
+}
+
 /// How it was decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {

@@ -2,8 +2,8 @@
 
 use super::{Grip, Hand, Side, StaticsError, Touch};
 use crate::fivebar::capsule::{Capsule, nearest};
-use crate::gripper::{Circle, Finger, close, joints};
-use crate::numeric::plane::{Vector, dot, scale, sub};
+use crate::gripper::{Circle, Finger, Posture, close, joints};
+use crate::numeric::plane::{Vector, add, dot, scale, sub};
 
 /// A gripper in one posture. The frame is the palm's: origin in its middle, x along it, y out of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +15,17 @@ pub struct Stance<'a> {
     /// Distance between the ground joints.
     pub palm_width_m: f64,
     pub object: Circle,
+}
+
+/// Where a surface of the hand is nearest to the object, in the palm's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetAt {
+    /// On the surface of phalanx or palm.
+    pub point_m: [f64; 2],
+    /// Into the object.
+    pub normal: [f64; 2],
+    /// Negative in penetration.
+    pub gap_m: f64,
 }
 
 /// Something of every contact that a hand can have.
@@ -31,6 +42,17 @@ impl<T> PerContact<T> {
     }
 }
 
+impl<T: Copy> PerContact<T> {
+    /// Of this and of something else of the same contacts.
+    pub fn with<S: Copy, R>(self, other: PerContact<S>, f: impl Fn(T, S) -> R) -> PerContact<R> {
+        let phalanx = |side: usize, site: usize| f(self.phalanges[side][site], other.phalanges[side][site]);
+        PerContact {
+            phalanges: [0, 1].map(|side| [0, 1].map(|site| phalanx(side, site))),
+            palm: f(self.palm, other.palm),
+        }
+    }
+}
+
 /// A finger near the object: its grip if all of it touches, and the gaps of its phalanges, proximal and distal.
 type Near<'a> = (Grip<'a>, [f64; 2]);
 
@@ -43,6 +65,24 @@ impl<'a> Stance<'a> {
     pub fn gaps(&self) -> Result<PerContact<f64>, StaticsError> {
         let [(_, right), (_, left)] = self.near()?;
         Ok(PerContact { phalanges: [right, left], palm: self.object.centre_m[1] - self.object.radius_m })
+    }
+
+    /// Where phalanges and palm are nearest to the object, touching or not.
+    ///
+    /// # Errors
+    /// A posture in which a loop does not close.
+    pub fn met(&self) -> Result<PerContact<MetAt>, StaticsError> {
+        let of = |side: Side| -> Result<[MetAt; 2], StaticsError> {
+            let Reach { finger, phalanges, .. } = self.reach(side)?;
+            Ok(phalanges.map(|Meeting { foot, normal: [nx, ny], gap }| MetAt {
+                point_m: self.in_palm(side, add(foot, scale([nx, ny], finger.lengths.half_width_m))),
+                normal: [side.mirror() * nx, ny],
+                gap_m: gap,
+            }))
+        };
+        let [x, y] = self.object.centre_m;
+        let palm = MetAt { point_m: [x, 0.0], normal: [0.0, 1.0], gap_m: y - self.object.radius_m };
+        Ok(PerContact { phalanges: [of(Side::Right)?, of(Side::Left)?], palm })
     }
 
     /// The hand whose contacts are these. A phalanx that is said to touch does so with the normal that it has, at whatever gap: contacts
@@ -64,32 +104,53 @@ impl<'a> Stance<'a> {
     }
 
     fn finger(&self, side: Side) -> Result<Near<'a>, StaticsError> {
-        let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
-        let posture = close(&finger.lengths, finger.assembly, q11, q21)?;
-        let at = joints(&finger.lengths, &posture);
-        // Into the finger's own frame: its ground joint is the origin, and the object is to its left.
-        let [x, y] = self.object.centre_m;
-        let disc =
-            Circle { centre_m: [side.mirror() * x - 0.5 * self.palm_width_m, y], radius_m: self.object.radius_m };
-        let w = finger.lengths.half_width_m;
-        let [proximal, distal] = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, disc));
+        let Reach { finger, posture, a22, phalanges: [proximal, distal], .. } = self.reach(side)?;
         let grip = Grip {
             finger,
             posture,
             side,
             proximal: Some(Touch::proximal(proximal.foot, proximal.normal)),
-            distal: Some(Touch::distal(distal.foot, distal.normal, at.a22_m)),
+            distal: Some(Touch::distal(distal.foot, distal.normal, a22)),
             backdrivable: false,
         };
         Ok((grip, [proximal.gap, distal.gap]))
     }
+
+    /// A finger by the object, in its own frame: its ground joint is the origin, and the object is to its left.
+    pub(super) fn reach(&self, side: Side) -> Result<Reach<'a>, StaticsError> {
+        let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
+        let posture = close(&finger.lengths, finger.assembly, q11, q21)?;
+        let at = joints(&finger.lengths, &posture);
+        let [x, y] = self.object.centre_m;
+        let disc =
+            Circle { centre_m: [side.mirror() * x - 0.5 * self.palm_width_m, y], radius_m: self.object.radius_m };
+        let w = finger.lengths.half_width_m;
+        let phalanges = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, disc));
+        Ok(Reach { finger, posture, a22: at.a22_m, disc, phalanges })
+    }
+
+    /// A point of a finger's frame as that of the palm has it.
+    pub(super) fn in_palm(&self, side: Side, [x, y]: Vector<f64>) -> [f64; 2] {
+        [side.mirror() * (x + 0.5 * self.palm_width_m), y]
+    }
+}
+
+/// A finger by the object, in the finger's frame.
+pub(super) struct Reach<'a> {
+    pub finger: &'a Finger,
+    pub posture: Posture,
+    pub a22: Vector<f64>,
+    pub disc: Circle,
+    /// Proximal and distal.
+    pub phalanges: [Meeting; 2],
 }
 
 /// Where a phalanx is nearest to the object: on its centre line, with the normal into the object.
-struct Meeting {
-    foot: Vector<f64>,
-    normal: Vector<f64>,
-    gap: f64,
+#[derive(Clone, Copy)]
+pub(super) struct Meeting {
+    pub foot: Vector<f64>,
+    pub normal: Vector<f64>,
+    pub gap: f64,
 }
 
 fn meet(from: Vector<f64>, to: Vector<f64>, half_width: f64, disc: Circle) -> Meeting {
