@@ -1,0 +1,288 @@
+//! How well a gripper holds: by simulation, the acceleration of its palm at which the object slips in the hand or is dropped.
+//!
+//! The scene is run up to where its object is at rest; from there on a load moves the palm, ever the same one but for its peak
+//! acceleration: pulses in some directions, vibrations, or a pick-and-place move in another time. A run goes on [`AFTER_S`] after the load
+//! is over. A load *slips* the object where it is not held at the end, or got further in the hand than the bound since the load began
+//! (`grasp.cycle.carried` of a run); it *drops* it where it is not held at the end.
+//!
+//! More is not always worse: contacts rattle, and what one load throws out of the hand another one throws back into it. So a scan over
+//! the whole range comes first, the first failure in it is narrowed by bisection, and loads beyond it that hold all the same are said. A
+//! resonance narrower than the scan can be missed. Runs that cannot be finished neither hold nor fail.
+//!
+//! | file | job |
+//! |---|---|
+//! | `prepare` | the scene up to where loads begin |
+//! | `rest` | since when the object is at rest |
+//! | `simulate` | a run for what its criteria say |
+//! | `motion` | motions at another pace, later, or fading |
+//! | `load` | what moves the palm at a peak acceleration |
+//! | `attempt` | one run under one load |
+//! | `search` | limits between what holds and what fails |
+
+mod attempt;
+mod load;
+mod motion;
+mod prepare;
+mod rest;
+mod search;
+mod simulate;
+
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::Sender;
+
+use crate::criteria::Fate;
+use crate::scene::{Axis, GripperScene};
+use crate::study::pool;
+use crate::trace::Model;
+
+use prepare::Prepared;
+
+pub use attempt::{Found, Tried};
+pub use load::{Case, Load, Stage};
+pub use prepare::Since;
+pub use search::{Answer, Limit};
+
+/// How long a run goes on when its load is over, s: what has lost its contacts is gone by then, and what rattles is not.
+pub const AFTER_S: f64 = 30e-3;
+/// Slower than this, m/s, an object is at rest in the hand: in a pulse of 40 ms it would creep by 40 µm.
+pub const REST_M_S: f64 = 1e-3;
+
+/// What moves the palm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Loads {
+    /// In so many directions all around, each a pulse of this length.
+    Pulses { directions: usize, length_s: f64 },
+    /// Along each of the axes at each of the frequencies.
+    Vibrations { axes: Vec<Axis>, frequencies_hz: Vec<f64> },
+    /// The scene's own moves and path in another time, with its vibrations, or the standard cycle of a scene without any.
+    Move,
+}
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub model: Model,
+    pub loads: Loads,
+    /// When they begin; `None`: when the object is at rest, or the scene's own motion says.
+    pub begins_s: Option<f64>,
+    /// How far the object may slip in the hand.
+    pub slip_m: f64,
+    /// Peak accelerations of the scan: from, to, and how many in between and at both ends, from 2.
+    pub from_m_s2: f64,
+    pub to_m_s2: f64,
+    pub scan: usize,
+    /// How finely limits are found, as part of themselves.
+    pub tolerance: f64,
+    /// 0: one for each core. The answer does not depend on it.
+    pub threads: usize,
+}
+
+/// How well a gripper holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hold {
+    pub scene: String,
+    pub plan: Plan,
+    pub stage: Stage,
+    pub since: Since,
+    /// What becomes of the object with no load at all in the same time.
+    pub unloaded: Found,
+    pub held: Vec<Held>,
+}
+
+/// What holds under one kind of load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    pub case: Case,
+    /// By their loads, from small to large.
+    pub tried: Vec<Tried>,
+    pub slips: Limit,
+    pub drops: Limit,
+}
+
+impl Held {
+    /// The run at a load that was tried.
+    pub fn at(&self, peak_m_s2: f64) -> Option<&Tried> {
+        self.tried.iter().find(|tried| tried.peak_m_s2 == peak_m_s2)
+    }
+
+    fn new(case: Case, mut tried: Vec<Tried>, slip_m: f64) -> Self {
+        tried.sort_by(|a, b| a.peak_m_s2.total_cmp(&b.peak_m_s2));
+        let slips = Limit::of(tried.iter().map(|tried| (tried.peak_m_s2, tried.slips(slip_m))));
+        let drops = Limit::of(tried.iter().map(|tried| (tried.peak_m_s2, tried.drops())));
+        Held { case, tried, slips, drops }
+    }
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum HoldError {
+    #[error(
+        "the object is fixed in the world, so that nothing carries it; let it move: object.motion = \"free\", or leave that key out"
+    )]
+    Fixed,
+    #[error("without any load, the scene could not be simulated: {reason}; see `phalanx run` of it")]
+    Scene { reason: String },
+    #[error(
+        "without any load, the object is {} at {:.3} ms, so that there is nothing to be loaded; give a scene that holds its object, or \
+         say by --at when it does", fate.name(), ends_s * 1e3
+    )]
+    NotGrasped { ends_s: f64, fate: Fate },
+    #[error(
+        "loads would begin at {:.3} ms, but the fingers let go at {:.3} ms; let them begin earlier: --at TIME",
+        begins_s * 1e3, releases_s * 1e3
+    )]
+    LetGo { begins_s: f64, releases_s: f64 },
+    #[error(
+        "without any load, the object slips by {:.4} mm from {:.3} ms to {:.3} ms and is {} then: the bound of {:.4} mm says nothing of \
+         loads; give friction that holds (contact.friction.law = \"bristle\"), a larger --slip, or another --at",
+        found.slip.displacement_m * 1e3, begins_s * 1e3, found.end_s * 1e3, found.fate.name(), bound_m * 1e3
+    )]
+    Unloaded { begins_s: f64, bound_m: f64, found: Found },
+    #[error(
+        "the object lies on a table, and under a load of {peak_m_s2} m/s² the palm would press it against it; lift it before, such as by \
+         --set moves.lift.y=\"-25 mm\" --set moves.lift.start=\"20 ms\" --set moves.lift.time=\"40 ms\", take the table away by --set \
+         table.present=false, or ask for less: --to"
+    )]
+    Table { peak_m_s2: f64 },
+    #[error("it was stopped after {done} runs")]
+    Stopped { done: u64 },
+}
+
+/// Whether to go on, asked once a step.
+pub type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Finds the limits of all kinds of load, on all cores; `tell` hears how many runs are done, and of how many.
+///
+/// # Errors
+/// The scene holds nothing that could be loaded, or `go_on` said no.
+///
+/// # Panics
+/// If the plan's scan has fewer than 2 loads.
+pub fn hold(
+    scene: &GripperScene,
+    plan: Plan,
+    tell: &mut (dyn FnMut(u64, u64) + Send),
+    go_on: GoOn<'_>,
+) -> Result<Hold, HoldError> {
+    let done = AtomicU64::new(0);
+    let stopped = || HoldError::Stopped { done: done.load(Ordering::Relaxed) };
+    let prepared = prepare::prepare(scene, &plan, go_on)?.ok_or_else(stopped)?;
+    let cases = cases(&plan.loads);
+    let loads = search::ladder(plan.from_m_s2, plan.to_m_s2, plan.scan);
+    refuse_table(&prepared, &plan, &cases)?;
+    let unloaded = unloaded(&prepared, &plan, &cases, go_on)?.ok_or_else(stopped)?;
+
+    let jobs: Vec<(usize, f64)> =
+        (0..cases.len()).flat_map(|case| loads.iter().map(move |load| (case, *load))).collect();
+    let mut total = jobs.len() as u64;
+    let ready = &prepared;
+    let scanned = pool::map(
+        plan.threads,
+        &jobs,
+        |(case, load), notes: &Sender<u64>| {
+            let tried = attempt::attempt(plan.model, ready, &cases[*case], *load, go_on);
+            // Whoever asked may be gone.
+            let _ = notes.send(done.fetch_add(1, Ordering::Relaxed) + 1);
+            tried
+        },
+        |now| tell(now, total),
+    );
+    let mut scanned = scanned.into_iter().collect::<Option<Vec<Tried>>>().ok_or_else(stopped)?.into_iter();
+    let scanned: Vec<Held> =
+        cases.iter().map(|case| Held::new(*case, scanned.by_ref().take(loads.len()).collect(), plan.slip_m)).collect();
+    total += scanned.iter().map(|held| most_halvings(held, plan.tolerance)).sum::<u64>();
+    let narrowed = pool::map(
+        plan.threads,
+        &scanned,
+        |held, notes: &Sender<u64>| {
+            narrow(held, &plan, ready, go_on, &|| {
+                let _ = notes.send(done.fetch_add(1, Ordering::Relaxed) + 1);
+            })
+        },
+        |now| tell(now, total.max(now)),
+    );
+    let held = narrowed.into_iter().collect::<Option<_>>().ok_or_else(stopped)?;
+    let Prepared { stage, since, .. } = prepared;
+    Ok(Hold { scene: scene.name.clone(), plan, stage, since, unloaded, held })
+}
+
+fn cases(loads: &Loads) -> Vec<Case> {
+    match loads {
+        Loads::Pulses { directions, length_s } => {
+            let direction = |index: usize| TAU * index as f64 / *directions as f64;
+            (0..*directions).map(|index| Case::Pulse { direction_rad: direction(index), length_s: *length_s }).collect()
+        }
+        Loads::Vibrations { axes, frequencies_hz } => {
+            let of = |axis: &Axis| {
+                let axis = *axis;
+                frequencies_hz.iter().map(move |frequency_hz| Case::Vibration { axis, frequency_hz: *frequency_hz })
+            };
+            axes.iter().flat_map(of).collect()
+        }
+        Loads::Move => vec![Case::Move],
+    }
+}
+
+/// Halves both limits until they are as fine as was asked; `None` if it was told to stop.
+fn narrow(held: &Held, plan: &Plan, prepared: &Prepared, go_on: GoOn<'_>, tell: &dyn Fn()) -> Option<Held> {
+    let mut held = held.clone();
+    while let Some(load) = held.slips.next(plan.tolerance).or(held.drops.next(plan.tolerance)) {
+        let tried = attempt::attempt(plan.model, prepared, &held.case, load, go_on)?;
+        tell();
+        held.tried.push(tried);
+        held = Held::new(held.case, held.tried, plan.slip_m);
+    }
+    Some(held)
+}
+
+/// How many runs narrowing takes at most.
+fn most_halvings(held: &Held, tolerance: f64) -> u64 {
+    let halvings = |limit: &Limit| {
+        limit
+            .held
+            .zip(limit.failed)
+            .map_or(0.0, |(held, failed)| ((failed / held).ln() / tolerance).log2().ceil().max(0.0))
+    };
+    (halvings(&held.slips) + halvings(&held.drops)) as u64
+}
+
+/// The same time with no load at all; `None` if it was told to stop.
+fn unloaded(prepared: &Prepared, plan: &Plan, cases: &[Case], go_on: GoOn<'_>) -> Result<Option<Found>, HoldError> {
+    let longest_s = cases.iter().map(|case| case.load(&prepared.stage, plan.to_m_s2).over_s).fold(0.0, f64::max);
+    let load = Load { motion: prepared.stage.before.clone(), over_s: longest_s };
+    match attempt::under(plan.model, prepared, load, go_on) {
+        None => Ok(None),
+        Some(Err(reason)) => Err(HoldError::Scene { reason }),
+        Some(Ok(found)) if found.fate != Fate::Held || found.slip.displacement_m > plan.slip_m => {
+            Err(HoldError::Unloaded { begins_s: prepared.stage.begins_s, bound_m: plan.slip_m, found })
+        }
+        Some(Ok(found)) => Ok(Some(found)),
+    }
+}
+
+/// A table that the object still lies on, or that the strongest load would press it against, would hold it: no limit of the hand. The
+/// scene's own move may begin and end there.
+fn refuse_table(prepared: &Prepared, plan: &Plan, cases: &[Case]) -> Result<(), HoldError> {
+    let Some(table) = prepared.scene.table.as_ref().filter(|_| plan.loads != Loads::Move) else {
+        return Ok(());
+    };
+    /// Clearance that is no contact, m: what the object may sink in the hand.
+    const CLEAR_M: f64 = 0.5e-3;
+    const PLACES: usize = 1000;
+    let object = &prepared.scene.object;
+    let [x, y] = object.centre_m;
+    let begins_s = prepared.stage.begins_s;
+    let reaches = |load: &Load| {
+        (0..=PLACES).any(|index| {
+            let [_, height, turn] =
+                load.motion.pose(begins_s + (load.over_s - begins_s) * index as f64 / PLACES as f64).place;
+            let (sin, cos) = turn.sin_cos();
+            height + sin * x + cos * y + object.radius_m > table.level_m - CLEAR_M
+        })
+    };
+    match cases.iter().any(|case| reaches(&case.load(&prepared.stage, plan.to_m_s2))) {
+        true => Err(HoldError::Table { peak_m_s2: plan.to_m_s2 }),
+        false => Ok(()),
+    }
+}
