@@ -5,6 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod gripper_balance;
 mod gripper_closure;
 mod gripper_design;
 mod gripper_mass;

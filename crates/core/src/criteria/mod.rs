@@ -17,6 +17,7 @@
 //! [`gripper_closure`](crate::statics::gripper_closure) about its [`stance`] in the last sample.
 
 mod at_rest;
+mod balance;
 mod formula;
 mod grasp;
 mod grasp_tracker;
@@ -29,11 +30,12 @@ mod stance;
 mod tracker;
 
 pub use at_rest::{AtRest, at_rest};
+pub use balance::{Driven, Pressed, hand_at_rest, held_at_rest, pressed};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel};
 pub use grasp_tracker::GraspTracker;
 pub use rebounds::{Rebound, Rebounds};
-pub use stance::{force_closure_of, is_form_closed, normal_forces, stance};
+pub use stance::{force_closure_of, friction, is_form_closed, normal_forces, stance};
 pub use tracker::{FinalAngles, Tracker};
 
 /// The dynamic criteria of one run.

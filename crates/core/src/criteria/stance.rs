@@ -34,16 +34,22 @@ pub fn is_form_closed(scene: &GripperScene, sample: &Sample) -> Option<bool> {
     gripper_closure(&stance(scene, sample), &touching, blocked).ok().map(|found| found.closed)
 }
 
+/// Friction coefficients that contacts of a scene hold with.
+pub fn friction(scene: &GripperScene) -> PerContact<f64> {
+    let palm = scene.palm.and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
+    PerContact { phalanges: Side::BOTH.map(|side| scene.finger(side).contact.mu_static()), palm }
+}
+
 /// How the contacts in the hand (phalanges and palm) that press in a sample hold the object with friction, whatever their forces are.
 pub fn force_closure_of(scene: &GripperScene, sample: &Sample) -> ForceClosure {
+    let friction = friction(scene);
     let holding = |(place, contact): (Place, &ContactSample)| {
-        let law = match place {
-            Place::Finger(side, Site::Proximal) => scene.finger(side).contact.proximal,
-            Place::Finger(side, Site::Distal) => scene.finger(side).contact.distal,
-            Place::Palm => scene.palm?,
+        let mu = match place {
+            Place::Finger(side, Site::Proximal) => friction.phalanges[side as usize][0],
+            Place::Finger(side, Site::Distal) => friction.phalanges[side as usize][1],
+            Place::Palm => friction.palm,
             Place::Finger(_, Site::Limit) | Place::Table => return None,
         };
-        let mu = law.friction.map_or(0.0, |friction| friction.mu_static);
         // A sample's normals point away from the object.
         let push = contact.normal.map(|part| -part);
         (contact.normal_n > 0.0).then_some(Holding { point_m: contact.point_m, push, mu })

@@ -70,18 +70,25 @@ pub fn drive_loads(
     spring: Option<&Spring>,
 ) -> Result<[f64; 2], StaticsError> {
     number("the motor torque", motor_n_m, true, "must be finite")?;
-    let AtRest { pose, rates, .. } = at_rest(finger, end)?;
-    let Some(spring) = spring else {
-        return Ok([motor_n_m, 0.0]);
-    };
+    let [s11, s21] = spring_loads(finger, &at_rest(finger, end)?, spring)?;
+    Ok([motor_n_m + s11, s21])
+}
+
+/// τ_s on (q11, q21) in any posture, in N·m (2.30), as [`drive_loads`] has it.
+pub(super) fn spring_loads(
+    finger: &Finger,
+    AtRest { pose, rates, .. }: &AtRest,
+    spring: Option<&Spring>,
+) -> Result<[f64; 2], StaticsError> {
+    let Some(spring) = spring else { return Ok([0.0; 2]) };
     let reference = reference_gamma(&finger.lengths);
     let model = match finger.assembly {
         Assembly::Reference => SpringModel::new(spring, &finger.lengths, reference, &straight(&finger.lengths)),
-        Assembly::Other => SpringModel::new(spring, &finger.lengths, -reference, &pose),
+        Assembly::Other => SpringModel::new(spring, &finger.lengths, -reference, pose),
     };
-    let [s11, s21] = model.generalised_force(&pose, &rates);
+    let [s11, s21] = model.generalised_force(pose, rates);
     number("the spring's torque", s11 + s21, true, "must be finite")?;
-    Ok([motor_n_m + s11, s21])
+    Ok([s11, s21])
 }
 
 /// J_C = [J_C21, J_C22] of (2.32), J_C2j = J_P2jᵀ (n + μ t) (errata 9), in m: generalised forces on (q11, q21) for each newton

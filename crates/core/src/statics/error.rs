@@ -32,6 +32,11 @@ pub enum StaticsError {
         "the linear programme of form closure has no answer ({reason}); the grasp is close to singular, change it a little"
     )]
     Program { reason: String },
+    #[error(
+        "the linear programme of what contact forces can balance has no answer ({reason}); the posture is close to singular, \
+         change it a little"
+    )]
+    Balance { reason: String },
     #[error(transparent)]
     Loop(#[from] PostureError),
 }

@@ -14,10 +14,17 @@
 //! | `form_closure` | whether nothing is left that it may do, with a certificate either way |
 //! | `gripper_closure` | the same of a whole gripper, with a differential or without |
 //! | `force_closure` | which wrenches contacts with friction can balance, and how large ones |
+//! | `loads` | what every force does on fingers and object at rest in the hand, column by column |
+//! | `balance` | the largest acceleration of the palm that contact forces can balance, by direction, with what proves it |
+//! | `balance_program` | its linear programme, and the dual |
+//! | `balance_exact` | what that found to its tolerance, exactly |
 //! | `linear` | ranks, null vectors and projections of U |
 //! | `program` | the linear programmes |
 //! | `error` | why there is no statics |
 
+mod balance;
+mod balance_exact;
+mod balance_program;
 mod birglen;
 mod equilibrium;
 mod error;
@@ -26,12 +33,16 @@ mod form_closure;
 mod gripper_closure;
 mod hand;
 mod linear;
+mod loads;
 mod palm;
 mod posture;
 mod program;
 mod stance;
 mod unilateral;
 
+pub use balance::{
+    Balance, Balanced, BrakeHeld, HandMotion, Held, Limit, Yields, balance_polar, balanced_acceleration,
+};
 pub use birglen::{Birglen, birglen};
 pub use equilibrium::{Ejection, Equilibrium, contact_jacobian, drive_loads, equilibrium, equilibrium_each};
 pub use error::StaticsError;
@@ -39,6 +50,7 @@ pub use force_closure::{ForceClosure, Holding, force_closure};
 pub use form_closure::{BOUNDARY, Certificate, Decision, FormClosure, decide, decide_by_program, form_closure};
 pub use gripper_closure::{Blocked, GripperRow, gripper_closure, gripper_unilateral};
 pub use hand::{Grip, Hand, Side, Touch};
+pub use loads::{Drive, HandAtRest, Spot};
 pub use palm::{palm_force, palm_force_each};
 pub use posture::{AtRest, at_rest};
 pub use stance::{PerContact, Stance};

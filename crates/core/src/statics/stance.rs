@@ -2,7 +2,7 @@
 
 use super::{Grip, Hand, Side, StaticsError, Touch};
 use crate::fivebar::capsule::{Capsule, nearest};
-use crate::gripper::{Circle, Finger, close, joints};
+use crate::gripper::{Circle, Finger, Posture, close, joints};
 use crate::numeric::plane::{Vector, dot, scale, sub};
 
 /// A gripper in one posture. The frame is the palm's: origin in its middle, x along it, y out of it.
@@ -28,6 +28,17 @@ pub struct PerContact<T> {
 impl<T> PerContact<T> {
     pub fn map<S>(self, f: impl Fn(T) -> S) -> PerContact<S> {
         PerContact { phalanges: self.phalanges.map(|finger| finger.map(&f)), palm: f(self.palm) }
+    }
+}
+
+impl<T: Copy> PerContact<T> {
+    /// Of this and of something else of the same contacts.
+    pub fn with<S: Copy, R>(self, other: PerContact<S>, f: impl Fn(T, S) -> R) -> PerContact<R> {
+        let phalanx = |side: usize, site: usize| f(self.phalanges[side][site], other.phalanges[side][site]);
+        PerContact {
+            phalanges: [0, 1].map(|side| [0, 1].map(|site| phalanx(side, site))),
+            palm: f(self.palm, other.palm),
+        }
     }
 }
 
@@ -64,32 +75,53 @@ impl<'a> Stance<'a> {
     }
 
     fn finger(&self, side: Side) -> Result<Near<'a>, StaticsError> {
-        let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
-        let posture = close(&finger.lengths, finger.assembly, q11, q21)?;
-        let at = joints(&finger.lengths, &posture);
-        // Into the finger's own frame: its ground joint is the origin, and the object is to its left.
-        let [x, y] = self.object.centre_m;
-        let disc =
-            Circle { centre_m: [side.mirror() * x - 0.5 * self.palm_width_m, y], radius_m: self.object.radius_m };
-        let w = finger.lengths.half_width_m;
-        let [proximal, distal] = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, disc));
+        let Reach { finger, posture, a22, phalanges: [proximal, distal], .. } = self.reach(side)?;
         let grip = Grip {
             finger,
             posture,
             side,
             proximal: Some(Touch::proximal(proximal.foot, proximal.normal)),
-            distal: Some(Touch::distal(distal.foot, distal.normal, at.a22_m)),
+            distal: Some(Touch::distal(distal.foot, distal.normal, a22)),
             backdrivable: false,
         };
         Ok((grip, [proximal.gap, distal.gap]))
     }
+
+    /// A finger by the object, in its own frame: its ground joint is the origin, and the object is to its left.
+    pub(super) fn reach(&self, side: Side) -> Result<Reach<'a>, StaticsError> {
+        let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
+        let posture = close(&finger.lengths, finger.assembly, q11, q21)?;
+        let at = joints(&finger.lengths, &posture);
+        let [x, y] = self.object.centre_m;
+        let disc =
+            Circle { centre_m: [side.mirror() * x - 0.5 * self.palm_width_m, y], radius_m: self.object.radius_m };
+        let w = finger.lengths.half_width_m;
+        let phalanges = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, disc));
+        Ok(Reach { finger, posture, a22: at.a22_m, disc, phalanges })
+    }
+
+    /// A point of a finger's frame as that of the palm has it.
+    pub(super) fn in_palm(&self, side: Side, [x, y]: Vector<f64>) -> [f64; 2] {
+        [side.mirror() * (x + 0.5 * self.palm_width_m), y]
+    }
+}
+
+/// A finger by the object, in the finger's frame.
+pub(super) struct Reach<'a> {
+    pub finger: &'a Finger,
+    pub posture: Posture,
+    pub a22: Vector<f64>,
+    pub disc: Circle,
+    /// Proximal and distal.
+    pub phalanges: [Meeting; 2],
 }
 
 /// Where a phalanx is nearest to the object: on its centre line, with the normal into the object.
-struct Meeting {
-    foot: Vector<f64>,
-    normal: Vector<f64>,
-    gap: f64,
+#[derive(Clone, Copy)]
+pub(super) struct Meeting {
+    pub foot: Vector<f64>,
+    pub normal: Vector<f64>,
+    pub gap: f64,
 }
 
 fn meet(from: Vector<f64>, to: Vector<f64>, half_width: f64, disc: Circle) -> Meeting {
