@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::document_text;
 use super::grasp::TravelReport;
 use crate::scene::Axis;
-use crate::study::hold::{Answer, Case, Held, Hold, Limit, Since, Stage, Tried};
+use crate::study::hold::{Answer, AtRest, Case, Held, Hold, Limit, Since, Stage, Tried};
 
 /// The accelerations of the palm at which an object slips in the hand or is dropped.
 #[derive(Clone, Debug, Serialize)]
@@ -42,6 +42,12 @@ pub struct LoadReport {
     /// Of a vibration: `x`, `y` or `angle`.
     pub axis: Option<&'static str>,
     pub frequency_hz: Option<f64>,
+    /// The largest load of its scan: less than the largest asked for where a table is in the way.
+    pub to_m_s2: f64,
+    /// What contact forces can balance at rest, there and back: `nothing`, `up to` (the acceleration beside it) or `any`; null of loads
+    /// that turn the palm, and where statics has no answer.
+    pub quasi_static: Option<&'static str>,
+    pub quasi_static_m_s2: Option<f64>,
     /// Where the object slips by more than the bound, or is dropped; and where it is dropped.
     pub slips: LimitReport,
     pub drops: LimitReport,
@@ -162,7 +168,26 @@ impl LoadReport {
         };
         let (slips, drops) = (limit(&held.slips), limit(&held.drops));
         let runs = held.tried.iter().map(run).collect();
-        LoadReport { load, direction_rad, length_s, axis, frequency_hz, slips, drops, runs }
+        let (quasi_static, quasi_static_m_s2) = match held.at_rest {
+            None => (None, None),
+            Some(AtRest::Nothing) => (Some("nothing"), None),
+            Some(AtRest::UpTo { acceleration_m_s2 }) => (Some("up to"), Some(acceleration_m_s2)),
+            Some(AtRest::Any) => (Some("any"), None),
+        };
+        let to_m_s2 = held.to_m_s2;
+        LoadReport {
+            load,
+            direction_rad,
+            length_s,
+            axis,
+            frequency_hz,
+            to_m_s2,
+            quasi_static,
+            quasi_static_m_s2,
+            slips,
+            drops,
+            runs,
+        }
     }
 }
 

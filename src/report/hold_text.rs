@@ -18,36 +18,37 @@ pub fn hold_text(report: &HoldReport) -> Sheet {
         "own move" => "where the scene's own moves begin",
         _ => "as was asked",
     };
-    let mut text = Sheet::from(format!("{}: {} model\n", report.scene, report.model));
+    let mut text = Sheet::from(format!("{}: {} model{}\n", report.scene, report.model, what(report)));
     text.push(Sheet::paragraph(&format!(
-        "Loads from {} on, {begins}; without any, the object slips by {} mm in the same time.\n\n",
+        "Loads from {} on, {begins}; without any, the object slips by {} mm in the same time.\nThe largest peak accelerations at which it \
+         slips less than {bound} mm and is held, and at which it is held:\n\n",
         duration(report.begins_s),
         millimetres(report.unloaded_slip.displacement_m)
     )));
     let size = size_head(report);
     let mut rows = vec![
-        row([
-            load_head(report),
-            &format!("slips less than {bound} mm up to"),
-            "",
-            size.0,
-            "then",
-            "held up to",
-            "",
-            "then",
-            "runs",
-        ]),
-        row(["", "m/s²", "g", size.1, "", "m/s²", "g", "", ""]),
+        row([load_head(report), "slips less", "", size.0, "then", "is held", "", "then", "at rest", "runs"]),
+        row(["", "m/s²", "g", size.1, "", "m/s²", "g", "", "m/s²", ""]),
     ];
     for load in &report.loads {
         let ([slips, slips_g], [drops, drops_g]) = (limit(&load.slips, report), limit(&load.drops, report));
         let then = |limit: &LimitReport| limit.ended_by.unwrap_or("–").to_string();
         let size = load.slips.held_size.map_or("–".to_string(), size_figure);
         let runs = load.runs.len().to_string();
-        rows.push(vec![name(load), slips, slips_g, size, then(&load.slips), drops, drops_g, then(&load.drops), runs]);
+        let at_rest = match (load.quasi_static, load.quasi_static_m_s2) {
+            (_, Some(most)) => figure(most, 4),
+            (word, None) => word.unwrap_or("–").to_string(),
+        };
+        let (slips_then, drops_then) = (then(&load.slips), then(&load.drops));
+        rows.push(vec![name(load), slips, slips_g, size, slips_then, drops, drops_g, drops_then, at_rest, runs]);
     }
     text.push(Table::new(&rows).heads(2));
     text.push_str("\n");
+    if report.loads.iter().any(|load| load.quasi_static.is_some()) {
+        text.push(Sheet::paragraph(
+            "at rest: the largest acceleration, there and back, that some forces balance of the contacts that press when loads begin.\n",
+        ));
+    }
     for line in least(report).into_iter().chain(report.loads.iter().flat_map(|load| remarks(load, report))) {
         text.push(Sheet::paragraph(&format!("{line}\n")));
     }
@@ -56,6 +57,17 @@ pub fn hold_text(report: &HoldReport) -> Sheet {
 
 fn millimetres(metres: f64) -> String {
     figure(metres * 1e3, 3)
+}
+
+/// What all loads have in common.
+fn what(report: &HoldReport) -> String {
+    match report.loads.first() {
+        Some(load) if load.load == "pulse" => {
+            load.length_s.map_or(String::new(), |length_s| format!(", pulses of {}", duration(length_s)))
+        }
+        Some(load) if load.load == "vibration" => ", vibrations".to_string(),
+        _ => ", moves".to_string(),
+    }
 }
 
 fn load_head(report: &HoldReport) -> &'static str {
@@ -116,15 +128,17 @@ fn limit(limit: &LimitReport, report: &HoldReport) -> [String; 2] {
 
 /// The load that it holds least of.
 fn least(report: &HoldReport) -> Option<String> {
-    let limits = report.loads.iter().filter_map(|load| Some((load, load.slips.held_m_s2.or(load.slips.failed_m_s2)?)));
-    let (load, least) = limits.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| report.loads.len() > 1)?;
-    Some(match (load.slips.held_m_s2, load.slips.failed_m_s2) {
-        (Some(_), Some(_)) => {
-            format!("Least: {} m/s² ({} g), {}.", figure(least, 4), figure(least / G_M_S2, 3), name(load))
+    let failed = report.loads.iter().filter_map(|load| Some((load, load.slips.failed_m_s2?)));
+    let Some((load, failed)) = failed.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return Some("Nothing that was tried makes it slip by more.".to_string());
+    };
+    match load.slips.held_m_s2 {
+        _ if report.loads.len() == 1 => None,
+        Some(held) => {
+            Some(format!("Least: {} m/s² ({} g), {}.", figure(held, 4), figure(held / G_M_S2, 3), name(load)))
         }
-        (Some(_), None) => format!("Nothing up to {} m/s² makes it slip by more.", figure(report.to_m_s2, 4)),
-        (None, _) => format!("Least: less than {} m/s², {}; ask from less on: --from.", figure(least, 4), name(load)),
-    })
+        None => Some(format!("Least: less than {} m/s², {}; ask from less on: --from.", figure(failed, 4), name(load))),
+    }
 }
 
 /// What must be said of a load beside its figures.
@@ -148,14 +162,23 @@ fn remarks(load: &LoadReport, report: &HoldReport) -> Vec<String> {
                 .map(|end| format!("{} m/s²", figure(end, 4)))
                 .collect();
             found.push(format!(
-                "* {}: {} runs beside {} could not be finished: the limit is not narrowed there.",
+                "* {}: runs that could not be finished: {} next to {}, so that the limit is not narrowed there.",
                 name(load),
                 limit.unfinished,
                 ends.join(" and ")
             ));
         }
     }
+    if load.to_m_s2 < report.to_m_s2 {
+        found.push(format!(
+            "{}: tried up to {} m/s²: a larger load would press the object against the table.",
+            name(load),
+            figure(load.to_m_s2, 4)
+        ));
+    }
     let unfinished = load.runs.iter().filter_map(|run| Some((run.peak_m_s2, run.reason.as_ref()?)));
+    // Often the same of both limits.
+    found.dedup();
     found.extend(unfinished.map(|(peak, reason)| format!("{}, {} m/s²: {reason}", name(load), figure(peak, 4))));
     found
 }

@@ -6,9 +6,10 @@ use plotters::style::RGBColor;
 
 use crate::plot::axis::Axis;
 use crate::plot::canvas::{
-    BLUE, DrawError, Entry, Frame, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture, point, titled,
+    BLUE, DrawError, Entry, Frame, GREEN, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture, point,
+    titled,
 };
-use crate::study::hold::{Case, Held, Hold, Limit};
+use crate::study::hold::{AtRest, Case, Held, Hold, Limit};
 
 /// So that the frame is a square beside the legend.
 const HEIGHT: u32 = 710;
@@ -16,7 +17,8 @@ const HEIGHT: u32 = 710;
 /// The picture: as far from the middle as the acceleration that is held.
 pub fn polar(found: &Hold) -> Result<String, DrawError> {
     let limits = found.held.iter().flat_map(|held| [held.slips, held.drops]);
-    let reach = 1.08 * limits.filter_map(|limit| radius(&limit)).fold(found.plan.from_m_s2, f64::max);
+    let balanced = found.held.iter().filter_map(at_rest);
+    let reach = 1.08 * limits.filter_map(|limit| radius(&limit)).chain(balanced).fold(found.plan.from_m_s2, f64::max);
     let x = Axis::over("acceleration along the palm, m/s²", -reach, reach);
     let y = Axis::over("acceleration out of the palm, m/s²", -reach, reach);
     picture(HEIGHT, |area| {
@@ -30,11 +32,19 @@ pub fn polar(found: &Hold) -> Result<String, DrawError> {
             };
             line(&mut chart, (0..=180).map(at).collect(), Mark::Line { width: 1 }, GREY)?;
         }
+        curve(&mut chart, found, GREEN, |held| Limit {
+            held: at_rest(held),
+            failed: at_rest(held),
+            ..Limit::default()
+        })?;
         curve(&mut chart, found, ORANGE, |held| held.drops)?;
         curve(&mut chart, found, BLUE, |held| held.slips)?;
         let slips = format!("slips less than {} mm", found.plan.slip_m * 1e3);
         let mut entries =
             vec![Entry::new(Mark::Circle, BLUE, &slips), Entry::new(Mark::Circle, ORANGE, "is not dropped")];
+        if found.held.iter().any(|held| at_rest(held).is_some()) {
+            entries.push(Entry::new(Mark::Circle, GREEN, "is balanced at rest"));
+        }
         let all = || found.held.iter().flat_map(|held| [held.slips, held.drops]);
         if all().any(|limit| limit.failed.is_none()) {
             entries.push(Entry::new(Mark::Triangle, GREY, "at least"));
@@ -47,6 +57,14 @@ pub fn polar(found: &Hold) -> Result<String, DrawError> {
         }
         legend(&right, &entries)
     })
+}
+
+/// `None` where there is no finite one.
+fn at_rest(held: &Held) -> Option<f64> {
+    match held.at_rest {
+        Some(AtRest::UpTo { acceleration_m_s2 }) => Some(acceleration_m_s2),
+        _ => None,
+    }
 }
 
 fn radius(limit: &Limit) -> Option<f64> {

@@ -16,10 +16,14 @@
 //! | `simulate` | a run for what its criteria say |
 //! | `motion` | motions at another pace, later, or fading |
 //! | `load` | what moves the palm at a peak acceleration |
+//! | `clearance` | what the object would be pressed against |
 //! | `attempt` | one run under one load |
+//! | `balance` | what contact forces can balance at rest |
 //! | `search` | limits between what holds and what fails |
 
 mod attempt;
+mod balance;
+mod clearance;
 mod load;
 mod motion;
 mod prepare;
@@ -31,14 +35,15 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 
-use crate::criteria::Fate;
+use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Axis, GripperScene};
 use crate::study::pool;
-use crate::trace::Model;
+use crate::trace::{Model, Sample};
 
 use prepare::Prepared;
 
 pub use attempt::{Found, Tried};
+pub use balance::AtRest;
 pub use load::{Case, Load, Stage};
 pub use prepare::Since;
 pub use search::{Answer, Limit};
@@ -94,6 +99,10 @@ pub struct Hold {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
     pub case: Case,
+    /// The largest load of its scan: that of the plan, or the one that still keeps clear of the table.
+    pub to_m_s2: f64,
+    /// What is balanced at rest when loads begin; `None` of what has no such limit.
+    pub at_rest: Option<AtRest>,
     /// By their loads, from small to large.
     pub tried: Vec<Tried>,
     pub slips: Limit,
@@ -106,11 +115,14 @@ impl Held {
         self.tried.iter().find(|tried| tried.peak_m_s2 == peak_m_s2)
     }
 
-    fn new(case: Case, mut tried: Vec<Tried>, slip_m: f64) -> Self {
+    /// With what was tried besides.
+    fn and(mut self, tried: impl IntoIterator<Item = Tried>, slip_m: f64) -> Self {
+        self.tried.extend(tried);
+        let Held { case, to_m_s2, at_rest, mut tried, .. } = self;
         tried.sort_by(|a, b| a.peak_m_s2.total_cmp(&b.peak_m_s2));
         let slips = Limit::of(tried.iter().map(|tried| (tried.peak_m_s2, tried.slips(slip_m))));
         let drops = Limit::of(tried.iter().map(|tried| (tried.peak_m_s2, tried.drops())));
-        Held { case, tried, slips, drops }
+        Held { case, to_m_s2, at_rest, tried, slips, drops }
     }
 }
 
@@ -140,9 +152,9 @@ pub enum HoldError {
     )]
     Unloaded { begins_s: f64, bound_m: f64, found: Found },
     #[error(
-        "the object lies on a table, and under a load of {peak_m_s2} m/s² the palm would press it against it; lift it before, such as by \
+        "the object lies on a table, and under the smallest load, {peak_m_s2} m/s², the palm would press it against it; lift it before, such as by \
          --set moves.lift.y=\"-25 mm\" --set moves.lift.start=\"20 ms\" --set moves.lift.time=\"40 ms\", take the table away by --set \
-         table.present=false, or ask for less: --to"
+         table.present=false"
     )]
     Table { peak_m_s2: f64 },
     #[error("it was stopped after {done} runs")]
@@ -169,28 +181,41 @@ pub fn hold(
     let stopped = || HoldError::Stopped { done: done.load(Ordering::Relaxed) };
     let prepared = prepare::prepare(scene, &plan, go_on)?.ok_or_else(stopped)?;
     let cases = cases(&plan.loads);
-    let loads = search::ladder(plan.from_m_s2, plan.to_m_s2, plan.scan);
-    refuse_table(&prepared, &plan, &cases)?;
+    let highest = clearance::highest(&prepared, &plan, &cases)?;
     let unloaded = unloaded(&prepared, &plan, &cases, go_on)?.ok_or_else(stopped)?;
-
-    let jobs: Vec<(usize, f64)> =
-        (0..cases.len()).flat_map(|case| loads.iter().map(move |load| (case, *load))).collect();
-    let mut total = jobs.len() as u64;
+    let sample = beginning(&prepared, &plan, go_on)?.ok_or_else(stopped)?;
     let ready = &prepared;
-    let scanned = pool::map(
+    let asked: Vec<Held> = cases
+        .iter()
+        .zip(highest)
+        .map(|(case, to_m_s2)| Held {
+            case: *case,
+            to_m_s2,
+            at_rest: balance::at_rest(ready, &sample, case),
+            tried: Vec::new(),
+            slips: Limit::default(),
+            drops: Limit::default(),
+        })
+        .collect();
+
+    let scan = |held: &Held| search::ladder(plan.from_m_s2, held.to_m_s2, plan.scan);
+    let jobs: Vec<(Case, f64)> =
+        asked.iter().flat_map(|held| scan(held).into_iter().map(|load| (held.case, load))).collect();
+    let mut total = jobs.len() as u64;
+    let tried = pool::map(
         plan.threads,
         &jobs,
         |(case, load), notes: &Sender<u64>| {
-            let tried = attempt::attempt(plan.model, ready, &cases[*case], *load, go_on);
+            let tried = attempt::attempt(plan.model, ready, case, *load, go_on);
             // Whoever asked may be gone.
             let _ = notes.send(done.fetch_add(1, Ordering::Relaxed) + 1);
             tried
         },
         |now| tell(now, total),
     );
-    let mut scanned = scanned.into_iter().collect::<Option<Vec<Tried>>>().ok_or_else(stopped)?.into_iter();
+    let mut tried = tried.into_iter().collect::<Option<Vec<Tried>>>().ok_or_else(stopped)?.into_iter();
     let scanned: Vec<Held> =
-        cases.iter().map(|case| Held::new(*case, scanned.by_ref().take(loads.len()).collect(), plan.slip_m)).collect();
+        asked.into_iter().map(|held| held.and(tried.by_ref().take(plan.scan), plan.slip_m)).collect();
     total += scanned.iter().map(|held| most_halvings(held, plan.tolerance)).sum::<u64>();
     let narrowed = pool::map(
         plan.threads,
@@ -230,8 +255,7 @@ fn narrow(held: &Held, plan: &Plan, prepared: &Prepared, go_on: GoOn<'_>, tell: 
     while let Some(load) = held.slips.next(plan.tolerance).or(held.drops.next(plan.tolerance)) {
         let tried = attempt::attempt(plan.model, prepared, &held.case, load, go_on)?;
         tell();
-        held.tried.push(tried);
-        held = Held::new(held.case, held.tried, plan.slip_m);
+        held = held.and([tried], plan.slip_m);
     }
     Some(held)
 }
@@ -261,28 +285,13 @@ fn unloaded(prepared: &Prepared, plan: &Plan, cases: &[Case], go_on: GoOn<'_>) -
     }
 }
 
-/// A table that the object still lies on, or that the strongest load would press it against, would hold it: no limit of the hand. The
-/// scene's own move may begin and end there.
-fn refuse_table(prepared: &Prepared, plan: &Plan, cases: &[Case]) -> Result<(), HoldError> {
-    let Some(table) = prepared.scene.table.as_ref().filter(|_| plan.loads != Loads::Move) else {
-        return Ok(());
-    };
-    /// Clearance that is no contact, m: what the object may sink in the hand.
-    const CLEAR_M: f64 = 0.5e-3;
-    const PLACES: usize = 1000;
-    let object = &prepared.scene.object;
-    let [x, y] = object.centre_m;
-    let begins_s = prepared.stage.begins_s;
-    let reaches = |load: &Load| {
-        (0..=PLACES).any(|index| {
-            let [_, height, turn] =
-                load.motion.pose(begins_s + (load.over_s - begins_s) * index as f64 / PLACES as f64).place;
-            let (sin, cos) = turn.sin_cos();
-            height + sin * x + cos * y + object.radius_m > table.level_m - CLEAR_M
-        })
-    };
-    match cases.iter().any(|case| reaches(&case.load(&prepared.stage, plan.to_m_s2))) {
-        true => Err(HoldError::Table { peak_m_s2: plan.to_m_s2 }),
-        false => Ok(()),
+/// The last sample before loads begin; `None` if it was told to stop.
+fn beginning(prepared: &Prepared, plan: &Plan, go_on: GoOn<'_>) -> Result<Option<Sample>, HoldError> {
+    let (motion, duration_s) = (prepared.stage.before.clone(), prepared.stage.begins_s);
+    let scene = GripperScene { palm_motion: Some(motion), duration_s, ..prepared.scene.clone() };
+    match simulate::run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
+        None => Ok(None),
+        Some(Err(reason)) => Err(HoldError::Scene { reason }),
+        Some(Ok(outcome)) => Ok(Some(outcome.last)),
     }
 }
