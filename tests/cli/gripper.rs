@@ -169,7 +169,7 @@ fn what_is_held_is_what_a_run_with_the_same_move_says() {
     let dir = directory("cli_gripper_hold");
     let out = dir.join("hold").display().to_string();
     let svg = dir.join("polar.svg").display().to_string();
-    let scan = ["--scan", "4", "--from", "5 m/s^2", "--to", "640 m/s^2", "--tol", "0.1"];
+    let scan = ["--scan", "4", "--from", "5 m/s^2", "--to", "1280 m/s^2", "--tol", "0.1"];
     let args = [&["hold", HOLD, "--directions", "4", "--out", &out, "--svg", &svg, "--json"][..], &scan].concat();
     let report = done(&args);
     let loads = report["loads"].as_array().expect("loads");

@@ -30,7 +30,7 @@ pub fn polar(found: &Hold) -> Result<String, DrawError> {
                 let angle = TAU * index as f64 / 180.0;
                 (ring * angle.cos(), ring * angle.sin())
             };
-            line(&mut chart, (0..=180).map(at).collect(), Mark::Line { width: 1 }, GREY)?;
+            line(&mut chart, (0..=180).map(at).collect(), Mark::Pale { width: 1 }, GREY)?;
         }
         curve(&mut chart, found, GREEN, |held| Limit {
             held: at_rest(held),

@@ -1,8 +1,8 @@
 //! One run under one load.
 
-use super::AFTER_S;
 use super::load::{Case, Load};
-use super::prepare::Prepared;
+use super::plan::AFTER_S;
+use super::prepared::Prepared;
 use super::search::Answer;
 use super::simulate::run;
 use crate::criteria::{Fate, GraspTracker, Travel};

@@ -1,7 +1,7 @@
 //! What contact forces can balance at rest, beside what is held in motion.
 
 use super::load::Case;
-use super::prepare::Prepared;
+use super::prepared::Prepared;
 use crate::criteria::{Driven, held_at_rest};
 use crate::scene::{Axis, GripperScene};
 use crate::statics::{Balanced, balanced_acceleration};

@@ -1,8 +1,9 @@
 //! A table that a load would press the object against: it would hold it there, and no limit of the hand would be found.
 
-use super::load::Load;
-use super::prepare::Prepared;
-use super::{Case, HoldError, Loads, Plan};
+use super::error::HoldError;
+use super::load::{Case, Load};
+use super::plan::{Loads, Plan};
+use super::prepared::Prepared;
 
 /// Clearance that is no contact, m: as much as the object may sink in the hand.
 const CLEAR_M: f64 = 0.5e-3;

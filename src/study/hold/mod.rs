@@ -11,7 +11,9 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `prepare` | the scene up to where loads begin |
+//! | `plan` | what is asked |
+//! | `error` | why there is no answer |
+//! | `prepared`, `prepare` | the scene up to where loads begin, and how it comes there |
 //! | `rest` | since when the object is at rest |
 //! | `simulate` | a run for what its criteria say |
 //! | `motion` | motions at another pace, later, or fading |
@@ -24,9 +26,12 @@
 mod attempt;
 mod balance;
 mod clearance;
+mod error;
 mod load;
 mod motion;
+mod plan;
 mod prepare;
+mod prepared;
 mod rest;
 mod search;
 mod simulate;
@@ -38,50 +43,17 @@ use std::sync::mpsc::Sender;
 use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Axis, GripperScene};
 use crate::study::pool;
-use crate::trace::{Model, Sample};
+use crate::trace::Sample;
 
-use prepare::Prepared;
+use prepared::Prepared;
 
 pub use attempt::{Found, Tried};
 pub use balance::AtRest;
+pub use error::HoldError;
 pub use load::{Case, Load, Stage};
-pub use prepare::Since;
+pub use plan::{AFTER_S, GoOn, Loads, Plan, REST_M_S};
+pub use prepared::Since;
 pub use search::{Answer, Limit};
-
-/// How long a run goes on when its load is over, s: what has lost its contacts is gone by then, and what rattles is not.
-pub const AFTER_S: f64 = 30e-3;
-/// Slower than this, m/s, an object is at rest in the hand: in a pulse of 40 ms it would creep by 40 µm.
-pub const REST_M_S: f64 = 1e-3;
-
-/// What moves the palm.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Loads {
-    /// In so many directions all around, each a pulse of this length.
-    Pulses { directions: usize, length_s: f64 },
-    /// Along each of the axes at each of the frequencies.
-    Vibrations { axes: Vec<Axis>, frequencies_hz: Vec<f64> },
-    /// The scene's own moves and path in another time, with its vibrations, or the standard cycle of a scene without any.
-    Move,
-}
-
-/// What is asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    pub model: Model,
-    pub loads: Loads,
-    /// When they begin; `None`: when the object is at rest, or the scene's own motion says.
-    pub begins_s: Option<f64>,
-    /// How far the object may slip in the hand.
-    pub slip_m: f64,
-    /// Peak accelerations of the scan: from, to, and how many in between and at both ends, from 2.
-    pub from_m_s2: f64,
-    pub to_m_s2: f64,
-    pub scan: usize,
-    /// How finely limits are found, as part of themselves.
-    pub tolerance: f64,
-    /// 0: one for each core. The answer does not depend on it.
-    pub threads: usize,
-}
 
 /// How well a gripper holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,44 +97,6 @@ impl Held {
         Held { case, to_m_s2, at_rest, tried, slips, drops }
     }
 }
-
-/// Why there is no answer.
-#[derive(Debug, thiserror::Error)]
-pub enum HoldError {
-    #[error(
-        "the object is fixed in the world, so that nothing carries it; let it move: object.motion = \"free\", or leave that key out"
-    )]
-    Fixed,
-    #[error("without any load, the scene could not be simulated: {reason}; see `phalanx run` of it")]
-    Scene { reason: String },
-    #[error(
-        "without any load, the object is {} at {:.3} ms, so that there is nothing to be loaded; give a scene that holds its object, or \
-         say by --at when it does", fate.name(), ends_s * 1e3
-    )]
-    NotGrasped { ends_s: f64, fate: Fate },
-    #[error(
-        "loads would begin at {:.3} ms, but the fingers let go at {:.3} ms; let them begin earlier: --at TIME",
-        begins_s * 1e3, releases_s * 1e3
-    )]
-    LetGo { begins_s: f64, releases_s: f64 },
-    #[error(
-        "without any load, the object slips by {:.4} mm from {:.3} ms to {:.3} ms and is {} then: the bound of {:.4} mm says nothing of \
-         loads; give friction that holds (contact.friction.law = \"bristle\"), a larger --slip, or another --at",
-        found.slip.displacement_m * 1e3, begins_s * 1e3, found.end_s * 1e3, found.fate.name(), bound_m * 1e3
-    )]
-    Unloaded { begins_s: f64, bound_m: f64, found: Found },
-    #[error(
-        "the object lies on a table, and under the smallest load, {peak_m_s2} m/s², the palm would press it against it; lift it before, such as by \
-         --set moves.lift.y=\"-25 mm\" --set moves.lift.start=\"20 ms\" --set moves.lift.time=\"40 ms\", take the table away by --set \
-         table.present=false"
-    )]
-    Table { peak_m_s2: f64 },
-    #[error("it was stopped after {done} runs")]
-    Stopped { done: u64 },
-}
-
-/// Whether to go on, asked once a step.
-pub type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Finds the limits of all kinds of load, on all cores; `tell` hears how many runs are done, and of how many.
 ///

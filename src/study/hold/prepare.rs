@@ -1,36 +1,14 @@
-//! The scene up to where loads begin: what it is by then, and what has happened.
+//! How a scene comes to where loads begin.
 
+use super::error::HoldError;
 use super::load::Stage;
 use super::motion::{delayed, peak};
+use super::plan::{Loads, Plan};
+use super::prepared::{Prepared, Since};
 use super::rest::Rest;
 use super::simulate::run;
-use super::{HoldError, Loads, Plan};
 use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Actuation, Axis, Cycle, GripperScene, Motor, Move, ObjectMotion, PalmMotion, torque};
-
-/// Why loads begin when they do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Since {
-    /// It was asked for.
-    Given,
-    /// All contacts that hold do so, brakes have gripped, and the object is slower than [`REST_M_S`](super::REST_M_S) from then on.
-    Rest,
-    /// The scene ends, and the object still moves at so many m/s.
-    Moving { speed_m_s: f64 },
-    /// The first of the scene's moves is over, and brakes have gripped.
-    Moved,
-    /// The scene's own moves begin.
-    OwnMove,
-}
-
-/// What all runs begin with.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prepared {
-    /// Without motion, and with drives that stay as they are when loads begin.
-    pub scene: GripperScene,
-    pub stage: Stage,
-    pub since: Since,
-}
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
 fn standard_cycle() -> PalmMotion {

@@ -1,6 +1,6 @@
 //! Since when the object is at rest in the hand.
 
-use super::REST_M_S;
+use super::plan::REST_M_S;
 use crate::criteria::{GraspCriteria, GraspTracker};
 use crate::trace::{Event, Sample, Sink, SinkError};
 
