@@ -157,11 +157,10 @@ fn moved(hand: &HandAtRest<'_>) -> Moved {
         ];
         for (body, place) in &bodies {
             let moves = rates(finger, q, place);
-            for j in 0..2 {
-                let along = [mirror * moves[j][0], moves[j][1]];
-                for axis in 0..2 {
-                    found.fixed[row + j] += body.mass_kg * hand.gravity_m_s2[axis] * along[axis];
-                    found.inertia[axis][row + j] -= body.mass_kg * along[axis];
+            for (j, [x, y]) in moves.into_iter().enumerate() {
+                for (axis, along) in [mirror * x, y].into_iter().enumerate() {
+                    found.fixed[row + j] += body.mass_kg * hand.gravity_m_s2[axis] * along;
+                    found.inertia[axis][row + j] -= body.mass_kg * along;
                 }
             }
         }
