@@ -176,7 +176,7 @@ fn what_is_held_is_what_a_run_with_the_same_move_says() {
     assert_eq!((loads.len(), report["begins"].as_str()), (4, Some("at rest")));
     let begins_s = report["begins_s"].as_f64().expect("a time");
     let out_of_the_palm = &loads[1];
-    assert!((out_of_the_palm["direction_rad"].as_f64().expect("an angle") - 1.5707963).abs() < 1e-6);
+    assert!((out_of_the_palm["direction_rad"].as_f64().expect("an angle") - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     for (limit, key, held) in
         [("slips", "held_m_s2", true), ("slips", "failed_m_s2", false), ("drops", "failed_m_s2", false)]
     {
