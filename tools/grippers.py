@@ -2,7 +2,7 @@
 """Measures the grippers and puts the tables and the picture into src/docs/grippers.md.
 
     tools/grippers.py                 everything (some minutes)
-    tools/grippers.py --only grippers   the table of scenes alone; also capture, capture-study
+    tools/grippers.py --only grippers   the table of scenes alone; also capture, capture-study, hold
 
 Builds in release mode; runs and validates every gripper of scenes/gripper and scenes/hard, asks what one of them captures, and runs the
 study of the thesis' designs with a positioning error.
@@ -22,6 +22,7 @@ from readme_figures import PHALANX, ROOT, call, number, put, table
 
 FIGURES = ROOT / "tools" / "figures"
 CAPTURED = "scenes/gripper/offset.toml"
+HELD = "scenes/gripper/hold.toml"
 STUDY = "scenes/studies/capture.toml"
 
 
@@ -79,6 +80,15 @@ def capture(scratch):
     (FIGURES / "capture.svg").write_text((scratch / "capture" / "capture.svg").read_text())
     text = (scratch / "capture" / "capture.txt").read_text()
     return f"```text\n{text}```\n"
+
+
+def hold(scratch):
+    call(PHALANX, "hold", HELD, "--out", scratch / "hold")
+    (FIGURES / "hold.svg").write_text((scratch / "hold" / "hold.svg").read_text())
+    text = (scratch / "hold" / "hold.txt").read_text()
+    shaken = [PHALANX, "hold", HELD, "--vibration", "--along", "x,y,angle"]
+    shaken = subprocess.run([*map(str, shaken)], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return f"```text\n{text}```\n\n```text\n{shaken}```\n"
 
 
 def study(scratch):
@@ -151,7 +161,7 @@ def closed_from_the_middle_and_off(designs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parts = {"grippers": scenes, "capture": capture, "capture-study": study}
+    parts = {"grippers": scenes, "capture": capture, "capture-study": study, "hold": hold}
     parser.add_argument("--only", choices=parts, action="append")
     chosen = parser.parse_args().only or list(parts)
     call("cargo", "build", "--release", "--locked")

@@ -12,6 +12,7 @@ mod browser;
 mod capture;
 mod completions;
 mod folder;
+mod hold;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
@@ -118,6 +119,7 @@ enum Command {
     )]
     Scene(scene::SceneCommand),
     Capture(capture::CaptureArgs),
+    Hold(hold::HoldArgs),
     Size(size::SizeArgs),
     Statics(statics::StaticsArgs),
     Volume(volume::VolumeArgs),
@@ -183,6 +185,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),
         Command::Capture(args) => capture::run(args),
+        Command::Hold(args) => hold::run(args),
         Command::Size(args) => size::run(args),
         Command::Statics(args) => statics::run(args),
         Command::Volume(args) => volume::run(args),

@@ -17,6 +17,7 @@
 //! | `step_size` | error of a contact force against the step size |
 //! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
 //! | `outline` | bodies as filled outlines |
+//! | `hold` | what a gripper holds: by direction, by frequency, or slip over load |
 //! | `linkage` | the letters of scenes and results on the finger itself |
 //! | `volume` | slices of grasp-state volumes |
 //! | `colours` | colour scales of a quantity |
@@ -32,6 +33,7 @@ mod curve;
 mod dark;
 mod difference;
 mod grasp;
+mod hold;
 mod linkage;
 mod outline;
 mod overlay;
@@ -50,6 +52,7 @@ pub use capture::capture;
 pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, difference, difference_of, paths_apart, touches};
 pub use grasp::grasp;
+pub use hold::hold;
 pub use linkage::{Linkage, Spot, linkage};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};

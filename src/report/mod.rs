@@ -7,6 +7,8 @@ mod csv;
 mod discs;
 mod document;
 mod grasp;
+mod hold;
+mod hold_text;
 mod named;
 mod paper;
 mod replay;
@@ -29,6 +31,8 @@ pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxRep
 pub use discs::DiscReport;
 pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
 pub use grasp::{CycleReport, ForceClosureReport, GraspReport, HeldContactReport, TravelReport};
+pub use hold::{HoldReport, LimitReport as HoldLimitReport, LoadReport, SizeReport, TriedReport, hold_csv, hold_json};
+pub use hold_text::hold_text;
 pub use named::Named;
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
 pub use replay::{

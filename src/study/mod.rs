@@ -5,6 +5,7 @@
 //! | `capture` | which positioning errors a gripper captures |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
+//! | `hold` | how much acceleration a gripper holds its object against |
 //! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
@@ -16,6 +17,7 @@
 pub mod capture;
 pub mod grasp;
 pub mod gripper_grasp;
+pub mod hold;
 mod pool;
 pub mod reproduce;
 pub mod select;

@@ -1,4 +1,4 @@
-//! Grippers on the command line: a run, its log and what is made of it, a page, a sweep, and what is captured.
+//! Grippers on the command line: a run, its log and what is made of it, a page, a sweep, what is captured, and what is held.
 
 use std::fs;
 
@@ -155,6 +155,99 @@ fn what_is_captured_is_a_table_and_a_picture() {
         (vec!["capture", ANCHOR], "is no gripper"),
         (vec!["capture", GRIPPER, "--to", "9 mm"], "ground joint"),
         (vec!["capture", GRIPPER, "--places", "4"], "odd number"),
+    ] {
+        let output = phalanx(&args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        assert!(stderr(&output).contains(said), "{args:?}: {}", stderr(&output));
+    }
+}
+
+/// The study's runs are runs like any other: the scene with the same move says the same.
+#[test]
+fn what_is_held_is_what_a_run_with_the_same_move_says() {
+    const HOLD: &str = "scenes/gripper/hold.toml";
+    let dir = directory("cli_gripper_hold");
+    let out = dir.join("hold").display().to_string();
+    let svg = dir.join("polar.svg").display().to_string();
+    let scan = ["--scan", "4", "--from", "5 m/s^2", "--to", "1280 m/s^2", "--tol", "0.1"];
+    let args = [&["hold", HOLD, "--directions", "4", "--out", &out, "--svg", &svg, "--json"][..], &scan].concat();
+    let report = done(&args);
+    let loads = report["loads"].as_array().expect("loads");
+    assert_eq!((loads.len(), report["begins"].as_str()), (4, Some("at rest")));
+    let begins_s = report["begins_s"].as_f64().expect("a time");
+    let out_of_the_palm = &loads[1];
+    assert!((out_of_the_palm["direction_rad"].as_f64().expect("an angle") - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    for (limit, key, held) in
+        [("slips", "held_m_s2", true), ("slips", "failed_m_s2", false), ("drops", "failed_m_s2", false)]
+    {
+        let peak = &out_of_the_palm[limit][key];
+        let runs = out_of_the_palm["runs"].as_array().expect("runs");
+        let run = runs.iter().find(|run| run["peak_m_s2"] == *peak).expect("it was tried");
+        let set = [
+            format!("moves.push.y={} m", run["distance_m"]),
+            format!("moves.push.start={begins_s} s"),
+            "moves.push.time=40 ms".to_string(),
+            format!("duration={} s", begins_s + 70e-3),
+        ];
+        let set: Vec<&str> = set.iter().flat_map(|field| ["--set", field.as_str()]).collect();
+        let alone = done(&[&["run", HOLD, "--no-check", "--json"][..], &set].concat());
+        assert_eq!(alone["grasp"]["fate"], run["fate"], "{limit} {key}");
+        let slip = |of: &Value| of["displacement_m"].as_f64().expect("a slip");
+        let (alone, studied) = (slip(&alone["grasp"]["cycle"]["carried"]), slip(&run["slip"]));
+        assert!((alone - studied).abs() < 0.02 * studied, "{limit} {key}: {alone} {studied}");
+        assert_eq!(studied <= 0.5e-3, held, "{limit} {key}: {studied}");
+    }
+    assert_eq!(out_of_the_palm["slips"]["ended_by"].as_str(), Some("slip"));
+    for file in ["hold.json", "hold.csv", "hold.svg", "hold.txt"] {
+        assert!(fs::metadata(format!("{out}/{file}")).expect(file).len() > 300, "{file}");
+    }
+    assert_eq!(fs::read(&svg).expect("the picture"), fs::read(format!("{out}/hold.svg")).expect("the picture"));
+    let text = fs::read_to_string(format!("{out}/hold.txt")).expect("text");
+    for part in ["+y (out of the palm)", "where the object is at rest", "slips less than 0.500 mm", "Least: "] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let lines = fs::read_to_string(format!("{out}/hold.csv")).expect("text").lines().count();
+    assert_eq!(report["runs"].as_u64(), Some(lines as u64 - 1));
+}
+
+#[test]
+fn vibrations_and_moves_have_their_own_figures() {
+    let dir = directory("cli_gripper_shaken");
+    let svg = dir.join("shaken.svg").display().to_string();
+    let few = ["--scan", "3", "--from", "10 m/s^2", "--to", "40 m/s^2", "--tol", "0.2", "--json"];
+    let shaken = [
+        "hold",
+        "scenes/gripper/hold.toml",
+        "--along",
+        "y,angle",
+        "--svg",
+        &svg,
+        "--vibration",
+        "100 Hz, 200 Hz, 400 Hz",
+    ];
+    let report = done(&[&shaken[..], &few].concat());
+    let loads = report["loads"].as_array().expect("loads");
+    assert_eq!(loads.len(), 6);
+    let (along, about) = (&loads[0]["runs"][0], &loads[3]["runs"][0]);
+    let amplitude_m = along["peak_m_s2"].as_f64().expect("a peak") / (200.0 * std::f64::consts::PI).powi(2);
+    assert!((along["amplitude_m"].as_f64().expect("an amplitude") - amplitude_m).abs() < 1e-12);
+    // The object's centre is 20 mm from the middle of the palm.
+    assert!((about["amplitude_rad"].as_f64().expect("an amplitude") - amplitude_m / 0.02).abs() < 1e-9);
+    assert!(about["amplitude_m"].is_null() && loads[3]["quasi_static"].is_null());
+    assert!(fs::read_to_string(&svg).expect("the picture").contains("frequency, Hz"));
+    let report = done(&[&["hold", "scenes/gripper/cycle.toml", "--move"][..], &few].concat());
+    let run = &report["loads"][0]["runs"][0];
+    assert_eq!((report["begins"].as_str(), run["fate"].as_str()), (Some("own move"), Some("held")));
+    let own_s = 0.32 * (0.305 * 3.36 * 5f64.sqrt() / 0.04 / 10.0).sqrt();
+    assert!((run["time_s"].as_f64().expect("a time") - own_s).abs() < 1e-5 * own_s, "{run:?}");
+    for (args, said) in [
+        (vec!["hold", ANCHOR], "is no gripper"),
+        (vec!["hold", GRIPPER], "lies on a table"),
+        (vec!["hold", GRIPPER, "--from", "9 m/s^2", "--to", "3 m/s^2"], "the first must be smaller"),
+        (vec!["hold", GRIPPER, "--move", "--directions", "4"], "cannot be used with"),
+        (vec!["hold", GRIPPER, "--along", "x"], "--vibration"),
+        (vec!["hold", GRIPPER, "--vibration", "50 Hz", "--along", "x,x"], "an axis twice"),
+        (vec!["hold", GRIPPER, "--slip", "0 mm"], "more than 0"),
     ] {
         let output = phalanx(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");

@@ -10,6 +10,7 @@ mod gripper_closure;
 mod gripper_design;
 mod gripper_mass;
 mod gripper_posture;
+mod hold;
 mod reproduce;
 mod select;
 mod sizing;

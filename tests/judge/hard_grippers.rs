@@ -11,10 +11,15 @@ use phalanx::scene::{self, AnyScene, GripperScene};
 use phalanx::trace::{Model, Sink};
 use phalanx::validate::{Recording, Subject, compare, record, reference, sampled};
 
-const GRIPPERS: [&str; 23] = [
+const GRIPPERS: [&str; 28] = [
     "gripper/bought",
     "gripper/carried",
     "gripper/cycle",
+    "gripper/cycle-dropped",
+    "gripper/cycle-fast",
+    "gripper/cycle-heavy",
+    "gripper/cycle-light",
+    "gripper/cycle-shaken",
     "gripper/design-95",
     "gripper/different",
     "gripper/fixed",
@@ -123,15 +128,36 @@ fn what_scenes_expect_is_what_happens() {
     }
     let of = |name: &str| recorded(Model::Analytic, &reference(&load(name)));
     // What is carried is held until the fingers let go, and slips by micrometres.
-    for (name, slip_m) in [("gripper/carried", [11e-6, 13e-6]), ("gripper/cycle", [3e-6, 4e-6])] {
+    for (name, slip_m) in [
+        ("gripper/carried", [11e-6, 13e-6]),
+        ("gripper/cycle", [3e-6, 4e-6]),
+        ("gripper/cycle-fast", [3.5e-6, 4.5e-6]),
+        ("gripper/cycle-heavy", [14e-6, 16e-6]),
+        ("gripper/cycle-light", [2.5e-6, 3.5e-6]),
+        ("gripper/cycle-shaken", [3e-6, 4e-6]),
+    ] {
         let scene = load(name);
         let found = criteria(&scene, &recorded(Model::Analytic, &reference(&scene)));
         let carried = found.cycle.carried.expect("it is carried").displacement_m;
         assert!(found.fate == Fate::Held && (slip_m[0]..slip_m[1]).contains(&carried), "{name}: {carried:e} {found:?}");
         let opening_s = found.cycle.opened_s.zip(found.cycle.releases_s).map(|(opened, released)| opened - released);
-        assert_eq!(opening_s.is_some_and(|time| time > 3e-3 && time < 5e-3), name == "gripper/cycle", "{opening_s:?}");
+        assert_eq!(
+            opening_s.is_some_and(|time| time > 3e-3 && time < 5e-3),
+            name != "gripper/carried",
+            "{opening_s:?}"
+        );
         assert!(found.cycle.brake_slip_rad.iter().all(|slip| slip.is_some_and(|slip| slip < 2e-4)), "{found:?}");
     }
+    // What weighs too much for its brakes is dropped while the lift is braked, in both models at one time.
+    let scene = load("gripper/cycle-dropped");
+    let dropped = [Model::Analytic, Model::Engine].map(|model| {
+        let run = recorded(model, &if model == Model::Analytic { reference(&scene) } else { scene.clone() });
+        match criteria(&scene, &run).fate {
+            Fate::Dropped { since_s } => since_s,
+            other => panic!("{model:?}: {other:?}"),
+        }
+    });
+    assert!((dropped[0] - 67.6424e-3).abs() < 1e-6 && (dropped[0] - dropped[1]).abs() < 1e-6, "{dropped:?}");
     // The disc is thrown out, which ends the run.
     let thrown = of("hard/gripper-no-friction");
     assert!(

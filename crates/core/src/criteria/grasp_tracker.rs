@@ -176,6 +176,13 @@ impl GraspTracker {
         tracker
     }
 
+    /// The same, but what is carried counts from this time on: what goes before prepares it.
+    #[must_use]
+    pub fn carrying_from(mut self, start_s: f64) -> Self {
+        self.found.cycle.carries_s = Some(start_s);
+        self
+    }
+
     /// For an object of this radius, that is to be held to the end.
     pub fn new(radius_m: f64) -> Self {
         let found = Found {
