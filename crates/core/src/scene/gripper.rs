@@ -172,7 +172,7 @@ impl GripperScene {
     pub fn holds(&self) -> bool {
         let phalanges = self.fingers.iter().flat_map(|finger| [finger.contact.proximal, finger.contact.distal]);
         let planes = self.palm.into_iter().chain(self.table.map(|table| table.contact));
-        let held = phalanges.chain(planes).any(|law| law.friction.is_some_and(|friction| friction.bristle.is_some()));
+        let held = phalanges.chain(planes).any(|law| law.bristle().is_some());
         let input = self.differential.iter().map(|differential| &differential.motor);
         let motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
         held || motors.into_iter().any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))

@@ -93,6 +93,14 @@ pub struct Scene {
     pub log: LogRates,
 }
 
+impl Scene {
+    /// Whether friction holds at any contact.
+    pub fn holds(&self) -> bool {
+        let Contacts { proximal, distal } = self.contact;
+        self.object.is_some() && [proximal, distal].iter().any(|law| law.bristle().is_some())
+    }
+}
+
 /// A fixed disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
