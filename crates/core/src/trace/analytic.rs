@@ -52,11 +52,7 @@ fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     }
 }
 
-fn finger<const N: usize, const W: usize>(
-    scene: &Scene,
-    span: Span,
-    sink: &mut dyn Sink,
-) -> Result<Outcome, RunError> {
+fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = FingerMotion::<N, W>::new(scene);
     let start = FingerMotion::<N, W>::start(scene);
     simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
