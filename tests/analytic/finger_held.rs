@@ -63,7 +63,10 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_is_a_finger() {
             let off = (own.tangential_n - whole.tangential_n).abs();
             assert!(off < 1e-9 && own.tangential_n.abs() > 1e-3, "{site:?}: {off:.1e} N of {}", own.tangential_n);
         }
-        assert!(apart_from_regularised(&path) > 1e-6, "the law makes a difference");
+        if contacts == both {
+            let apart = apart_from_regularised(&path);
+            assert!(apart > 1e-6, "the law makes a difference: {apart:.1e} rad");
+        }
     }
 }
 
@@ -183,7 +186,7 @@ fn the_jacobian_is_that_of_the_rates() {
     let mode: Mode = [SiteState::Active, SiteState::Active, SiteState::Free].into();
     let slips = rows.map(|row| row.geometry.tangent_row[0] * a + row.geometry.tangent_row[1] * b);
     let mut clamped = 0;
-    for beyond in [[1e-4, -2e-4], [1.0, 1e-4], [2e-4, -1.0], [1.0, 1.0]] {
+    for beyond in [[1e-5, -2e-5], [1.0, 1e-5], [2e-5, -1.0], [1.0, 1.0]] {
         let memories = [beyond[0] - slips[0], beyond[1] - slips[1]];
         let (q, v) = ([q[0], q[1], 0.3, -0.7], [a, b, memories[0], memories[1]]);
         let exact = model.linearise(1e-3, &q, &v, &mode);
