@@ -110,10 +110,15 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if Self::HOLDS && site != Site::Limit { Some(OWN + site as usize) } else { None }
     }
 
+    /// The bristle of a site, where friction holds.
+    pub(crate) fn bristle(&self, site: Site) -> Option<Bristle> {
+        self.finger.friction_law(site).and_then(|friction| friction.bristle)
+    }
+
     /// All bristles, with the places of their memories.
     #[inline(always)]
     fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
-        let of = |site| Self::memory_of(site).zip(self.finger.friction_law(site).and_then(|friction| friction.bristle));
+        let of = |site| Self::memory_of(site).zip(self.bristle(site));
         Site::ALL.into_iter().filter_map(of)
     }
 

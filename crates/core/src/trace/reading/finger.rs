@@ -31,6 +31,10 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
         sample.energy = stored(energies).since(start, contact_work, motor_work);
     }
 
+    fn slips(&self, index: usize, mode: &Mode) -> Option<bool> {
+        mode.slips_at(index).filter(|_| self.bristle(Site::ALL[index]).is_some())
+    }
+
     fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &Mode) -> ContactSample {
         contact_sample(self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
     }
