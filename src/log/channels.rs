@@ -6,9 +6,10 @@ use mcap::McapError;
 
 use super::core::{ChannelId, Core, Severity};
 use super::lines::{Grasp, change};
-use super::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
+use super::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, State};
 use super::pictures::Pictures;
 use crate::drawing::{self, Drawing};
+use crate::law::Bristle;
 use crate::scene::{AnyScene, BodiesScene, GripperScene, Place, Scene, Side};
 use crate::trace::{BodyState, Event, FingerState, Sample, Simulated, Site};
 
@@ -34,6 +35,13 @@ struct ContactChannels {
     angular: bool,
     contact: ChannelId,
     impact: ChannelId,
+    /// Where friction holds.
+    slip: Option<ChannelId>,
+}
+
+/// The channel of a contact's friction, where that holds.
+fn slip<W: Write>(core: &mut Core<W>, name: &str, bristle: Option<Bristle>) -> Result<Option<ChannelId>, McapError> {
+    bristle.map(|_| core.channel::<Slip>(&format!("/slip/{name}"))).transpose()
 }
 
 impl Channels {
@@ -78,6 +86,9 @@ impl Channels {
         let log_time = core.tick(event.time_s);
         if let Some(channels) = &self.contacts[event.contact] {
             match channels.angular {
+                _ if event.kind.is_of_friction() => {
+                    channels.slip.map_or(Ok(()), |slip| core.put(slip, log_time, &Slip::from(event)))?;
+                }
                 false => core.put(channels.impact, log_time, &Impact::from(event))?,
                 true => core.put(channels.impact, log_time, &LimitImpact::from(event))?,
             }
@@ -116,7 +127,8 @@ fn of_finger<W: Write>(core: &mut Core<W>, scene: &Scene) -> Result<Channels, Mc
             Site::Limit => "joint limit",
         };
         let (name, called) = (site.name().to_string(), called.to_string());
-        contacts.push(Some(ContactChannels { name, called, angular, contact, impact }));
+        let slip = slip(core, &name, scene.bristle(site))?;
+        contacts.push(Some(ContactChannels { name, called, angular, contact, impact, slip }));
     }
     let pictures = pictures(core, scene, &Sample::of_finger(), scene.log.picture_hz)?;
     let (grasp, scene) = (Some(Grasp::default()), AnyScene::Finger(Box::new(scene.clone())));
@@ -154,7 +166,8 @@ fn of_gripper<W: Write>(core: &mut Core<W>, scene: &GripperScene) -> Result<Chan
             Place::Finger(side, Site::Limit) => format!("{} joint limit", side.word()),
             Place::Palm | Place::Table => format!("object on the {name}"),
         };
-        contacts.push(Some(ContactChannels { name, called, angular, contact, impact }));
+        let slip = slip(core, &name, scene.bristle(place))?;
+        contacts.push(Some(ContactChannels { name, called, angular, contact, impact, slip }));
     }
     let energy = core.channel::<Energy>("/energy")?;
     let object =
@@ -175,7 +188,8 @@ fn of_discs<W: Write>(core: &mut Core<W>, scene: &BodiesScene) -> Result<Channel
         let name = scene.pair_name(pair);
         let contact = core.channel::<Contact>(&format!("/contact/{name}"))?;
         let impact = core.channel::<Impact>(&format!("/impact/{name}"))?;
-        contacts.push(Some(ContactChannels { called: name.clone(), name, angular: false, contact, impact }));
+        let slip = slip(core, &name, scene.contact.bristle())?;
+        contacts.push(Some(ContactChannels { called: name.clone(), name, angular: false, contact, impact, slip }));
     }
     let energy = core.channel::<Energy>("/energy")?;
     let at_start = scene.discs.iter().map(|disc| BodyState { centre_m: disc.centre_m, ..BodyState::default() });

@@ -11,6 +11,9 @@ pub struct Grasp {
 impl Grasp {
     /// What an event means for the grasp, if anything.
     pub fn change(&mut self, event: &Event) -> Option<String> {
+        if event.kind.is_of_friction() {
+            return None;
+        }
         let held = self.pressed == [true; 2];
         match event.site() {
             Site::Proximal => self.pressed[0] = event.kind != EventKind::LiftOff,
@@ -39,5 +42,7 @@ pub fn change(event: &Event, place: &str, angular: bool) -> String {
             format!("{place}: lift-off at {time_ms:.6} ms, impulse {impulse:.6e} {impulse_unit} since touch-down")
         }
         EventKind::Reload => format!("{place}: pressed again at {time_ms:.6} ms, before it had parted"),
+        EventKind::Slips => format!("{place}: begins to slip at {time_ms:.6} ms"),
+        EventKind::Sticks => format!("{place}: sticks again at {time_ms:.6} ms"),
     }
 }

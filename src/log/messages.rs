@@ -106,6 +106,15 @@ pub struct LimitImpact {
     pub impulse_n_m_s: f64,
 }
 
+/// `/slip/…`: friction that holds has come to the end of its cone, where the slider of its bristle begins to slip, or is within it again.
+/// Of contacts that have bristles.
+#[derive(Clone, Copy, Debug, PartialEq, Encode)]
+pub struct Slip {
+    pub timestamp: f64,
+    /// Whether it slips from here on.
+    pub slips: bool,
+}
+
 impl State {
     pub fn new(time_s: f64, finger: &FingerState) -> Self {
         State {
@@ -192,6 +201,12 @@ impl From<&Event> for Impact {
             approach_speed_m_s: event.approach_speed,
             impulse_n_s: event.impulse,
         }
+    }
+}
+
+impl From<&Event> for Slip {
+    fn from(event: &Event) -> Self {
+        Slip { timestamp: event.time_s, slips: event.kind == EventKind::Slips }
     }
 }
 

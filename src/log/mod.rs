@@ -10,6 +10,7 @@
 //! | `/energy` | [`Energy`] | energies, works and their balance |
 //! | `/impact/proximal`, `/impact/distal` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
 //! | `/impact/limit` | [`LimitImpact`] | the same for the joint limit |
+//! | `/slip/proximal`, `/slip/distal` | [`Slip`] | friction begins to slip, or sticks again; only where it holds, and up to 1000 of them |
 //! | `/events` | `foxglove.Log` | the same events as text, when both phalanges hold the object, and how the run ended |
 //! | `/tf_static`, `/tf` | `foxglove.FrameTransforms` | where bodies are that stay, once, and those that move |
 //! | `/scene` | `foxglove.SceneUpdate` | the shapes of all bodies in their frames, once |
@@ -23,6 +24,7 @@
 //! | `/contact/PAIR` | [`Contact`] | gap, slip, forces; PAIR is `hammer-anvil` or `hammer-plane` |
 //! | `/energy` | [`Energy`] | energies, works and their balance; the motor's work is that on driven discs |
 //! | `/impact/PAIR` | [`Impact`] | touch-downs, lift-offs and reloads as figures |
+//! | `/slip/PAIR` | [`Slip`] | friction begins to slip, or sticks again; only where it holds, and up to 1000 of them |
 //! | `/events` | `foxglove.Log` | the same events as text, and how the run ended |
 //! | `/tf_static`, `/tf`, `/scene`, `/forces` | | pictures, as above |
 //!
@@ -77,7 +79,7 @@ pub use beside::Beside;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
 pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
 pub(crate) use listeners::{Ran, simulate};
-pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State, stamp_ns};
+pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, State, stamp_ns};
 pub use metadata::RECOVERED_NAME;
 pub use metadata::{
     ATTACHMENT_MEDIA_TYPE, CHECK_NAME, METADATA_NAME, RunInfo, check_entries, construction_name, law_name, metadata,

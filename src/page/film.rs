@@ -240,6 +240,8 @@ pub(super) fn mark(event: &Event, place: &str, angular: bool) -> Mark {
         EventKind::TouchDown => ("touch-down", Some((event.approach_speed, speed_unit))),
         EventKind::LiftOff => ("lift-off", Some((event.impulse, impulse_unit))),
         EventKind::Reload => ("pressed again", None),
+        EventKind::Slips => ("begins to slip", None),
+        EventKind::Sticks => ("sticks again", None),
     };
     Mark { time_s: event.time_s, place: place.to_string(), kind, figure }
 }

@@ -43,6 +43,9 @@ pub struct PhalanxReport {
     pub peak_normal_n: f64,
     pub max_penetration_m: f64,
     pub impulse_n_s: f64,
+    /// How often friction that holds began to slip; left out where it never did.
+    #[serde(skip_serializing_if = "is_none")]
+    pub slips: u32,
 }
 
 /// The joint limit: the same figures for an angle and a torque.
@@ -67,6 +70,9 @@ pub struct PairReport {
     pub peak_normal_n: f64,
     pub max_penetration_m: f64,
     pub impulse_n_s: f64,
+    /// How often friction that holds began to slip; left out where it never did.
+    #[serde(skip_serializing_if = "is_none")]
+    pub slips: u32,
     /// Of the first impact: closing speed at the touch-down, parting speed at the lift-off, and their ratio; null where
     /// there was none.
     pub approach_m_s: Option<f64>,
@@ -121,6 +127,10 @@ impl From<&Outcome> for FingerContacts {
     }
 }
 
+fn is_none(count: &u32) -> bool {
+    *count == 0
+}
+
 impl PhalanxReport {
     fn new((site, last): (&ContactSummary, &ContactSample)) -> Self {
         PhalanxReport {
@@ -131,6 +141,7 @@ impl PhalanxReport {
             peak_normal_n: site.peak_normal_n,
             max_penetration_m: site.max_penetration_m,
             impulse_n_s: site.impulse_n_s,
+            slips: site.slips,
         }
     }
 }
@@ -158,6 +169,7 @@ impl PairReport {
             peak_normal_n: summary.peak_normal_n,
             max_penetration_m: summary.max_penetration_m,
             impulse_n_s: summary.impulse_n_s,
+            slips: summary.slips,
             approach_m_s: rebound.approach_m_s,
             separation_m_s: rebound.separation_m_s,
             restitution: rebound.restitution(),

@@ -127,7 +127,7 @@ impl Sink for Curve {
                 (self.touch_s, self.approach_m_s) = (Some(event.time_s), event.approach_speed);
             }
             EventKind::LiftOff => self.lift_s = Some(event.time_s),
-            EventKind::TouchDown | EventKind::Reload => {}
+            EventKind::TouchDown | EventKind::Reload | EventKind::Slips | EventKind::Sticks => {}
         }
         Ok(())
     }

@@ -110,6 +110,7 @@ impl Sink for Impacts {
             match event.kind {
                 EventKind::LiftOff => impact.lift = Some((event.time_s, event.impulse)),
                 EventKind::TouchDown | EventKind::Reload => impact.lift = None,
+                EventKind::Slips | EventKind::Sticks => {}
             }
         }
         Ok(())

@@ -86,7 +86,7 @@ fn worst(case: &Case) -> f64 {
 }
 
 /// q near `start` at which both phalanges penetrate by the given depths, by Newton on the gaps.
-fn touching(model: &Model, start: [f64; 2], depth: [f64; 2]) -> [f64; 2] {
+pub fn touching(model: &Model, start: [f64; 2], depth: [f64; 2]) -> [f64; 2] {
     let mut q = start;
     for _ in 0..30 {
         let read = |site| model.reading(q, [0.0; 2], site, Active).expect("an object");
@@ -101,7 +101,7 @@ fn touching(model: &Model, start: [f64; 2], depth: [f64; 2]) -> [f64; 2] {
 }
 
 /// q̇_a with the given values of two of its linear forms.
-fn rates_with(rows: [[f64; 2]; 2], values: [f64; 2]) -> [f64; 2] {
+pub fn rates_with(rows: [[f64; 2]; 2], values: [f64; 2]) -> [f64; 2] {
     let [a, b] = rows;
     let determinant = a[0] * b[1] - a[1] * b[0];
     [(values[0] * b[1] - values[1] * a[1]) / determinant, (a[0] * values[1] - b[0] * values[0]) / determinant]

@@ -10,6 +10,7 @@ mod carried;
 mod contact_geometry;
 mod dynamics_independent;
 mod energy;
+mod finger_held;
 mod gripper;
 mod gripper_criteria;
 mod held;

@@ -23,6 +23,7 @@ fn outcome() -> Outcome {
         peak_normal_n,
         max_penetration_m: 2.93e-6,
         impulse_n_s: 0.3712,
+        slips: 0,
     };
     Outcome {
         last: last(),

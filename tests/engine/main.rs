@@ -7,6 +7,7 @@ mod support;
 
 mod anchor;
 mod contact;
+mod finger_held;
 mod gripper;
 mod order;
 mod recorder;

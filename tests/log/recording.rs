@@ -4,7 +4,7 @@ use std::fs;
 
 use phalanx::log::{read_any_file, read_file, run_to};
 use phalanx::scene::{AnyScene, load, load_any};
-use phalanx::trace::{Layout, Model, Recording, Site, record, run};
+use phalanx::trace::{Event, EventKind, Layout, Model, Recording, Site, record, run};
 
 use crate::support::cli::{directory, phalanx, stderr};
 use crate::support::replay::{DISCS, FINGER};
@@ -98,4 +98,36 @@ fn what_is_not_there_is_no_number_and_what_is_unknown_no_column() {
     assert!(recording.column("q21_rad").expect("a column").iter().all(|angle| angle.is_finite()));
     assert_eq!(recording.column("q21"), None);
     assert_eq!(recording.columns().len(), 42);
+}
+
+/// Events of friction are told to a log as they are to a recording, of every kind of scene that has bristles, and a run that is done again
+/// has the same.
+#[test]
+fn slipping_and_sticking_come_back_from_a_log() {
+    let directory = directory("recording_slips");
+    let path = directory.join("run.mcap");
+    for scene in
+        ["scenes/experiment-95-bristle.toml", "scenes/laws/bristle-stick-slip.toml", "scenes/gripper/hold.toml"]
+    {
+        let any = load_any(scene).expect("a scene");
+        for model in [Model::Analytic, Model::Engine] {
+            let (outcome, recording) = record(model, &any).expect("a run");
+            let slips = |contact: usize| {
+                let of = |event: &&Event| event.contact == contact && event.kind == EventKind::Slips;
+                recording.events().iter().filter(of).count() as u32
+            };
+            assert!((0..outcome.contacts.len()).any(|contact| slips(contact) > 0), "{scene}: something slips");
+            assert!(
+                outcome.contacts.iter().enumerate().all(|(contact, found)| found.slips == slips(contact)),
+                "{scene}"
+            );
+            run_to(&any, model, &path).expect("a run");
+            let layout = if matches!(any, AnyScene::Finger(_)) { Layout::finger() } else { Layout::default() };
+            let mut read = Recording::new(&layout);
+            assert!(read_any_file(&path, &mut read).expect("a log").is_whole());
+            assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
+            let output = phalanx(&["replay", path.to_str().expect("text"), "--verify", "--json"]);
+            assert!(output.status.success(), "{scene}: {}", stderr(&output));
+        }
+    }
 }

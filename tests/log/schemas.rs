@@ -79,6 +79,9 @@ fn our_messages_have_our_name() {
     ] {
         assert_eq!(found[topic], name);
     }
+    assert!(!found.keys().any(|topic| topic.starts_with("/slip")), "nothing holds, and nothing says so");
+    let held = schemas(&log("scenes/experiment-95-bristle.toml", Model::Analytic, 1e3));
+    assert_eq!([&held["/slip/proximal"], &held["/slip/distal"]], ["phalanx.Slip"; 2]);
     let discs = schemas(&log(DISCS, Model::Analytic, 1e3));
     assert_eq!(discs["/disc/hammer"], "phalanx.Disc");
     for name in found.values().chain(discs.values()) {

@@ -1,7 +1,7 @@
 //! What a scene that says little means, and what it means to say more.
 
 use phalanx::gripper::{self, Design, ProximalLength};
-use phalanx::law::{FrictionLaw, NormalLaw};
+use phalanx::law::{Bristle, FrictionLaw, NormalLaw};
 use phalanx::scene::{
     self, Actuation, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind,
 };
@@ -65,8 +65,11 @@ fn documented_defaults_are_the_real_ones() {
     let mut found = Vec::new();
     collect(&schema["else"]["else"], "", &mut found);
     assert!(found.len() >= 30, "{}", found.len());
-    // Bristles are for grippers and discs.
-    for (key, value) in found.into_iter().filter(|(key, _)| !key.ends_with("bristle_relaxation")) {
+    let bristles: String = ["", ".proximal", ".distal"]
+        .iter()
+        .map(|of| format!("contact{of}.friction.mu_static = 0.4\ncontact{of}.friction.law = \"bristle\"\n"))
+        .collect();
+    for (key, value) in found {
         // What the default only means together with another key.
         let (finger, drive, more) = match key.as_str() {
             k if k.starts_with("lengths") => (LENGTHS, DRIVE, ""),
@@ -82,6 +85,7 @@ fn documented_defaults_are_the_real_ones() {
             "contact.exponent" => (FINGER, DRIVE, "contact.stiffness_si = 1e8\n"),
             "engine.restitution" => (FINGER, DRIVE, "engine.law = \"rapier\"\n"),
             "limit.exponent" => (FINGER, DRIVE, "limit.stiffness_si = 1e11\n"),
+            k if k.ends_with("bristle_relaxation") => (FINGER, DRIVE, bristles.as_str()),
             k if [".v_static", ".v_dynamic", ".law"].iter().any(|end| k.ends_with(&format!("friction{end}"))) => (
                 FINGER,
                 DRIVE,
@@ -119,6 +123,21 @@ fn preset_is_the_base_that_single_keys_replace() {
     assert!((expected.atol_angle_rad / 1e-12 - 1.0).abs() < 1e-12);
     assert_eq!(scene.integrator, expected);
     assert_eq!(expected.method, Method::RadauIIa5);
+}
+
+/// One contact may hold while the other does not; a bristle has the damping of its normal law unless it is given.
+#[test]
+fn friction_holds_where_it_is_told_to() {
+    let scene = with(
+        "[contact.friction]\nmu_static = 0.8\n[contact.proximal]\ndamping = \"5e5 N*s/m\"\n[contact.proximal.friction]\n\
+         law = \"bristle\"\nbristle_relaxation = \"2 ms\"\n",
+    );
+    assert_eq!(scene.contact.proximal.bristle(), Some(Bristle { damping_n_s_per_m: 5e5, relaxation_s: 2e-3 }));
+    assert!(scene.contact.distal.bristle().is_none() && scene.holds());
+    let scene = with("[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n");
+    let both = [scene.contact.proximal, scene.contact.distal].map(|law| law.bristle());
+    assert_eq!(both, [Some(Bristle { damping_n_s_per_m: 3e4, relaxation_s: 1e-3 }); 2]);
+    assert!(!with("[contact.friction]\nmu_static = 0.8\n").holds());
 }
 
 #[test]

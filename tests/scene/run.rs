@@ -13,6 +13,7 @@ fn run(name: &str) -> Outcome {
 fn grasps_touch_and_hold_as_promised() {
     for (name, first_ms, normal_n) in [
         ("experiment-95", [4.50, 6.88], [23.6, 8.26]),
+        ("experiment-95-bristle", [4.50, 6.88], [6.66, 9.77]),
         ("experiment-95-frictionless", [4.50, 6.88], [23.6, 8.26]),
         ("experiment-95-cad", [3.41, 5.17], [23.6, 8.24]),
         ("torsional-spring", [4.50, 6.89], [31.2, 4.8]),

@@ -9,6 +9,7 @@ pub mod held;
 pub mod laws;
 pub mod replay;
 pub mod runs;
+pub mod scenes;
 pub mod select;
 pub mod statics;
 pub mod synthetic;

@@ -11,6 +11,7 @@ use super::wire::numbers;
 use crate::scene::words::SceneKind;
 use crate::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample};
 
+const UNTIMED: Malformed = Malformed("the time of an event is not a number");
 const BACK: Malformed = Malformed("the time of a sample is not a number, or goes back");
 
 /// What a message, with those before it, came to.
@@ -140,6 +141,14 @@ impl Assembler {
                 let (time_s, kind, [approach_speed, impulse]) = change(data)?;
                 return Ok(Found::Event(Event { time_s, contact, kind, approach_speed, impulse }));
             }
+            Carries::Slip(contact) => {
+                let [time_s, slips] = numbers(data)?;
+                if !time_s.is_finite() {
+                    return Err(UNTIMED);
+                }
+                let kind = if slips != 0.0 { EventKind::Slips } else { EventKind::Sticks };
+                return Ok(Found::Event(Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 }));
+            }
             Carries::Lines => {
                 let line = Log::decode(data).map_err(|_| Malformed("a line of the log is not protobuf"))?;
                 if line.name == "run" {
@@ -245,7 +254,7 @@ fn energy(data: &[u8]) -> Result<trace::Energy, Malformed> {
 fn change(data: &[u8]) -> Result<(f64, EventKind, [f64; 2]), Malformed> {
     let [time_s, pressed, touch_down, approach_speed, impulse] = numbers(data)?;
     if !time_s.is_finite() {
-        return Err(Malformed("the time of an event is not a number"));
+        return Err(UNTIMED);
     }
     let kind = match (pressed != 0.0, touch_down != 0.0) {
         (false, _) => EventKind::LiftOff,

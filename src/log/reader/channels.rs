@@ -6,7 +6,7 @@ use foxglove::Encode;
 use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 
 use super::record::{ChannelRecord, SchemaRecord};
-use crate::log::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, State};
+use crate::log::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, State};
 use crate::log::schema::current_name;
 use crate::scene::words::SceneKind;
 use crate::scene::{self, Side};
@@ -21,6 +21,7 @@ pub enum Carries {
     /// A contact whose gap is an angle.
     Stop(usize),
     Impact(usize),
+    Slip(usize),
     Energy,
     Lines,
     /// What is drawn: it follows from the rest.
@@ -36,6 +37,7 @@ enum Schema {
     Energy,
     Impact,
     LimitImpact,
+    Slip,
     Disc,
     Log,
     Picture,
@@ -62,6 +64,7 @@ impl Channels {
             (Energy::get_schema(), Schema::Energy),
             (Impact::get_schema(), Schema::Impact),
             (LimitImpact::get_schema(), Schema::LimitImpact),
+            (Slip::get_schema(), Schema::Slip),
             (Disc::get_schema(), Schema::Disc),
             (Log::get_schema(), Schema::Log),
             (FrameTransforms::get_schema(), Schema::Picture),
@@ -130,6 +133,7 @@ impl Channels {
             }
             Schema::Contact => pair(topic, "/contact/").map(Carries::Contact),
             Schema::Impact => pair(topic, "/impact/").map(Carries::Impact),
+            Schema::Slip => pair(topic, "/slip/").map(Carries::Slip),
             _ => of_both(schema, topic),
         }
     }
@@ -155,6 +159,8 @@ fn of_finger(schema: Schema, topic: &str) -> Option<Carries> {
         (Schema::Impact, "/impact/proximal") => Some(Carries::Impact(Site::Proximal as usize)),
         (Schema::Impact, "/impact/distal") => Some(Carries::Impact(Site::Distal as usize)),
         (Schema::LimitImpact, "/impact/limit") => Some(Carries::Impact(Site::Limit as usize)),
+        (Schema::Slip, "/slip/proximal") => Some(Carries::Slip(Site::Proximal as usize)),
+        (Schema::Slip, "/slip/distal") => Some(Carries::Slip(Site::Distal as usize)),
         _ => of_both(schema, topic),
     }
 }
@@ -178,6 +184,7 @@ fn of_gripper(schema: Schema, topic: &str) -> Option<Carries> {
         }
         Schema::Impact => place("/impact/", false).map(Carries::Impact),
         Schema::LimitImpact => place("/impact/", true).map(Carries::Impact),
+        Schema::Slip => place("/slip/", false).map(Carries::Slip),
         _ => of_both(schema, topic),
     }
 }

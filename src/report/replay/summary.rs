@@ -49,6 +49,7 @@ impl Sink for Summary {
             contact.first_s.get_or_insert(event.time_s);
             contact.touchdowns = contact.touchdowns.saturating_add(1);
         }
+        contact.slips = contact.slips.saturating_add(u32::from(event.kind == EventKind::Slips));
         self.rebounds.event(event)
     }
 }

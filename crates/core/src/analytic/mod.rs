@@ -13,4 +13,4 @@ mod modes;
 
 pub use finger::Passive;
 pub use mode::SiteState;
-pub use model::{Energies, GUARDS, Mode, Model, QUADRATURES, SiteReading, Snapshot};
+pub use model::{Energies, FingerMotion, GUARDS, HoldingModel, Mode, Model, QUADRATURES, SiteReading, Snapshot};

@@ -254,6 +254,15 @@ impl<const S: usize> Mode<S> {
         mode
     }
 
+    /// Whether the friction of a site is beyond the range in which it sticks: `None` where nothing presses, and where it is not looked at.
+    pub fn slips_at(&self, site: usize) -> Option<bool> {
+        match self.slips[site] {
+            _ if !self.sites[site].presses() => None,
+            FrictionRange::Any => None,
+            range => Some(range != FrictionRange::Sticks),
+        }
+    }
+
     /// Whether a site has no branch that could end.
     #[inline(always)]
     pub fn is_left_alone(&self, site: usize) -> bool {

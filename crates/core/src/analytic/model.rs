@@ -1,4 +1,7 @@
-//! The analytic model of one scene: accelerations, their exact Jacobian, and the state of every contact.
+//! The analytic model of one finger: accelerations, their exact Jacobian, and the state of every contact.
+//!
+//! Coordinates are q_a = (q11, q21). Where friction holds, the rates behind theirs are the memories σ of the bristles of both phalanges: of
+//! coordinates that nothing depends on.
 
 use super::contact::Geometry;
 use super::finger::{FingerModel, Passive};
@@ -6,13 +9,14 @@ use super::mode::SiteState;
 use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::Site;
-use crate::integrator::{Linearised, Rates, System};
+use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{
-    NormalForce, NormalLaw, elastic_energy, friction_force, normal_force, normal_over_gap, unclamped_normal_force,
+    Bristle, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_memory, normal_force,
+    normal_over_gap, unclamped_normal_force,
 };
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real};
-use crate::scene::{Actuation, Disc, Scene, torque};
+use crate::scene::{Actuation, Disc, Initial, Scene, torque};
 
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
@@ -23,13 +27,26 @@ pub const GUARDS: usize = 9;
 /// Branches of all sites, in the order of [`Site::ALL`].
 pub type Mode = super::mode::Mode<3>;
 
-/// The analytic model of a scene, with everything that does not change in time worked out.
+/// Coordinates of a finger.
+pub(super) const OWN: usize = 2;
+
+/// Memories of bristles: of the proximal and the distal one.
+const MEMORIES: usize = 2;
+
+/// The analytic model of a scene, with everything that does not change in time worked out; of N coordinates, and with W = N + 2 variables
+/// that its Jacobian is taken in: q11, q21, and all rates.
 #[derive(Clone, Debug)]
-pub struct Model {
+pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
     pub(super) actuation: Actuation,
     pub(super) object: Option<Disc>,
 }
+
+/// That of a scene whose friction has no memory.
+pub type Model = FingerMotion<OWN, { 2 * OWN }>;
+
+/// That of a scene whose friction holds: with the memories of the proximal and the distal bristle.
+pub type HoldingModel = FingerMotion<{ OWN + MEMORIES }, { 2 * OWN + MEMORIES }>;
 
 /// Energies of one state, in J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,9 +79,13 @@ pub struct SiteReading {
     pub tangential: f64,
 }
 
-impl Model {
-    /// Builds the model of a scene.
+impl<const N: usize, const W: usize> FingerMotion<N, W> {
+    /// Whether there are memories of bristles.
+    const HOLDS: bool = N > OWN;
+
+    /// Builds the model of a scene; one whose friction holds needs the room for what it remembers.
     pub fn new(scene: &Scene) -> Self {
+        assert!(Self::HOLDS == scene.holds() && W == OWN + N, "the finger's coordinates, and memories");
         let Scene { finger, spring, limit, contact, initial, gravity_m_s2, .. } = scene;
         Self {
             finger: FingerModel::new(finger, (*spring, *limit), *contact, initial, *gravity_m_s2),
@@ -73,8 +94,41 @@ impl Model {
         }
     }
 
+    /// Coordinates and rates at the start of a scene.
+    pub fn start(scene: &Scene) -> State<N, QUADRATURES> {
+        let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = scene.initial;
+        State { q: spread([q11_rad, q21_rad]), v: spread([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
+    }
+
     pub fn dynamics(&self) -> &Dynamics {
         &self.finger.dynamics
+    }
+
+    /// Where the memory of a site's bristle is among the rates; the joint limit has none.
+    #[inline(always)]
+    pub(super) fn memory_of(site: Site) -> Option<usize> {
+        if Self::HOLDS && site != Site::Limit { Some(OWN + site as usize) } else { None }
+    }
+
+    /// The bristle of a site, where friction holds.
+    pub(crate) fn bristle(&self, site: Site) -> Option<Bristle> {
+        self.finger.friction_law(site).and_then(|friction| friction.bristle)
+    }
+
+    /// All bristles, with the places of their memories.
+    #[inline(always)]
+    fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
+        let of = |site| Self::memory_of(site).zip(self.bristle(site));
+        Site::ALL.into_iter().filter_map(of)
+    }
+
+    /// Friction of a site at these rates; a law without memory asks for none.
+    #[inline(always)]
+    fn friction<T: Real>(law: &FrictionLaw, site: Site, slip: T, v: &[T; N], normal: T) -> T {
+        match Self::memory_of(site) {
+            Some(memory) if Self::HOLDS => friction_with_memory(law, slip, Some(v[memory]), normal),
+            _ => friction_force(law, slip, normal),
+        }
     }
 
     /// Geometry of one site; `None` where the scene has no such contact.
@@ -92,7 +146,8 @@ impl Model {
         Some(self.finger.phalanx(pose, rates, site, (disc.centre_m.map(T::constant), disc.radius_m)))
     }
 
-    /// q̈_a and the rates of the quadratures (2.24), from the position-dependent terms and the geometry of the sites that press.
+    /// q̈_a and the rates of the memories and of the quadratures (2.24), from the position-dependent terms and the geometry of the sites
+    /// that press.
     #[inline(always)]
     fn accelerations<T: Real>(
         &self,
@@ -100,9 +155,14 @@ impl Model {
         terms: &Terms<T>,
         geometry: impl Fn(Site) -> Option<Geometry<T>>,
         mode: &Mode,
-        v: [T; 2],
-    ) -> ([T; 2], [T; QUADRATURES]) {
-        let mut load = self.finger.load(motor_torque, terms, v);
+        v: [T; N],
+    ) -> ([T; N], [T; QUADRATURES]) {
+        let own = own(&v);
+        let mut driven = [T::zero(); MEMORIES];
+        if Self::HOLDS {
+            self.bristles().for_each(|(memory, bristle)| driven[memory - OWN] = v[memory] * -bristle.rate());
+        }
+        let mut load = self.finger.load(motor_torque, terms, own);
         let mut quadratures = [T::zero(); QUADRATURES];
         let mut contact_power = T::zero();
         for site in Site::ALL {
@@ -111,66 +171,88 @@ impl Model {
                 continue;
             }
             let (Some(geometry), Some(law)) = (geometry(site), self.finger.normal_law(site)) else { continue };
-            let gap_rate = dot(geometry.normal_row, v);
+            let gap_rate = dot(geometry.normal_row, own);
             let normal = normal_over_gap(|d, rate| branch(law, mode[index], d, rate), geometry.gap, gap_rate);
             load[0] += geometry.normal_row[0] * normal;
             load[1] += geometry.normal_row[1] * normal;
             contact_power += normal * gap_rate;
             quadratures[index] = normal;
             if let Some(friction) = self.finger.friction_law(site) {
-                let slip = dot(geometry.tangent_row, v);
-                let tangential = friction_force(friction, slip, normal);
+                let slip = dot(geometry.tangent_row, own);
+                let tangential = Self::friction(friction, site, slip, &v, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
                 contact_power += tangential * slip;
+                if let Some((memory, bristle)) = Self::memory_of(site).zip(friction.bristle) {
+                    driven[memory - OWN] += -tangential * bristle.driven();
+                }
             }
         }
         quadratures[3] = contact_power;
-        quadratures[4] = motor_torque * v[0];
-        (solve_mass(&terms.mass, load), quadratures)
+        quadratures[4] = motor_torque * own[0];
+        let turning = solve_mass(&terms.mass, load);
+        (std::array::from_fn(|i| if i < OWN { turning[i] } else { driven[i - OWN] }), quadratures)
     }
 
     /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
-    pub fn reading(&self, q: [f64; 2], v: [f64; 2], site: Site, state: SiteState) -> Option<SiteReading> {
-        let (pose, rates) = self.finger.place(q);
-        self.reading_at(&pose, &rates, v, site, state)
+    pub fn reading(&self, q: [f64; N], v: [f64; N], site: Site, state: SiteState) -> Option<SiteReading> {
+        let (pose, rates) = self.finger.place(own(&q));
+        self.reading_at(&pose, &rates, &v, site, state)
     }
 
     fn reading_at(
         &self,
         pose: &Directions<f64>,
         rates: &PassiveRates<f64>,
-        v: [f64; 2],
+        v: &[f64; N],
         site: Site,
         state: SiteState,
     ) -> Option<SiteReading> {
         let geometry = self.geometry(pose, rates, site)?;
         let law = self.finger.normal_law(site)?;
-        let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, v));
-        let slip = dot(geometry.tangent_row, v);
+        let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, own(v)));
+        let slip = dot(geometry.tangent_row, own(v));
         let normal = branch(law, state, delta, delta_rate).force.max(0.0);
-        let tangential = self.finger.friction_law(site).map_or(0.0, |f| friction_force(f, slip, normal));
+        let friction = |law| Self::friction(law, site, slip, v, normal);
+        let tangential = self.finger.friction_law(site).map_or(0.0, friction);
         Some(SiteReading { geometry, delta, delta_rate, slip, normal, tangential })
     }
 
     /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
-    pub fn snapshot(&self, q: [f64; 2], v: [f64; 2], mode: &Mode) -> Snapshot {
-        let terms = self.finger.terms(q);
-        let sites = Site::ALL.map(|site| self.reading_at(&terms.pose, &terms.rates, v, site, mode[site as usize]));
-        let elastic = Site::ALL.map(|site| match (self.finger.normal_law(site), &sites[site as usize]) {
+    pub fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &Mode) -> Snapshot {
+        let terms = self.finger.terms(own(&q));
+        let sites = Site::ALL.map(|site| self.reading_at(&terms.pose, &terms.rates, &v, site, mode[site as usize]));
+        let springs = Site::ALL.map(|site| match (self.finger.normal_law(site), &sites[site as usize]) {
             (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
             _ => 0.0,
         });
+        let mut elastic = springs.iter().sum();
+        if Self::HOLDS {
+            elastic += self.bristles().map(|(memory, bristle)| bristle.energy(v[memory])).sum::<f64>();
+        }
         let [gravity, spring] = self.finger.potential(&terms.pose);
-        let energies =
-            Energies { kinetic: kinetic_energy(&terms.mass, v), gravity, spring, elastic: elastic.iter().sum() };
-        Snapshot { passive: self.finger.passive(&terms.pose, &terms.rates, q, v), sites, energies }
+        let energies = Energies { kinetic: kinetic_energy(&terms.mass, own(&v)), gravity, spring, elastic };
+        Snapshot { passive: self.finger.passive(&terms.pose, &terms.rates, own(&q), own(&v)), sites, energies }
     }
 
     /// Motor torque at time `t`, in N·m.
     pub fn motor_torque(&self, t: f64) -> f64 {
         torque(&self.actuation, t).0
     }
+}
+
+/// A finger's own of all coordinates, or of their rates.
+#[inline(always)]
+pub(super) fn own<T: Copy, const N: usize>(all: &[T; N]) -> [T; OWN] {
+    [all[0], all[1]]
+}
+
+/// A finger's own among all, with zeros behind.
+#[inline(always)]
+pub(super) fn spread<const N: usize>(own: [f64; OWN]) -> [f64; N] {
+    let mut all = [0.0; N];
+    all[..OWN].copy_from_slice(&own);
+    all
 }
 
 /// Normal law on the branch of `state`.
@@ -183,12 +265,12 @@ pub(super) fn branch(law: &NormalLaw, state: SiteState, delta: f64, rate: f64) -
     }
 }
 
-impl System<2, QUADRATURES> for Model {
+impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, W> {
     type Mode = Mode;
 
     #[inline(always)]
-    fn rates(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Rates<2, QUADRATURES> {
-        let terms = self.finger.terms(*q);
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Rates<N, QUADRATURES> {
+        let terms = self.finger.terms(own(q));
         let torque = torque(&self.actuation, t).0;
         let geometry = |site| self.geometry(&terms.pose, &terms.rates, site);
         let (a, g) = self.accelerations(torque, &terms, geometry, mode, *v);
@@ -196,22 +278,24 @@ impl System<2, QUADRATURES> for Model {
     }
 
     #[inline(always)]
-    fn linearise(&self, t: f64, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Linearised<2, QUADRATURES> {
-        // Positions first, with two derivatives; rates only then, with four.
-        let narrow = self.finger.terms([Dual::<2>::variable(q[0], 0), Dual::variable(q[1], 1)]);
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Linearised<N, QUADRATURES> {
+        // Positions first, with two derivatives; rates only then, with all.
+        let narrow = self.finger.terms([Dual::<OWN>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let wide = narrow.widen();
-        let rate = [Dual::<4>::variable(v[0], 2), Dual::variable(v[1], 3)];
+        let rate = std::array::from_fn(|i| Dual::<W>::variable(v[i], OWN + i));
         let (torque, slope) = torque(&self.actuation, t);
         let geometry = |site| self.geometry(&narrow.pose, &narrow.rates, site).map(Geometry::widen);
         let (a, g) = self.accelerations(Dual::constant(torque), &wide, geometry, mode, rate);
         let mass = narrow.mass.map(|m| m.value);
+        let by_q = |x: Dual<W>| std::array::from_fn(|j| if j < OWN { x.grad[j] } else { 0.0 });
+        let by_v = |x: Dual<W>| std::array::from_fn(|j| x.grad[OWN + j]);
         Linearised {
             rates: Rates { a: a.map(|x| x.value), g: g.map(|x| x.value) },
-            a_q: a.map(|x| [x.grad[0], x.grad[1]]),
-            a_v: a.map(|x| [x.grad[2], x.grad[3]]),
-            a_t: solve_mass(&mass, [slope, 0.0]),
-            g_q: g.map(|x| [x.grad[0], x.grad[1]]),
-            g_v: g.map(|x| [x.grad[2], x.grad[3]]),
+            a_q: a.map(by_q),
+            a_v: a.map(by_v),
+            a_t: spread(solve_mass(&mass, [slope, 0.0])),
+            g_q: g.map(by_q),
+            g_v: g.map(by_v),
             g_t: [0.0, 0.0, 0.0, 0.0, slope * v[0]],
         }
     }
@@ -219,50 +303,50 @@ impl System<2, QUADRATURES> for Model {
 
 impl Geometry<Dual<2>> {
     #[inline(always)]
-    fn widen(self) -> Geometry<Dual<4>> {
+    fn widen<const W: usize>(self) -> Geometry<Dual<W>> {
         Geometry {
-            gap: self.gap.widen(),
-            normal_row: self.normal_row.map(Dual::widen),
-            tangent_row: self.tangent_row.map(Dual::widen),
-            normal: self.normal.map(Dual::widen),
-            point: self.point.map(Dual::widen),
+            gap: self.gap.among(),
+            normal_row: self.normal_row.map(Dual::among),
+            tangent_row: self.tangent_row.map(Dual::among),
+            normal: self.normal.map(Dual::among),
+            point: self.point.map(Dual::among),
         }
     }
 }
 
 impl Directions<Dual<2>> {
     #[inline(always)]
-    pub(super) fn widen(&self) -> Directions<Dual<4>> {
+    pub(super) fn widen<const W: usize>(&self) -> Directions<Dual<W>> {
         let Directions { e1, e2, e3, e4 } = *self;
         Directions {
-            e1: e1.map(Dual::widen),
-            e2: e2.map(Dual::widen),
-            e3: e3.map(Dual::widen),
-            e4: e4.map(Dual::widen),
+            e1: e1.map(Dual::among),
+            e2: e2.map(Dual::among),
+            e3: e3.map(Dual::among),
+            e4: e4.map(Dual::among),
         }
     }
 }
 
 impl PassiveRates<Dual<2>> {
     #[inline(always)]
-    pub(super) fn widen(&self) -> PassiveRates<Dual<4>> {
+    pub(super) fn widen<const W: usize>(&self) -> PassiveRates<Dual<W>> {
         PassiveRates {
-            a3: self.a3.map(Dual::widen),
-            a4: self.a4.map(Dual::widen),
-            inverse_sine: self.inverse_sine.widen(),
+            a3: self.a3.map(Dual::among),
+            a4: self.a4.map(Dual::among),
+            inverse_sine: self.inverse_sine.among(),
         }
     }
 }
 
 impl Terms<Dual<2>> {
     #[inline(always)]
-    fn widen(&self) -> Terms<Dual<4>> {
+    fn widen<const W: usize>(&self) -> Terms<Dual<W>> {
         Terms {
             pose: self.pose.widen(),
             rates: self.rates.widen(),
-            mass: self.mass.map(Dual::widen),
-            quadratic: self.quadratic.map(|row| row.map(Dual::widen)),
-            gravity: self.gravity.map(Dual::widen),
+            mass: self.mass.map(Dual::among),
+            quadratic: self.quadratic.map(|row| row.map(Dual::among)),
+            gravity: self.gravity.map(Dual::among),
         }
     }
 }

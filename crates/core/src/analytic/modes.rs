@@ -1,7 +1,7 @@
 //! Where the branches of the finger's contacts change.
 
 use super::mode::{Contact, Landing, Press, SiteState, is_kinked};
-use super::model::{GUARDS, Mode, Model, QUADRATURES};
+use super::model::{FingerMotion, GUARDS, Mode, QUADRATURES, own, spread};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
@@ -18,19 +18,30 @@ fn site_of(guard: usize) -> Site {
     Site::ALL[guard % Site::ALL.len()]
 }
 
-impl Model {
+impl<const N: usize, const W: usize> FingerMotion<N, W> {
     /// What a guard asks of a site; `None` where the scene has no such contact.
     #[inline(always)]
     fn contact(
         &self,
         pose: &Directions<f64>,
         rates: &PassiveRates<f64>,
-        v: &[f64; 2],
+        v: &[f64; N],
         site: Site,
-    ) -> Option<Contact<2>> {
+    ) -> Option<Contact<N>> {
         let geometry = self.geometry(pose, rates, site)?;
-        let (row, tangent) = (geometry.normal_row, geometry.tangent_row);
-        Some(Contact { delta: -geometry.gap, rate: -dot(row, *v), slip: dot(tangent, *v), memory: 0.0, row, tangent })
+        let (rate, slip) = (-dot(geometry.normal_row, own(v)), dot(geometry.tangent_row, own(v)));
+        let mut at = Contact {
+            delta: -geometry.gap,
+            rate,
+            slip,
+            memory: 0.0,
+            row: spread(geometry.normal_row),
+            tangent: spread(geometry.tangent_row),
+        };
+        if let Some(memory) = Self::memory_of(site) {
+            (at.memory, at.tangent[memory]) = (v[memory], 1.0);
+        }
+        Some(at)
     }
 
     /// All guards of a state.
@@ -39,9 +50,9 @@ impl Model {
         &self,
         pose: &Directions<f64>,
         rates: &PassiveRates<f64>,
-        v: &[f64; 2],
+        v: &[f64; N],
         mode: &Mode,
-    ) -> [Guard<2>; GUARDS] {
+    ) -> [Guard<N>; GUARDS] {
         const SITES: usize = Site::ALL.len();
         let mut guards = [Guard::QUIET; GUARDS];
         for site in Site::ALL {
@@ -64,7 +75,7 @@ impl Model {
 
     /// One guard without its strain.
     #[inline(always)]
-    fn guard(&self, place: &(Directions<f64>, PassiveRates<f64>), v: &[f64; 2], mode: &Mode, guard: usize) -> Guard<2> {
+    fn guard(&self, place: &(Directions<f64>, PassiveRates<f64>), v: &[f64; N], mode: &Mode, guard: usize) -> Guard<N> {
         let (site, (pose, rates)) = (site_of(guard), place);
         let at = self.contact(pose, rates, v, site).zip(self.finger.normal_law(site));
         at.map_or(Guard::QUIET, |(at, law)| mode.guard(guard, (law, self.finger.friction_law(site)), &LANDING, &at))
@@ -80,17 +91,17 @@ const TREMBLING_DEPTH: f64 = 1e-8;
 /// …and its damper is weaker than this part of its spring.
 const TREMBLING_DAMPER: f64 = 0.1;
 
-impl Model {
+impl<const N: usize, const W: usize> FingerMotion<N, W> {
     /// The state with one contact at rest at the depth at which its spring holds what presses on it, if it trembles about that.
     fn at_rest(
         &self,
         t: f64,
-        (q, v): (&[f64; 2], &[f64; 2]),
+        (q, v): (&[f64; N], &[f64; N]),
         mode: &Mode,
         site: Site,
         fastest: f64,
-    ) -> Option<Settled<2>> {
-        let terms = self.finger.terms(*q);
+    ) -> Option<Settled<N>> {
+        let terms = self.finger.terms(own(q));
         let (at, law) = self.contact(&terms.pose, &terms.rates, v, site).zip(self.finger.normal_law(site))?;
         let small = at.delta.abs() <= TREMBLING_DEPTH && at.rate.abs() <= fastest;
         if !small || law.stiffness_n_per_m_e == 0.0 {
@@ -103,12 +114,13 @@ impl Model {
         let moved = |h: f64| -> Option<f64> {
             let q = [q[0] + h * v[0], q[1] + h * v[1]];
             let (pose, rates) = self.finger.place(q);
-            Some(dot(self.geometry(&pose, &rates, site)?.normal_row, *v))
+            Some(dot(self.geometry(&pose, &rates, site)?.normal_row, own(v)))
         };
         let turning = (moved(TURNING_S)? - moved(-TURNING_S)?) / (2.0 * TURNING_S);
-        let response = solve_mass(&terms.mass, at.row);
-        let mobility = dot(at.row, response);
-        let load = -(dot(at.row, free) + turning) / mobility;
+        let row = own(&at.row);
+        let response = solve_mass(&terms.mass, row);
+        let mobility = dot(row, response);
+        let load = -(dot(row, own(&free)) + turning) / mobility;
         if load <= 0.0 {
             return None;
         }
@@ -120,6 +132,7 @@ impl Model {
         }
         // The gap shrinks by what the depth lacks, and its rate goes.
         let (gap, rate) = ((at.delta - depth) / mobility, at.rate / mobility);
+        let response: [f64; N] = spread(response);
         Some(Settled {
             q: std::array::from_fn(|i| q[i] + gap * response[i]),
             v: std::array::from_fn(|i| v[i] + rate * response[i]),
@@ -131,16 +144,16 @@ impl Model {
 /// Time over which rows are seen to turn, either way.
 const TURNING_S: f64 = 1e-7;
 
-impl Hybrid<2, QUADRATURES, GUARDS> for Model {
+impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMotion<N, W> {
     fn next_corner(&self, t: f64) -> f64 {
         next_corner(&self.actuation, t)
     }
 
     #[inline(always)]
-    fn watch(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Watch<2, GUARDS> {
-        let (pose, rates) = self.finger.place(*q);
+    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Watch<N, GUARDS> {
+        let (pose, rates) = self.finger.place(own(q));
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
-        let [_, _, rate3, rate4] = absolute_rates(&rates, *v);
+        let [_, _, rate3, rate4] = absolute_rates(&rates, own(v));
         let guards = self.guards(&pose, &rates, v, mode);
         Watch {
             guards,
@@ -150,13 +163,13 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     }
 
     #[inline(always)]
-    fn glance(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, guard: usize) -> Guard<2> {
-        self.guard(&self.finger.place(*q), v, mode, guard)
+    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &Mode, guard: usize) -> Guard<N> {
+        self.guard(&self.finger.place(own(q)), v, mode, guard)
     }
 
     #[inline(always)]
-    fn values(&self, q: &[f64; 2], v: &[f64; 2], mode: &Mode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
-        let place = self.finger.place(*q);
+    fn values(&self, q: &[f64; N], v: &[f64; N], mode: &Mode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
+        let place = self.finger.place(own(q));
         std::array::from_fn(|guard| if wanted[guard] { self.guard(&place, v, mode, guard).value } else { f64::NAN })
     }
 
@@ -166,9 +179,9 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         self.finger.normal_law(site).map_or(0.0, |law| mode.landing_tolerance(guard, law, friction, &LANDING))
     }
 
-    fn switch(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Mode {
+    fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Mode {
         let site = site_of(guard);
-        let (pose, rates) = self.finger.place(*q);
+        let (pose, rates) = self.finger.place(own(q));
         let at = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site));
         at.map_or(*mode, |(at, law)| mode.switched(guard, law, self.finger.friction_law(site), &at))
     }
@@ -177,7 +190,7 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         guard < Site::ALL.len()
     }
 
-    fn relax(&self, guards: &[Guard<2>; GUARDS], mode: &Mode) -> Option<Mode> {
+    fn relax(&self, guards: &[Guard<N>; GUARDS], mode: &Mode) -> Option<Mode> {
         mode.relaxed(guards)
     }
 
@@ -185,8 +198,8 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         mode.with_natural(guard)
     }
 
-    fn read_mode(&self, t: f64, q: &[f64; 2], v: &[f64; 2]) -> Mode {
-        let (pose, rates) = self.finger.place(*q);
+    fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Mode {
+        let (pose, rates) = self.finger.place(own(q));
         let at = |index: usize| {
             let site = Site::ALL[index];
             let (at, law) = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site))?;
@@ -195,15 +208,15 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         Mode::read(&LANDING, at, |mode| self.rates(t, q, v, mode).a)
     }
 
-    fn restart_step(&self, guard: usize, q: &[f64; 2], v: &[f64; 2], mode: &Mode) -> Option<f64> {
+    fn restart_step(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Option<f64> {
         let which = site_of(guard);
         if mode[which as usize] != SiteState::Active {
             return None;
         }
-        let terms = self.finger.terms(*q);
+        let terms = self.finger.terms(own(q));
         let (geometry, law) = (self.geometry(&terms.pose, &terms.rates, which)?, self.finger.normal_law(which)?);
         let row = geometry.normal_row;
-        let speed = dot(row, *v).abs();
+        let speed = dot(row, own(v)).abs();
         let mobility = dot(row, solve_mass(&terms.mass, row));
         Some(first_step(law, speed, 1.0 / mobility))
     }
@@ -211,10 +224,10 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
     fn settle(
         &self,
         t: f64,
-        (q, v): (&[f64; 2], &[f64; 2]),
+        (q, v): (&[f64; N], &[f64; N]),
         mode: &Mode,
         tolerances: &Tolerances,
-    ) -> Option<Settled<2>> {
+    ) -> Option<Settled<N>> {
         let mut all = Settled { q: *q, v: *v, decay: f64::INFINITY };
         let fastest = TREMBLING_RATE * (tolerances.rtol_v / 1e-5).sqrt();
         let fastest = fastest.clamp(LEAST_TREMBLING_RATE, TREMBLING_RATE);
@@ -226,8 +239,8 @@ impl Hybrid<2, QUADRATURES, GUARDS> for Model {
         all.decay.is_finite().then_some(all)
     }
 
-    fn obstacle(&self, q: &[f64; 2]) -> String {
-        format!("singular configuration: {}", nearest_singularity(&self.finger.dynamics.lengths, *q))
+    fn obstacle(&self, q: &[f64; N]) -> String {
+        format!("singular configuration: {}", nearest_singularity(&self.finger.dynamics.lengths, own(q)))
     }
 }
 

@@ -55,7 +55,7 @@ impl<const K: usize> Pieces<K> {
     }
 
     pub fn event(&mut self, event: &Event) {
-        if event.contact < K {
+        if event.contact < K && !event.kind.is_of_friction() {
             self.events.push(*event);
         }
     }

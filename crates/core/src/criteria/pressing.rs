@@ -29,6 +29,7 @@ impl Pressing {
         match kind {
             EventKind::TouchDown | EventKind::Reload => self.touch_down(),
             EventKind::LiftOff => *self = Pressing { touched: true, ..Pressing::default() },
+            EventKind::Slips | EventKind::Sticks => {}
         }
     }
 

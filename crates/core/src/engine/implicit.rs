@@ -41,8 +41,9 @@ pub struct Workspace {
     /// Sizes to whose last digits the forces are known.
     known: Vec<f64>,
     pub force: Vec<f64>,
-    /// Memories of bristles there, one per site.
+    /// Memories of bristles there, one per site, and whether they are at the end of their cones.
     pub memory: Vec<f64>,
+    pub slips: Vec<bool>,
 }
 
 /// The laws have no solution within the iterations allowed.
@@ -55,6 +56,8 @@ impl Workspace {
     pub fn resize(&mut self, rows: usize, sites: usize) {
         self.memory.clear();
         self.memory.resize(sites, 0.0);
+        self.slips.clear();
+        self.slips.resize(sites, false);
         for list in [
             &mut self.residual,
             &mut self.step,
@@ -148,7 +151,10 @@ impl Workspace {
                 let found = site.touch.friction_after([rate[t], memory, law.force], h);
                 self.force[t] = -found.pull;
                 self.known[t] = match site.touch.bristle() {
-                    Some(bristle) => found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs()),
+                    Some(bristle) => {
+                        self.slips[index] = found.by_normal != 0.0;
+                        found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs())
+                    }
                     None => law.force.abs() * found.by_normal.abs().max(1.0),
                 };
                 self.own[t] = -found.by_slip;

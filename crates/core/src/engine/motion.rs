@@ -222,6 +222,12 @@ impl<'a> Motion<'a> {
         native.map_or((0.0, 0.0), |native| (native.normal / self.last_dt_s, native.tangential / self.last_dt_s))
     }
 
+    /// Whether the bristle of a contact slips at the end of the last step; `None` where it has none, and where nothing presses.
+    pub fn slips(&self, index: usize) -> Option<bool> {
+        let at = self.space.sites.iter().position(|at| at.touch.index == index)?;
+        self.contact.slips(at, &self.space)
+    }
+
     /// Where in the last step a stop or contact pressed hardest, and where it was deepest, if its law was asked in it.
     pub fn contact_extremes(&self, index: usize) -> Option<[Moment; 2]> {
         let at = self.space.sites.iter().position(|at| at.touch.index == index)?;

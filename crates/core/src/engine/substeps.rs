@@ -64,6 +64,9 @@ pub enum ChangeKind {
     Parts,
     Presses,
     LetsGo,
+    /// A bristle that presses has come to the end of its cone, or is within it again.
+    Slips,
+    Sticks,
 }
 
 /// One site at an instant within a step.
@@ -121,6 +124,7 @@ struct Buffers {
     error: Vec<f64>,
     touching: Vec<bool>,
     pressing: Vec<bool>,
+    slipping: Vec<bool>,
 }
 
 /// Errors of rates that one sub-step may make.
@@ -240,6 +244,13 @@ impl Contact {
         Ok(())
     }
 
+    /// Whether the bristle of a site slips at the end of the step; `None` where it has none or nothing presses.
+    pub fn slips(&self, site: usize, space: &Space) -> Option<bool> {
+        let at = &space.sites[site];
+        let holds = at.touch.has_gap() && at.touch.bristle().is_some() && self.force[at.normal] > 0.0;
+        if holds { self.buffers.slipping.get(site).copied() } else { None }
+    }
+
     fn begin(&mut self, space: &Space) {
         let rows = space.len();
         let Buffers { total, double, first, second, first_force, base_rate, error, .. } = &mut self.buffers;
@@ -268,10 +279,12 @@ impl Contact {
         self.buffers.touching.clear();
         self.buffers.touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
         self.buffers.pressing.clear();
+        self.buffers.slipping.clear();
         for site in &space.sites {
             let force = normal_force(&site.touch.law, -site.touch.gap, -space.rate[site.normal]).force;
             self.force[site.normal] = force;
             self.buffers.pressing.push(force > 0.0);
+            self.buffers.slipping.push(force > 0.0 && slips(site, space, force));
         }
     }
 
@@ -444,6 +457,13 @@ impl Contact {
                 (self.buffers.touching[index], met) = (true, true);
                 continue;
             }
+            if site.touch.has_gap() && site.touch.bristle().is_some() {
+                let slips = pressing && self.work_space.slips[index];
+                if slips != self.buffers.slipping[index] && pressing {
+                    self.note(space, index, now, if slips { ChangeKind::Slips } else { ChangeKind::Sticks });
+                }
+                self.buffers.slipping[index] = slips;
+            }
             if pressing != self.buffers.pressing[index] {
                 let kind = if pressing { ChangeKind::Presses } else { ChangeKind::LetsGo };
                 self.note(space, index, now, kind);
@@ -462,6 +482,12 @@ impl Contact {
         let (closing, impulse) = (-self.rate[normal], self.buffers.total[normal]);
         self.changes.push(Change { after_s, site, kind, closing, impulse });
     }
+}
+
+/// Whether the bristle of a site is at the end of its cone where a step starts, under so much force.
+fn slips(site: &Site, space: &Space, force: f64) -> bool {
+    let held = site.touch.bristle().and(site.tangent);
+    held.is_some_and(|t| site.touch.friction_after([space.rate[t], site.memory, force], 0.0).by_normal != 0.0)
 }
 
 /// Largest error of any site's rates, relative to what its speed allows, and, where friction depends on it, what the ranges

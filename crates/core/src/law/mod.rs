@@ -50,3 +50,10 @@ pub struct ContactLaw {
     pub normal: NormalLaw,
     pub friction: Option<FrictionLaw>,
 }
+
+impl ContactLaw {
+    /// What holds below the cone; `None` where nothing does.
+    pub fn bristle(&self) -> Option<Bristle> {
+        self.friction.and_then(|friction| friction.bristle)
+    }
+}

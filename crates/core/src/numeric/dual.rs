@@ -39,14 +39,6 @@ impl<const N: usize> Dual<N> {
     }
 }
 
-impl Dual<2> {
-    /// The same number seen from a larger set of variables, of which its own come first.
-    #[inline(always)]
-    pub fn widen(self) -> Dual<4> {
-        self.among()
-    }
-}
-
 impl<const N: usize> Real for Dual<N> {
     #[inline(always)]
     fn constant(value: f64) -> Self {

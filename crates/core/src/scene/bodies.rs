@@ -83,7 +83,7 @@ impl DiscMotion {
 impl BodiesScene {
     /// Whether friction holds.
     pub fn holds(&self) -> bool {
-        self.contact.friction.is_some_and(|friction| friction.bristle.is_some())
+        self.contact.bristle().is_some()
     }
 
     /// Every pair of surfaces of which at least one moves, in the order both models count their contacts: by the index of

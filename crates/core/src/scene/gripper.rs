@@ -2,7 +2,7 @@
 
 use super::{Actuation, Brake, Contacts, Engine, GripperBounds, Initial, Integrator, LogRates, PalmMotion};
 use crate::gripper::{Finger, Site, Spring};
-use crate::law::{ContactLaw, NormalLaw};
+use crate::law::{Bristle, ContactLaw, NormalLaw};
 
 /// A resolved scene of a gripper, in SI. Its frame G has its origin in the middle of the palm, x along it and y out of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -168,11 +168,21 @@ impl GripperScene {
         &self.fingers[side as usize]
     }
 
+    /// What holds at a place; joint limits have no friction.
+    pub fn bristle(&self, place: Place) -> Option<Bristle> {
+        let law = match place {
+            Place::Finger(side, Site::Proximal) => Some(self.finger(side).contact.proximal),
+            Place::Finger(side, Site::Distal) => Some(self.finger(side).contact.distal),
+            Place::Finger(_, Site::Limit) => None,
+            Place::Palm => self.palm,
+            Place::Table => self.table.map(|table| table.contact),
+        };
+        law.and_then(|law| law.bristle())
+    }
+
     /// Whether friction holds anywhere: in a contact or in a brake.
     pub fn holds(&self) -> bool {
-        let phalanges = self.fingers.iter().flat_map(|finger| [finger.contact.proximal, finger.contact.distal]);
-        let planes = self.palm.into_iter().chain(self.table.map(|table| table.contact));
-        let held = phalanges.chain(planes).any(|law| law.friction.is_some_and(|friction| friction.bristle.is_some()));
+        let held = Place::ALL.into_iter().any(|place| self.bristle(place).is_some());
         let input = self.differential.iter().map(|differential| &differential.motor);
         let motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
         held || motors.into_iter().any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))

@@ -61,9 +61,9 @@ pub use template::Template;
 pub use text::{parse, parse_any, parse_template};
 pub use torque::{next_corner, scaled, torque};
 
-use crate::gripper::{Circle, Finger};
+use crate::gripper::{Circle, Finger, Site};
 pub use crate::gripper::{Placement, Spring, SpringKind};
-use crate::law::{ContactLaw, NormalLaw};
+use crate::law::{Bristle, ContactLaw, NormalLaw};
 
 /// A resolved scene: everything a model needs, in SI.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +91,22 @@ pub struct Scene {
     pub engine: Engine,
     pub bounds: Bounds,
     pub log: LogRates,
+}
+
+impl Scene {
+    /// Whether friction holds at any contact.
+    pub fn holds(&self) -> bool {
+        self.object.is_some() && Site::ALL.into_iter().any(|site| self.bristle(site).is_some())
+    }
+
+    /// What holds at a contact; the joint limit has no friction.
+    pub fn bristle(&self, site: Site) -> Option<Bristle> {
+        match site {
+            Site::Proximal => self.contact.proximal.bristle(),
+            Site::Distal => self.contact.distal.bristle(),
+            Site::Limit => None,
+        }
+    }
 }
 
 /// A fixed disc.

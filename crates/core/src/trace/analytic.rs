@@ -7,7 +7,7 @@ use super::recorder::Recorder;
 use super::{Outcome, RunError, Simulated, Sink, Work};
 use crate::analytic::discs::{self, Discs, HOLDING, moving_discs};
 use crate::analytic::gripper::{self as grasp, GripperModel};
-use crate::analytic::{GUARDS, Model, QUADRATURES};
+use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
 use crate::integrator::{
     Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
 };
@@ -21,10 +21,15 @@ use crate::scene::{BodiesScene, GripperScene, Integrator, Method, ObjectMotion, 
 ///
 /// A scene with more discs or pairs than the model takes is refused.
 pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let scene = scene.into();
+    simulated(scene.into(), sink)
+}
+
+/// No generic function, so that every model is compiled here: what others compile is not made as fast.
+fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let span = scene.span();
     match scene {
-        Simulated::Finger(scene) => finger(scene, span, sink),
+        Simulated::Finger(scene) if scene.holds() => finger::<4, 6>(scene, span, sink),
+        Simulated::Finger(scene) => finger::<2, 4>(scene, span, sink),
         Simulated::Discs(scene) => match moving_discs(scene) {
             Ok(1) if scene.holds() => some_discs::<{ 3 + HOLDING[1] }, { 6 + 2 * HOLDING[1] }>(scene, span, sink),
             Ok(2) if scene.holds() => some_discs::<{ 6 + HOLDING[2] }, { 12 + 2 * HOLDING[2] }>(scene, span, sink),
@@ -48,9 +53,10 @@ pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) ->
     }
 }
 
-fn finger(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let model = Model::new(scene);
-    simulate::<_, _, 2, QUADRATURES, GUARDS>(&model, &model, initial_state(scene), &scene.integrator, span, sink)
+fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let model = FingerMotion::<N, W>::new(scene);
+    let start = FingerMotion::<N, W>::start(scene);
+    simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
 }
 
 fn some_discs<const N: usize, const M: usize>(
@@ -75,12 +81,6 @@ fn gripper<const N: usize>(scene: &GripperScene, span: Span, sink: &mut dyn Sink
     let model = GripperModel::<N>::new(scene);
     let start = grasp::start::<N>(scene);
     simulate::<_, _, N, { grasp::QUADRATURES }, { grasp::GUARDS }>(&model, &model, start, &scene.integrator, span, sink)
-}
-
-/// The initial state of a finger.
-fn initial_state(scene: &Scene) -> State<2, QUADRATURES> {
-    let start = &scene.initial;
-    State { q: [start.q11_rad, start.q21_rad], v: [start.qd11_rad_s, start.qd21_rad_s], z: [0.0; QUADRATURES] }
 }
 
 /// Integrates a model from `start` on, and shows what `reader` makes of it.

@@ -181,10 +181,12 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
             tracked.touching &= !touch.is_apart() || force > 0.0;
         }
         tracked.add_step(motion.normal_impulse(index));
-        match tracked.unnoticed(force) {
-            Some(kind) => self.change(place, kind, end_s, 0.0, 0.0),
-            None => Ok(()),
+        if let Some(kind) = tracked.unnoticed(force) {
+            self.change(place, kind, end_s, 0.0, 0.0)?;
         }
+        // Between two steps directions turn, and a bristle may have come over the end of its cone.
+        let slips = self.places[place].slip(motion.slips(index));
+        slips.map_or(Ok(()), |told| self.tell(place, end_s, told))
     }
 
     /// A change of one place; `impulse` is that of the present step up to here.
@@ -197,7 +199,15 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         impulse: f64,
     ) -> Result<(), SinkError> {
         let changed = self.places[place].change(kind, time_s, closing, impulse);
-        let Some(Told { kind, approach: approach_speed, impulse }) = changed else { return Ok(()) };
+        changed.map_or(Ok(()), |told| self.tell(place, time_s, told))
+    }
+
+    fn tell(&mut self, contact: usize, time_s: f64, told: Told) -> Result<(), SinkError> {
+        let Told { kind, approach: approach_speed, impulse } = told;
+        let event = Event { time_s, contact, kind, approach_speed, impulse };
+        if kind.is_of_friction() {
+            return self.sink.event(&event);
+        }
         self.work.events += 1;
         // Rates jump soon after an event: whoever interpolates needs the sample just before it.
         if self.emitted_s < self.last.time_s {
@@ -205,7 +215,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
             take(&mut self.places, &self.last);
             self.sink.sample(&self.last)?;
         }
-        self.sink.event(&Event { time_s, contact: place, kind, approach_speed, impulse })
+        self.sink.event(&event)
     }
 
     /// Samples of one step, or what is left of it: the grid points inside it, and its end where steps are short, extremes lie

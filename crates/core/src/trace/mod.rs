@@ -33,6 +33,7 @@ mod sample;
 mod search;
 mod simulated;
 mod sink;
+mod slipping;
 mod thin;
 mod tracked;
 
@@ -48,4 +49,5 @@ pub use recording::{Recording, record};
 pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
 pub use simulated::{Numerics, Simulated};
 pub use sink::{Sink, SinkError};
+pub use slipping::MOST_FRICTION_EVENTS;
 pub use thin::{Thin, Thinned};

@@ -14,6 +14,8 @@ pub struct ContactSummary {
     pub max_penetration_m: f64,
     /// ∫ F_n dt over the run.
     pub impulse_n_s: f64,
+    /// How often friction that holds began to slip.
+    pub slips: u32,
 }
 
 impl ContactSummary {

@@ -3,6 +3,7 @@
 use super::grid::{Grid, Span};
 use super::reading::Reader;
 use super::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
+use super::slipping::Slipping;
 use super::{ContactSummary, Energy, Event, EventKind, Outcome, Sample, Sink, SinkError, Work};
 use crate::analytic::SiteState;
 use crate::integrator::{Observer, State, Step, StepTools};
@@ -13,6 +14,7 @@ struct Place {
     summary: ContactSummary,
     /// Impulse at the last touch-down.
     impulse_before: f64,
+    slipping: Slipping,
 }
 
 pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> {
@@ -157,6 +159,17 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         places.for_each(|(place, contact)| place.summary.take(contact.pressed()));
     }
 
+    /// Where friction that holds begins to slip or to stick: steps end there, and the next one is in another mode.
+    fn note_slips(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
+        for (contact, place) in self.places.iter_mut().enumerate() {
+            let slips = self.reader.slips(contact, mode);
+            if let Some(kind) = place.slipping.change(slips, &mut place.summary) {
+                self.sink.event(&Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 })?;
+            }
+        }
+        Ok(())
+    }
+
     /// Largest force and penetration within the step from the last sample to its end, and where.
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.marks.clear();
@@ -193,6 +206,10 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         self.mode = *mode;
+        if let Err(error) = self.note_slips(step.t0, mode) {
+            self.error = Some(error);
+            return false;
+        }
         self.reader.read(step.t1, step.end, mode, &self.start_energy, &mut self.end);
         self.search_peaks(mode, tools);
         std::mem::swap(&mut self.last, &mut self.end);
@@ -219,7 +236,7 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
                 place.impulse_before = state.z[index];
             }
             EventKind::LiftOff => impulse = state.z[index] - place.impulse_before,
-            EventKind::Reload => {}
+            EventKind::Reload | EventKind::Slips | EventKind::Sticks => {}
         }
         self.mode = *mode;
         // Rates jump soon after an event: whoever interpolates needs the sample just before it.

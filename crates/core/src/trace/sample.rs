@@ -271,6 +271,17 @@ pub enum EventKind {
     LiftOff,
     /// The force returns before the surfaces have parted.
     Reload,
+    /// Friction that holds has come to the end of its cone: the slider of its bristle begins to slip.
+    Slips,
+    /// It is within its cone again.
+    Sticks,
+}
+
+impl EventKind {
+    /// Whether it is one of friction: such contacts press on as before.
+    pub fn is_of_friction(self) -> bool {
+        matches!(self, EventKind::Slips | EventKind::Sticks)
+    }
 }
 
 /// A change of contact.

@@ -128,7 +128,11 @@ impl<S: Sink> Sink for Thinned<S> {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.thin.event(|kept| self.sink.sample(kept))?;
+        // Nothing jumps where friction begins to slip: no sample is due but those that come before.
+        match event.kind.is_of_friction() {
+            true => self.thin.flush(|kept| self.sink.sample(kept))?,
+            false => self.thin.event(|kept| self.sink.sample(kept))?,
+        }
         self.sink.event(event)
     }
 

@@ -1,5 +1,6 @@
 //! One place of contact of the engine model through time: from the changes a step reports to events and summary figures.
 
+use super::slipping::Slipping;
 use super::{ContactSummary, EventKind};
 use crate::engine::ChangeKind;
 
@@ -13,6 +14,7 @@ pub(super) struct Tracked {
     /// Impulse up to the start of the present step, and at the last touch-down.
     pub impulse: f64,
     at_touchdown: f64,
+    slipping: Slipping,
 }
 
 /// What a change is to whoever watches: `approach` at a touch-down, `impulse` at a lift-off, 0 otherwise.
@@ -35,8 +37,11 @@ impl Tracked {
                 self.summary.first_s.get_or_insert(time_s);
                 self.summary.touchdowns += 1;
             }
+            ChangeKind::Slips => return self.slip(Some(true)),
+            ChangeKind::Sticks => return self.slip(Some(false)),
             ChangeKind::LetsGo if self.pressing => {
                 (self.pressing, self.released) = (false, true);
+                self.slip(None);
                 (told.kind, told.impulse) = (EventKind::LiftOff, so_far - self.at_touchdown);
             }
             ChangeKind::Presses if !self.pressing => {
@@ -54,6 +59,12 @@ impl Tracked {
             _ => return None,
         }
         Some(told)
+    }
+
+    /// Takes over what its friction does, if it presses and holds.
+    pub fn slip(&mut self, slips: Option<bool>) -> Option<Told> {
+        let kind = self.slipping.change(slips, &mut self.summary)?;
+        Some(Told { kind, approach: 0.0, impulse: 0.0 })
     }
 
     /// Adds the impulse of a step.

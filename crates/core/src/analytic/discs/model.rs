@@ -111,7 +111,7 @@ impl<const N: usize, const M: usize> Discs<N, M> {
 
     /// The bristle of every pair.
     fn bristle(&self) -> Option<Bristle> {
-        self.law.friction.and_then(|law| law.bristle)
+        self.law.bristle()
     }
 
     /// Where the memory of a pair's bristle is among the rates.

@@ -214,6 +214,11 @@ impl<const N: usize> GripperModel<N> {
         if Self::HOLDS { Some(v[memory_of_brake(drive)]) } else { None }
     }
 
+    /// Whether friction holds at a place.
+    pub(crate) fn holds(&self, place: Place) -> bool {
+        self.friction_law(place).is_some_and(|friction| friction.bristle.is_some())
+    }
+
     /// All bristles, with the places of their memories.
     pub(super) fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
         let places = Place::ALL.into_iter().filter_map(|place| {

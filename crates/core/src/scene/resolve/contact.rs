@@ -216,16 +216,3 @@ pub fn limit(c: &mut Checker<'_>, raw: &Section<Keys<Limit>>) -> Option<NormalLa
     judge_exponent(c, "limit", raw);
     enabled.then_some(law)
 }
-
-/// A finger by itself has no room for what bristles remember.
-pub fn refuse_bristles(c: &mut Checker<'_>, raw: &Section<Keys<Contact>>, laws: Option<Contacts>) {
-    let laws = laws.into_iter().flat_map(|laws| [laws.proximal, laws.distal]);
-    if laws.filter_map(|law| law.friction).any(|friction| friction.bristle.is_some()) {
-        c.push(
-            raw.span.clone(),
-            "friction of law \"bristle\" is for grippers and discs, not for a finger by itself",
-            "",
-            "leave `law` out, or make it a gripper on the same disc: kind = \"gripper\" with object.motion = \"fixed\"",
-        );
-    }
-}

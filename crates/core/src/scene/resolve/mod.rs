@@ -47,7 +47,6 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     let spring = drive::spring(&mut c, &raw.spring, sized);
     let limit = contact::limit(&mut c, &raw.limit);
     let contact = contact::contacts(&mut c, &raw.contact, radius_m);
-    contact::refuse_bristles(&mut c, &raw.contact, contact);
     let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
     let mu_static = contact.map(|contacts| contacts.proximal.friction.map_or(0.0, |law| law.mu_static));
     let engine = run::engine(&mut c, &raw.engine, mu_static);

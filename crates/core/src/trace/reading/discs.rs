@@ -39,6 +39,10 @@ impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, 
         sample.energy = stored.since(start, state.z[PAIRS], state.z[PAIRS + 1]);
     }
 
+    fn slips(&self, pair: usize, mode: &DiscMode) -> Option<bool> {
+        mode.slips_at(pair).filter(|_| self.scene.holds())
+    }
+
     fn contact(&self, state: &State<N, QUADRATURES>, pair: usize, mode: &DiscMode) -> ContactSample {
         let PairReading { delta, delta_rate, slip, normal_force, tangential_force, normal, point } =
             self.model.reading(&state.q, &state.v, pair, mode[pair]);

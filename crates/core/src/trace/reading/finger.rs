@@ -1,14 +1,14 @@
 //! A finger in a state of the analytic model.
 
 use super::{Reader, contact_sample, refill, stored};
-use crate::analytic::{Mode, Model, QUADRATURES};
+use crate::analytic::{FingerMotion, Mode, QUADRATURES};
 use crate::integrator::State;
 use crate::trace::{ContactSample, Energy, FingerState, Sample, Site};
 
-impl Reader<2, QUADRATURES> for Model {
+impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, W> {
     type Mode = Mode;
 
-    fn read(&self, t: f64, state: &State<2, QUADRATURES>, mode: &Mode, start: &Energy, sample: &mut Sample) {
+    fn read(&self, t: f64, state: &State<N, QUADRATURES>, mode: &Mode, start: &Energy, sample: &mut Sample) {
         let snapshot = self.snapshot(state.q, state.v, mode);
         let (passive, energies) = (&snapshot.passive, &snapshot.energies);
         let at = |site: Site| contact_sample(snapshot.sites[site as usize], state.z[site as usize]);
@@ -31,7 +31,11 @@ impl Reader<2, QUADRATURES> for Model {
         sample.energy = stored(energies).since(start, contact_work, motor_work);
     }
 
-    fn contact(&self, state: &State<2, QUADRATURES>, index: usize, mode: &Mode) -> ContactSample {
+    fn slips(&self, index: usize, mode: &Mode) -> Option<bool> {
+        mode.slips_at(index).filter(|_| self.bristle(Site::ALL[index]).is_some())
+    }
+
+    fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &Mode) -> ContactSample {
         contact_sample(self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
     }
 }

@@ -36,6 +36,10 @@ impl<const N: usize> Reader<N, QUADRATURES> for GripperModel<N> {
         sample.energy = stored(&self.energies(&state.q, &state.v)).since(start, state.z[PLACES], state.z[PLACES + 1]);
     }
 
+    fn slips(&self, index: usize, mode: &GripperMode) -> Option<bool> {
+        mode.slips_at(index).filter(|_| self.holds(Place::ALL[index]))
+    }
+
     fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &GripperMode) -> ContactSample {
         contact_sample(self.reading(&state.q, &state.v, Place::ALL[index], mode[index]), state.z[index])
     }

@@ -20,6 +20,9 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
     /// Everything about one state; `start` has the energies at the start of the run, from which works and losses count.
     fn read(&self, t: f64, state: &State<N, Z>, mode: &Self::Mode, start: &Energy, sample: &mut Sample);
 
+    /// Whether friction that holds slips at a contact: `None` where it is lost or has no bristle, and where the mode does not say.
+    fn slips(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
+
     /// One contact of it.
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
 }
