@@ -74,8 +74,9 @@ fn mirrored_loads_have_one_limit_and_threads_do_not_matter() {
         assert!(slips < drops && drops < lost && lost - drops <= 0.1 * lost, "{held:?}");
         assert!(held.tried.windows(2).all(|pair| pair[0].peak_m_s2 < pair[1].peak_m_s2));
     }
-    let three = found(&scene, Plan { threads: 3, ..plan(pulses(8)) });
-    assert_eq!(three.held, one.held);
+    // Two of these directions on three threads: the same, to the last bit.
+    let three = found(&scene, Plan { threads: 3, ..plan(pulses(2)) });
+    assert_eq!(three.held, [one.held[0].clone(), one.held[4].clone()]);
     assert_eq!(three.unloaded, one.unloaded);
 }
 
