@@ -30,7 +30,7 @@
 //!
 //! **How much.** Numbers come on an even grid (`numeric_rate`) and, within an impact, at every step of the integrator
 //! ([`Thin`](crate::trace::Thin) says what an impact is); besides, at the deepest point and the largest force of every
-//! contact, so that a log has the same extremes as its run. Long runs of the analytic model have fewer where nothing happens. Pictures come on a grid of their own (`picture_rate`), and
+//! contact, so that a log has the same extremes as its run. Long runs of grippers in the analytic model have fewer where nothing happens. Pictures come on a grid of their own (`picture_rate`), and
 //! within an impact whenever an arrow has changed by a twentieth of the longest one; where nothing has moved there is none.
 //!
 //! **Clock.** One clock, from 0 at the start of the simulation: log time = publish time = the message's stamp rounded to

@@ -185,11 +185,10 @@ fn what_is_pinched_sinks_under_the_regularised_law_and_stays_where_friction_hold
     for (model, duration_s) in [(Model::Analytic, 60.0), (Model::Engine, 0.2)] {
         scene.duration_s = duration_s;
         scene.contact.friction = Some(friction);
-        let (outcome, samples) = run(model, &scene);
+        let (outcome, _) = run(model, &scene);
         let (height, slip_m_s) = (outcome.last.bodies[pinched].centre_m[1], outcome.last.contacts[0].slip_m_s.abs());
         assert!((height + stretch).abs() < 1e-12, "{}: {height:e} m", model.name());
         assert!(slip_m_s < 1e-15, "{}: {slip_m_s:e} m/s", model.name());
-        assert!(model == Model::Engine || samples.len() < 1000, "a minute of rest in {} samples", samples.len());
 
         scene.duration_s = 0.1;
         scene.contact.friction = Some(phalanx::law::FrictionLaw { bristle: None, ..friction });

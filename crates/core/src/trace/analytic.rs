@@ -16,8 +16,8 @@ use crate::scene::{BodiesScene, GripperScene, Integrator, Method, ObjectMotion, 
 /// Simulates `scene` with the analytic model.
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz`, at every integrator step shorter than its
-/// interval, and at both ends; and every event, in order of time. Runs of more than 1000 points have 4 to 7 of those within a step that is
-/// longer.
+/// interval, and at both ends; and every event, in order of time. Runs of grippers with more than 1000 points have 4 to 7 of
+/// those within a step that is longer.
 ///
 /// A scene with more discs or pairs than the model takes is refused.
 pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {

@@ -5,6 +5,8 @@
 pub(super) struct Span {
     pub end_s: f64,
     pub numeric_hz: f64,
+    /// Whether long steps of a long run are sampled less densely.
+    pub thins: bool,
 }
 
 /// Samples up to which a run has all of its grid.
@@ -21,12 +23,13 @@ pub(super) struct Grid {
     next: u64,
     /// Of these many points one is passed: a power of 2, so that longer steps have points of shorter ones.
     stride: u64,
+    /// Whether it is thinned.
     is_long: bool,
 }
 
 impl Grid {
     pub fn new(span: Span) -> Self {
-        let is_long = span.end_s * span.numeric_hz > FEW;
+        let is_long = span.thins && span.end_s * span.numeric_hz > FEW;
         Self { interval_s: 1.0 / span.numeric_hz, next: 1, stride: 1, is_long }
     }
 
@@ -75,7 +78,7 @@ mod tests {
 
     #[test]
     fn every_point_is_passed_once_and_ends_that_lie_on_one_are_taken() {
-        let mut grid = Grid::new(Span { end_s: 2.0, numeric_hz: 4.0 });
+        let mut grid = Grid::new(Span { end_s: 2.0, numeric_hz: 4.0, thins: true });
         assert_eq!(grid.before(0.25), None);
         assert!(grid.takes_end(0.25, 0.25));
         assert_eq!((grid.before(0.8), grid.before(0.8), grid.before(0.8)), (Some(0.5), Some(0.75), None));
@@ -86,7 +89,7 @@ mod tests {
 
     /// Points of a run, in units of its interval, whose steps end at these places.
     fn points(end: f64, ends: &[f64]) -> Vec<f64> {
-        let mut grid = Grid::new(Span { end_s: end, numeric_hz: 1.0 });
+        let mut grid = Grid::new(Span { end_s: end, numeric_hz: 1.0, thins: true });
         let (mut points, mut start) = (Vec::new(), 0.0);
         for &end in ends {
             grid.begin_step(end);

@@ -55,8 +55,8 @@ impl LogRates {
 lines! {
     /// What is logged.
     LogRates = Self { numeric_hz: 10e3, picture_hz: 5e3 }, log;
-    /// Samples a second of simulated time; impacts are logged at every step besides. In runs of more than 1000 samples the analytic
-    /// model gives 4 to 7 of them in each step that is longer, as where nothing happens.
+    /// Samples a second of simulated time; impacts are logged at every step besides. In runs of grippers with more than 1000
+    /// samples the analytic model gives 4 to 7 of them in each step that is longer, as where nothing happens.
     "numeric_rate": Frequency = Some(&mut log.numeric_hz), allowed(POSITIVE), column("numeric_hz");
     /// Pictures (frames, force arrows) a second of simulated time for 3-D views; they are drawn at samples, so no more often
     /// than these. 0: none.
