@@ -108,7 +108,7 @@ class Stage {
         ctx.stroke();
         ctx.globalAlpha = 1;
       }
-      if (style === 0 && !fixed) this.joints(ctx, view, body, x, y, angle);
+      if (style === 0 && !fixed && body.part !== "palm") this.joints(ctx, view, body, x, y, angle);
     }
     ctx.setLineDash([]);
   }
