@@ -258,7 +258,7 @@ fn carried(cycle: &CycleReport) -> String {
             .map_or("to the end".to_string(), |until_s| format!("to {} ms", milliseconds(Some(until_s))));
         let (slip, turn) = (figure(slip.displacement_m * 1e6, 4), figure(slip.rotation_rad.to_degrees(), 4));
         text.push_str(&format!(
-            "Carried from {} ms {until}: slip in the hand {slip} um and {turn} deg.\n",
+            "Carried from {} ms {until}: slip in the hand {slip} µm and {turn} deg.\n",
             milliseconds(Some(from_s))
         ));
     }

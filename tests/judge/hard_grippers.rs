@@ -152,7 +152,9 @@ fn what_scenes_expect_is_what_happens() {
     let scene = load("gripper/cycle-dropped");
     let dropped = [Model::Analytic, Model::Engine].map(|model| {
         let run = recorded(model, &if model == Model::Analytic { reference(&scene) } else { scene.clone() });
-        match criteria(&scene, &run).fate {
+        let found = criteria(&scene, &run);
+        assert_eq!(found.cycle.releases_s, None, "{model:?}: it ends before it lets go");
+        match found.fate {
             Fate::Dropped { since_s } => since_s,
             other => panic!("{model:?}: {other:?}"),
         }

@@ -211,6 +211,9 @@ impl GraspTracker {
         };
         let last = surfaces().filter_map(|(_, contact)| contact.presses).max_by(|a, b| a.time_s.total_cmp(&b.time_s));
         let stable = last.filter(|_| found.both_sides);
+        let end = self.pieces.last()?;
+        // A run that ends before, as with an object that is thrown out, has not come to it.
+        let reached = |time_s: &f64| *time_s <= end.time_s;
         let contact = |(place, contact): (Place, &History)| ContactCriteria {
             place,
             first_touch_s: contact.first_touch_s,
@@ -224,12 +227,12 @@ impl GraspTracker {
             grasped_s: found.grasped.map(|onset| onset.time_s),
             fate: found.fate(),
             start: *start,
-            end: self.pieces.last()?.bodies[0],
+            end: end.bodies[0],
             travel: travelled.travel,
             slip: stable.map(|onset| onset.travel),
             cycle: CycleCriteria {
-                carries_s: found.cycle.carries_s,
-                releases_s: found.cycle.releases_s,
+                carries_s: found.cycle.carries_s.filter(reached),
+                releases_s: found.cycle.releases_s.filter(reached),
                 carried: found.carried.map(|onset| onset.travel),
                 opened_s: found.opened_s,
                 brake_slip_rad: found.braked.map(|braked| braked.map(|(_, most)| most)),
