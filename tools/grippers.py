@@ -2,7 +2,7 @@
 """Measures the grippers and puts the tables and the picture into src/docs/grippers.md.
 
     tools/grippers.py                 everything (some minutes)
-    tools/grippers.py --only grippers   the table of scenes alone; also capture, capture-study, hold
+    tools/grippers.py --only grippers   the table of scenes alone; also capture, capture-study, hold, questions
 
 Builds in release mode; runs and validates every gripper of scenes/gripper and scenes/hard, asks what one of them captures, and runs the
 study of the thesis' designs with a positioning error.
@@ -24,6 +24,7 @@ FIGURES = ROOT / "tools" / "figures"
 CAPTURED = "scenes/gripper/offset.toml"
 HELD = "scenes/gripper/hold.toml"
 STUDY = "scenes/studies/capture.toml"
+G = 9.80665
 
 
 def phalanx(*arguments):
@@ -89,6 +90,42 @@ def hold(scratch):
     shaken = [PHALANX, "hold", HELD, "--vibration", "--along", "x,y,angle"]
     shaken = subprocess.run([*map(str, shaken)], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     return f"```text\n{text}```\n\n```text\n{shaken}```\n"
+
+
+BLOCKED = {"motor.brake": "two-way", "motor.brake_at": "15 ms", "motor.brake_law": "bristle", "motor.brake_torque": "1 N*m"}
+QUESTIONS = {
+    "Which brake?": [("no brake", {"motor.brake": "none"})] + [(f"{torque} N·m", {"motor.brake_torque": f"{torque} N*m"}) for torque in (0.25, 0.5, 1, 2)],
+    "How much friction?": [(f"μ_s = {mu}", {"contact.friction.mu_static": mu}) for mu in (0.1, 0.2, 0.4, 0.8)],
+    "What offset?": [(f"{offset} mm", {"object.offset": f"{offset} mm"}) for offset in (0, 1, 2, 3)],
+    "What load?": [(f"{mass} g", {"object.mass": f"{mass} g"}) for mass in (5.38, 53.8, 538)],
+}
+
+
+def questions(scratch):
+    """What design 95 holds with brakes of 1 N·m, and what of it one change makes."""
+    blocked = [part for field, value in BLOCKED.items() for part in ("--set", f"{field}={value}")]
+    call(PHALANX, "hold", HELD, "--to", "2000 m/s^2", "--directions", 24, *blocked, "--out", scratch / "blocked")
+    (FIGURES / "hold-blocked.svg").write_text((scratch / "blocked" / "hold.svg").read_text())
+    directions = ["along the palm", "out of it", "into it"]
+    header = ["", "", *directions]
+    lines = []
+    for question, variants in QUESTIONS.items():
+        for name, change in variants:
+            blocked = {} if change.get("motor.brake") == "none" else BLOCKED | change
+            flags = [part for field, value in blocked.items() for part in ("--set", f"{field}={value}")]
+            loads = phalanx("hold", HELD, "--to", "2000 m/s^2", "--directions", 4, *flags)["loads"]
+            lines.append([question, name, *(held_in(loads[index]) for index in (0, 1, 3))])
+            question = ""
+    return table(header, lines)
+
+
+def held_in(load):
+    """The limit of a direction by simulation, in g, and (in brackets) at rest."""
+    found, at_rest = load["slips"], load["quasi_static_m_s2"]
+    over = "≥ " if found["failed_m_s2"] is None else ""
+    simulated = "–" if found["held_m_s2"] is None else over + number(found["held_m_s2"] / G, "{:.3g}")
+    at_rest = load["quasi_static"] or "–" if at_rest is None else number(at_rest / G, "{:.3g}")
+    return f"{simulated} ({at_rest})"
 
 
 def study(scratch):
@@ -161,7 +198,7 @@ def closed_from_the_middle_and_off(designs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parts = {"grippers": scenes, "capture": capture, "capture-study": study, "hold": hold}
+    parts = {"grippers": scenes, "capture": capture, "capture-study": study, "hold": hold, "questions": questions}
     parser.add_argument("--only", choices=parts, action="append")
     chosen = parser.parse_args().only or list(parts)
     call("cargo", "build", "--release", "--locked")
