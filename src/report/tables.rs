@@ -266,8 +266,9 @@ fn carried(cycle: &CycleReport) -> String {
         text.push_str(&format!("Blocked driven links turn by up to {} deg.\n", figure(most.to_degrees(), 4)));
     }
     match (cycle.releases_s, cycle.opened_s.zip(cycle.opening_s)) {
-        (Some(_), Some((_, opening_s))) => {
-            text.push_str(&format!("Let go, and clear of the object {} ms later.\n", milliseconds(Some(opening_s))));
+        (Some(_), Some((opened_s, opening_s))) => {
+            let [opening, cycle] = [opening_s, opened_s].map(|time_s| milliseconds(Some(time_s)));
+            text.push_str(&format!("Let go, and clear of the object {opening} ms later: a cycle of {cycle} ms.\n"));
         }
         (Some(released_s), None) => {
             text.push_str(&format!("Let go at {} ms, but not clear of the object.\n", milliseconds(Some(released_s))));

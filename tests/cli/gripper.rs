@@ -87,6 +87,28 @@ fn summaries_and_pages_name_fingers_and_object() {
     assert!(text.contains("EJECTED: the object was thrown out of the gripper at 34.8"), "{text}");
 }
 
+/// A cycle from end to end, one that loses its object, and one that ends before its fingers let go.
+#[test]
+fn summaries_say_what_became_of_a_cycle() {
+    let told = |args: &[&str]| {
+        let output = phalanx(&[&["run", "--no-check"], args].concat());
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+        stdout(&output).to_string()
+    };
+    let cycle = told(&["scenes/gripper/cycle.toml"]);
+    for line in [
+        "Carried from 20.000000 ms to 350.000000 ms: slip in the hand 3.4",
+        "Blocked driven links turn by up to 0.001",
+        "Let go, and clear of the object 4.12",
+        "ms later: a cycle of 354.12",
+    ] {
+        assert!(cycle.contains(line), "{line}: {cycle}");
+    }
+    let dropped = told(&["scenes/gripper/cycle-dropped.toml"]);
+    assert!(dropped.contains("Dropped: no longer held from both sides from 67.642"), "{dropped}");
+    assert!(dropped.contains("ms to the end: slip in the hand") && !dropped.contains("Let go"), "{dropped}");
+}
+
 #[test]
 fn sweeps_vary_any_field_of_a_gripper() {
     let dir = directory("cli_gripper_sweep");
