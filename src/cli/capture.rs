@@ -7,6 +7,7 @@ use clap::Args;
 use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
+use super::overrides::positive;
 use super::progress::Count;
 use super::saved::{broken, save};
 use super::set::SetArgs;
@@ -130,11 +131,7 @@ fn gripper(args: &CaptureArgs, at: Option<[f64; 2]>) -> Result<Result<GripperSce
 }
 
 fn length(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Length) {
-        Ok(length_m) if length_m > 0.0 => Ok(length_m),
-        Ok(_) => Err("must be more than 0; expected a length such as \"3.5 mm\"".to_string()),
-        Err(error) => Err(error.to_string()),
-    }
+    positive(text, Dimension::Length, "must be more than 0; expected a length such as \"3.5 mm\"")
 }
 
 fn places(text: &str) -> Result<usize, String> {

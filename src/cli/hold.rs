@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
+use super::overrides::positive;
 use super::own::{Form, writable};
 use super::progress::Count;
 use super::saved::{broken, save};
@@ -17,7 +18,7 @@ use crate::plot;
 use crate::report::{HoldReport, hold_csv, hold_json, hold_text};
 use crate::scene::{AnyScene, Axis, GripperScene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
-use crate::units::{self, Dimension};
+use crate::units::Dimension;
 
 /// How much acceleration a gripper holds its object against: in pulses, vibrations, or a pick-and-place move.
 ///
@@ -226,11 +227,7 @@ fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
 
 /// A quantity above 0, such as the example.
 fn above_zero(text: &str, dimension: Dimension, example: &str) -> Result<f64, String> {
-    match units::parse(text, dimension) {
-        Ok(value) if value > 0.0 => Ok(value),
-        Ok(_) => Err(format!("must be more than 0; expected {example}")),
-        Err(error) => Err(error.to_string()),
-    }
+    positive(text, dimension, &format!("must be more than 0; expected {example}"))
 }
 
 fn length(text: &str) -> Result<f64, String> {

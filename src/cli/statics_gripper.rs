@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::output::{print, show};
+use super::overrides::positive;
 use super::saved::{broken, save};
 use super::{Failure, Status};
 use crate::plot;
@@ -186,19 +187,11 @@ fn unknown(key: &str) -> String {
 }
 
 fn time(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Time) {
-        Ok(time_s) if time_s > 0.0 => Ok(time_s),
-        Ok(_) => Err("must be more than 0; expected a time such as \"20 ms\"".to_string()),
-        Err(error) => Err(error.to_string()),
-    }
+    positive(text, Dimension::Time, "must be more than 0; expected a time such as \"20 ms\"")
 }
 
 fn length(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Length) {
-        Ok(length_m) if length_m > 0.0 => Ok(length_m),
-        Ok(_) => Err("must be more than 0; expected a length such as \"0.05 mm\"".to_string()),
-        Err(error) => Err(error.to_string()),
-    }
+    positive(text, Dimension::Length, "must be more than 0; expected a length such as \"0.05 mm\"")
 }
 
 /// How many directions there are.

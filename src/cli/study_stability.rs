@@ -7,6 +7,7 @@ use clap::Args;
 use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
+use super::overrides::positive;
 use super::progress::Count;
 use super::saved::{broken, save};
 use super::set::SetArgs;
@@ -151,11 +152,7 @@ fn damping(text: &str) -> Result<List, String> {
 }
 
 fn accuracy(text: &str) -> Result<f64, String> {
-    match units::parse(text, Dimension::Angle) {
-        Ok(angle_rad) if angle_rad > 0.0 => Ok(angle_rad),
-        Ok(_) => Err("a bound must be more than 0; expected an angle such as \"1e-3 rad\"".to_string()),
-        Err(error) => Err(error.to_string()),
-    }
+    positive(text, Dimension::Angle, "a bound must be more than 0; expected an angle such as \"1e-3 rad\"")
 }
 
 fn number(text: &str) -> Option<f64> {

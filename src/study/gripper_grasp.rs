@@ -3,15 +3,16 @@
 //! The posture is that of a run, the geometric one around the object where the scene has it, or whatever it is said to be. Of its
 //! contacts are asked: force closure with friction, form closure, and the accelerations of the palm that they can balance.
 
+use super::geometric::geometric;
+use super::simulate::run;
 use crate::criteria::{Driven, Fate, GraspTracker, Pressed, friction, hand_at_rest, pressed};
-use crate::gripper::{Circle, GraspError, Site, close, final_posture};
-use crate::scene::{GripperScene, LogRates, ObjectMotion, Place, Side};
+use crate::gripper::{GraspError, Site, close};
+use crate::scene::{GripperScene, ObjectMotion, Place, Side};
 use crate::statics::{
     Balance, Blocked, Drive, ForceClosure, FormClosure, GripperRow, HandAtRest, Holding, MetAt, PerContact, Stance,
     StaticsError, balance_polar, force_closure, gripper_closure,
 };
-use crate::trace::{self, BodyState, FingerState, Model, RunError, Sample};
-use crate::validate::While;
+use crate::trace::{self, BodyState, FingerState, Model, Sample};
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +143,15 @@ pub fn gripper_grasp(
     let refused = |error| GripperGraspError::Statics { scene: name(), error };
     let (source, sample) = match asked.posture {
         PostureOf::Run { at_s, .. } => ran(scene, at_s, go_on)?,
-        PostureOf::Geometric => (Source::Geometric, placed(scene, geometric(scene)?, scene.object.centre_m)?),
+        PostureOf::Geometric => {
+            let unreached = |(side, error): (Side, GraspError)| GripperGraspError::NoReach {
+                scene: name(),
+                side: side.word(),
+                error,
+            };
+            let angles_rad = geometric(scene).map_err(unreached)?;
+            (Source::Geometric, placed(scene, angles_rad, scene.object.centre_m)?)
+        }
         PostureOf::Given(Given { angles_rad, object_m, .. }) => {
             let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.object.centre_m[axis]));
             (Source::Given, placed(scene, angles_rad, centre_m)?)
@@ -206,35 +215,16 @@ fn ran(
     }
     // Fingers that have let go hold nothing: just before.
     let duration_s = at_s.or(scene.cycle().releases_s.map(f64::next_down)).unwrap_or(end_s);
-    let short =
-        GripperScene { duration_s, log: LogRates { numeric_hz: 1.0 / duration_s, ..scene.log }, ..scene.clone() };
+    let short = GripperScene { duration_s, ..scene.clone() };
     let mut tracker = GraspTracker::of(&short);
-    match trace::run(Model::Analytic, &short, &mut While { sink: &mut tracker, go_on }) {
-        Ok(outcome) => {
+    match run(Model::Analytic, &short, &mut tracker, go_on) {
+        Some(Ok(outcome)) => {
             let fate = tracker.criteria().map_or(Fate::NotGrasped, |criteria| criteria.fate);
             Ok((Source::Run { time_s: outcome.last.time_s, fate }, outcome.last))
         }
-        Err(error) if error.is_stop() => Err(GripperGraspError::Stopped),
-        Err(RunError::Simulation { failure, .. }) => {
-            Err(GripperGraspError::Run { scene: name, reason: failure.to_string() })
-        }
-        Err(RunError::Sink(error)) => Err(GripperGraspError::Run { scene: name, reason: error.to_string() }),
+        Some(Err(reason)) => Err(GripperGraspError::Run { scene: name, reason }),
+        None => Err(GripperGraspError::Stopped),
     }
-}
-
-/// Angles at which all phalanges touch the object where the scene has it.
-fn geometric(scene: &GripperScene) -> Result<[[f64; 2]; 2], GripperGraspError> {
-    let [x, y] = scene.object.centre_m;
-    let mut angles_rad = [[0.0; 2]; 2];
-    for side in Side::BOTH {
-        let finger = &scene.finger(side).finger;
-        let centre_m = [side.mirror() * x - 0.5 * scene.palm_width_m, y];
-        let disc = Circle { radius_m: scene.object.radius_m, centre_m };
-        let end = final_posture(&finger.lengths, finger.assembly, disc)
-            .map_err(|error| GripperGraspError::NoReach { scene: scene.name.clone(), side: side.word(), error })?;
-        angles_rad[side as usize] = [end.posture.q11_rad, end.posture.q21_rad];
-    }
-    Ok(angles_rad)
 }
 
 /// Fingers and object at rest somewhere, at the end of the scene.

@@ -3,24 +3,28 @@
 //! | file | job |
 //! |---|---|
 //! | `capture` | which positioning errors a gripper captures |
+//! | `geometric` | where fingers close around an object |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
 //! | `hold` | how much acceleration a gripper holds its object against |
 //! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
+//! | `simulate` | a run of a gripper for what its criteria say |
 //! | `stability` | where the engine is stable, and where it is right |
 //! | `step_size` | the force of an impact against the step |
 //! | `sweep` | a scene again and again, with other values in some of its fields |
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
 pub mod capture;
+mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
 mod pool;
 pub mod reproduce;
 pub mod select;
+mod simulate;
 pub mod stability;
 pub mod step_size;
 pub mod sweep;

@@ -2,11 +2,12 @@
 
 use super::Load;
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed};
-use crate::gripper::{Circle, final_posture};
-use crate::scene::{GripperScene, LogRates, Side};
+use crate::gripper::Circle;
+use crate::scene::{GripperScene, Side};
 use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
-use crate::trace::{self, Model, RunError};
-use crate::validate::While;
+use crate::study::geometric::geometric;
+use crate::study::simulate::run;
+use crate::trace::Model;
 
 /// The object at a place, and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,8 +48,7 @@ impl Placed {
 pub(super) fn place(model: Model, offset_m: f64, load: Load<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Placed> {
     let mut placed = Placed { offset_m, closed_there: None, found: Err(String::new()) };
     let scene = match load(offset_m) {
-        // The criteria follow the steps: a grid between them would only cost.
-        Ok(scene) => GripperScene { log: LogRates { numeric_hz: 1.0 / scene.duration_s, ..scene.log }, ..scene },
+        Ok(scene) => scene,
         Err(error) => {
             let messages: Vec<&str> = error.problems().iter().map(|problem| problem.message.as_str()).collect();
             placed.found = Err(if messages.is_empty() { error.to_string() } else { messages.join("; ") });
@@ -57,44 +57,31 @@ pub(super) fn place(model: Model, offset_m: f64, load: Load<'_>, go_on: &(dyn Fn
     };
     placed.closed_there = closed_there(&scene);
     let mut tracker = GraspTracker::of(&scene);
-    placed.found = match trace::run(model, &scene, &mut While { sink: &mut tracker, go_on }) {
-        Ok(outcome) => tracker.criteria().map_or(Err("there is no sample".to_string()), |criteria| {
-            let GraspCriteria { fate, tts_s, end, slip, .. } = &criteria;
-            Ok(Found {
-                fate: *fate,
-                tts_s: *tts_s,
-                centre_m: end.centre_m,
-                angle_rad: end.angle_rad,
-                speed_m_s: criteria.end_speed_m_s(),
-                slip: *slip,
-                form_closed: is_form_closed(&scene, &outcome.last).filter(|_| *fate == Fate::Held),
-                end_s: outcome.last.time_s,
-                steps: outcome.work.steps,
-            })
-        }),
-        Err(error) if error.is_stop() => return None,
-        Err(RunError::Simulation { failure, .. }) => Err(failure.to_string()),
-        Err(RunError::Sink(error)) => Err(error.to_string()),
-    };
+    placed.found = run(model, &scene, &mut tracker, go_on)?.and_then(|outcome| {
+        let criteria = tracker.criteria().ok_or("there is no sample")?;
+        let GraspCriteria { fate, tts_s, end, slip, .. } = &criteria;
+        Ok(Found {
+            fate: *fate,
+            tts_s: *tts_s,
+            centre_m: end.centre_m,
+            angle_rad: end.angle_rad,
+            speed_m_s: criteria.end_speed_m_s(),
+            slip: *slip,
+            form_closed: is_form_closed(&scene, &outcome.last).filter(|_| *fate == Fate::Held),
+            end_s: outcome.last.time_s,
+            steps: outcome.work.steps,
+        })
+    });
     Some(placed)
 }
 
 /// Form closure of the geometric grasp of an object that does not move.
 fn closed_there(scene: &GripperScene) -> Option<bool> {
-    let [x, y] = scene.object.centre_m;
-    let radius_m = scene.object.radius_m;
-    let mut angles_rad = [[0.0; 2]; 2];
-    for side in Side::BOTH {
-        let finger = &scene.finger(side).finger;
-        let disc = Circle { radius_m, centre_m: [side.mirror() * x - 0.5 * scene.palm_width_m, y] };
-        let end = final_posture(&finger.lengths, finger.assembly, disc).ok()?;
-        angles_rad[side as usize] = [end.posture.q11_rad, end.posture.q21_rad];
-    }
     let stance = Stance {
         fingers: Side::BOTH.map(|side| &scene.finger(side).finger),
-        angles_rad,
+        angles_rad: geometric(scene).ok()?,
         palm_width_m: scene.palm_width_m,
-        object: Circle { radius_m, centre_m: [x, y] },
+        object: Circle { radius_m: scene.object.radius_m, centre_m: scene.object.centre_m },
     };
     let touching = PerContact { phalanges: [[true; 2]; 2], palm: scene.palm.is_some() };
     let blocked = if scene.differential.is_some() { Blocked::Input } else { Blocked::Outputs };

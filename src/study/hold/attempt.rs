@@ -4,9 +4,9 @@ use super::load::{Case, Load};
 use super::plan::AFTER_S;
 use super::prepared::Prepared;
 use super::search::Answer;
-use super::simulate::run;
 use crate::criteria::{Fate, GraspTracker, Travel};
 use crate::scene::GripperScene;
+use crate::study::simulate::run;
 use crate::trace::Model;
 
 /// A load, and what came of it.

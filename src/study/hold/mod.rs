@@ -15,7 +15,6 @@
 //! | `error` | why there is no answer |
 //! | `prepared`, `prepare` | the scene up to where loads begin, and how it comes there |
 //! | `rest` | since when the object is at rest |
-//! | `simulate` | a run for what its criteria say |
 //! | `motion` | motions at another pace, later, or fading |
 //! | `load` | what moves the palm at a peak acceleration |
 //! | `clearance` | what the object would be pressed against |
@@ -34,7 +33,6 @@ mod prepare;
 mod prepared;
 mod rest;
 mod search;
-mod simulate;
 
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -42,7 +40,7 @@ use std::sync::mpsc::Sender;
 
 use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Axis, GripperScene};
-use crate::study::pool;
+use crate::study::{pool, simulate};
 use crate::trace::Sample;
 
 use prepared::Prepared;

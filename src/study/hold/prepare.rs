@@ -6,9 +6,9 @@ use super::motion::{delayed, peak};
 use super::plan::{Loads, Plan};
 use super::prepared::{Prepared, Since};
 use super::rest::Rest;
-use super::simulate::run;
 use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Actuation, Axis, Cycle, GripperScene, Motor, Move, ObjectMotion, PalmMotion, torque};
+use crate::study::simulate::run;
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
 fn standard_cycle() -> PalmMotion {

@@ -5,7 +5,7 @@ use super::simulate::{refusal, simulated};
 use super::{Filter, Study};
 use crate::criteria::{AtRest, Class, Tracker, at_rest};
 use crate::gripper::{SpringKind, total_mass};
-use crate::scene::{self, LogRates, Scene};
+use crate::scene::{self, Scene};
 use crate::statics::{Equilibrium, form_closure, palm_force_each};
 use crate::trace::{Outcome, Site};
 
@@ -24,8 +24,7 @@ pub(super) fn of_finger(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Option<Row> {
     let scene = match scene::parse(text, "run.toml") {
-        // The criteria follow the steps: a grid between them would only cost.
-        Ok(scene) => Scene { log: LogRates { numeric_hz: 1.0 / scene.duration_s, ..scene.log }, ..scene },
+        Ok(scene) => Scene { log: scene.log.without_grid(scene.duration_s), ..scene },
         Err(error) => return Some(cells.row(run, Status::Refused, &refusal(&error))),
     };
     let statics = statics(&scene);

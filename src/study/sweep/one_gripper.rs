@@ -5,7 +5,7 @@ use super::row::{Cells, Row, Status};
 use super::simulate::{refusal, simulated};
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::gripper::SpringKind;
-use crate::scene::{self, AnyScene, GripperScene, LogRates, Place, SceneError, Side};
+use crate::scene::{self, AnyScene, GripperScene, Place, SceneError, Side};
 use crate::trace::Outcome;
 
 /// Makes one run of a study of grippers, of which `text` is the scene; `None` if it was told to stop.
@@ -29,12 +29,10 @@ pub(super) fn of_gripper(
     })
 }
 
-/// The scene of a run; the criteria follow the steps: a grid between them would only cost.
+/// The scene of a run.
 fn gripper(text: &str) -> Result<GripperScene, SceneError> {
     match scene::parse_any(text, "run.toml")? {
-        AnyScene::Gripper(scene) => {
-            Ok(GripperScene { log: LogRates { numeric_hz: 1.0 / scene.duration_s, ..scene.log }, ..*scene })
-        }
+        AnyScene::Gripper(scene) => Ok(GripperScene { log: scene.log.without_grid(scene.duration_s), ..*scene }),
         // The study has made sure of the kind.
         _ => Err(SceneError::Invalid { file: "run.toml".to_string(), text: text.to_string(), problems: Vec::new() }),
     }

@@ -43,6 +43,12 @@ impl LogExcess {
 }
 
 impl LogRates {
+    /// Those of a run of this length whose criteria follow its steps: a grid between them would only cost.
+    #[must_use]
+    pub fn without_grid(self, duration_s: f64) -> Self {
+        Self { numeric_hz: 1.0 / duration_s, ..self }
+    }
+
     /// What there would be too much of in a run of this length, if anything.
     pub fn excess(&self, duration_s: f64) -> Option<LogExcess> {
         let of = |pictures, rate_hz, most| LogExcess { pictures, rate_hz, duration_s, most };

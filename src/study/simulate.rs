@@ -1,6 +1,6 @@
-//! A run for what its criteria say.
+//! A run of a gripper for what its criteria say.
 
-use crate::scene::{GripperScene, LogRates};
+use crate::scene::GripperScene;
 use crate::trace::{self, Model, Outcome, RunError, Sink};
 use crate::validate::While;
 
@@ -11,9 +11,7 @@ pub(super) fn run(
     sink: &mut impl Sink,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Option<Result<Outcome, String>> {
-    // A grid between the steps would only cost.
-    let log = LogRates { numeric_hz: 1.0 / scene.duration_s, ..scene.log };
-    let scene = GripperScene { log, ..scene.clone() };
+    let scene = GripperScene { log: scene.log.without_grid(scene.duration_s), ..scene.clone() };
     match trace::run(model, &scene, &mut While { sink, go_on }) {
         Ok(outcome) => Some(Ok(outcome)),
         Err(error) if error.is_stop() => None,
