@@ -72,7 +72,6 @@ fn as_expected(all: &[Comparison]) {
 /// Whatever the variation, the counts stay within three of the study's.
 fn chaos_is_bounded(found: &Reproduction) {
     let chaos = &found.chaos;
-    assert_eq!(chaos.variations, Variation::ALL);
     for (condition, counts) in chaos.stable.iter().enumerate() {
         assert_eq!(counts[0], found.selection.classes[condition].dynamically_stable());
         let (always, ever) = (chaos.always[condition], chaos.ever[condition]);
