@@ -128,7 +128,7 @@ fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
     let section = section
         .words(
             "A rebound multiplies small differences. Every statically stable run was therefore repeated by another method at a \
-             hundredth of the tolerance, by that with a torque larger by 1e-7, and as it was with torques that differ by a \
+             hundredth of the tolerance, by that with a torque larger by 1e-7, and as it was with a torque larger by a \
              billionth; where the class changes, it is not a property of the design alone.",
         )
         .table(
