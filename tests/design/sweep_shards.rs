@@ -277,6 +277,25 @@ fn what_is_wrong_with_parts_is_named_and_nothing_is_written() {
     table::write_noted(&older, &rows, &lying).expect("written");
     joined(&[&all[..1], &[&older], &all[2..]].concat(), &["damaged", "run 21 is not where it should be"]);
 
+    // What it says of itself may be anything.
+    for (shard, first, last, runs) in [
+        ("1/1", "1", "18446744073709551615", "18446744073709551615"),
+        ("2/5", "21", "40", "99"),
+        ("1/1", "1", "20", "20"),
+        ("0/0", "1", "0", "0"),
+    ] {
+        let say = [("shard", shard), ("first_run", first), ("last_run", last), ("runs", runs)];
+        let mut lying = lying.clone();
+        for (name, text) in &mut lying {
+            if let Some((_, said)) = say.iter().find(|(of, _)| name == &format!("phalanx.{of}")) {
+                *text = said.to_string();
+            }
+        }
+        table::write_noted(&older, &rows, &lying).expect("written");
+        let words = if runs == "20" { "overlap" } else { "damaged" };
+        joined(&[&all[..1], &[&older], &all[2..]].concat(), &[words]);
+    }
+
     // Torn and changed.
     let torn = strange.join("torn.parquet");
     let whole = bytes(&parts[1]);
