@@ -35,11 +35,15 @@ export PHALANX
 
 # Sockets have short names; slurmd's is in here too.
 room=$(mktemp -d /tmp/phalanx-slurm.XXXXXX)
+unset SLURM_CONF
 started=()
 end() {
     local status=$? process
     trap - EXIT
-    scancel --user="$(id -un)" --quiet 2>/dev/null || true
+    # Of this Slurm alone: before its configuration stands, it would be another's.
+    if [ "${SLURM_CONF:-}" = "$room/slurm.conf" ]; then
+        timeout 10 scancel --user="$(id -un)" --quiet 2>/dev/null || true
+    fi
     for process in "${started[@]}"; do
         kill "$process" 2>/dev/null || true
     done
