@@ -9,7 +9,7 @@ use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
 use crate::support::faults::Dice;
 use crate::support::studies::{cheap, cheap_as};
 use phalanx::study::parts::{PartError, Work, merge, write_part};
-use phalanx::study::sweep::{Study, load, range, shard};
+use phalanx::study::sweep::{Study, load, range, shard, summary};
 use phalanx::table;
 
 const ON: &(dyn Fn() -> bool + Sync) = &|| true;
@@ -85,6 +85,10 @@ fn joins_to(study: &Study, parts: &[PathBuf], whole: &[(&str, Vec<u8>, Vec<u8>)]
             "{what}: {format}.study.json"
         );
         assert_eq!((joined.found.runs, joined.bytes), (study.runs(), results.len() as u64), "{what}");
+        if *format == "parquet" {
+            let all = summary(&table::read(&out).expect("a table")).expect("of a sweep");
+            assert_eq!(joined.found, all, "{what}: what came out is that of all rows");
+        }
     }
 }
 
@@ -393,7 +397,7 @@ mod ended {
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts");
         let patience = Instant::now() + Duration::from_secs(60);
         // Bit 1 of what it catches: SIGINT.
-        while !caught(child.id()).is_some_and(|mask| mask & 2 != 0) {
+        while caught(child.id()).is_none_or(|mask| mask & 2 == 0) {
             assert!(Instant::now() < patience, "it does not listen to signals");
             sleep(Duration::from_millis(2));
         }
