@@ -50,6 +50,9 @@ mod statics_gripper;
 mod study;
 mod study_stability;
 mod sweep;
+mod sweep_merge;
+mod sweep_progress;
+mod sweep_shard;
 mod sweep_store;
 mod terminal;
 mod validate;
@@ -83,11 +86,18 @@ const STYLES: Styles = Styles::styled()
     .literal(AnsiColor::Cyan.on_default().bold())
     .placeholder(AnsiColor::Cyan.on_default());
 
+/// What `--version` says: a release names the commit that it was built from.
+const VERSION: &str = match option_env!("PHALANX_VERSION") {
+    Some(version) => version,
+    None => env!("CARGO_PKG_VERSION"),
+};
+
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
 #[derive(Debug, Parser)]
 #[command(
     name = "phalanx",
     version,
+    long_version = VERSION,
     propagate_version = true,
     max_term_width = WIDEST,
     styles = STYLES,

@@ -2,11 +2,13 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `beside` | what stands beside the results of a sweep |
 //! | `capture` | which positioning errors a gripper captures |
 //! | `geometric` | where fingers close around an object |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
 //! | `hold` | how much acceleration a gripper holds its object against |
+//! | `parts` | sweeps beyond one machine: parts of a study, and such parts joined |
 //! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
@@ -16,11 +18,13 @@
 //! | `sweep` | a scene again and again, with other values in some of its fields |
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
+pub mod beside;
 pub mod capture;
 mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
+pub mod parts;
 mod pool;
 pub mod reproduce;
 pub mod select;

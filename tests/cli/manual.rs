@@ -55,7 +55,13 @@ fn every_command_has_a_manual_page_with_all_its_options() {
     let output = phalanx(&["man", &place]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     assert!(stdout(&output).starts_with("wrote ") && stdout(&output).contains(&place), "{}", stdout(&output));
-    let below = [&["scene", "show"][..], &["scene", "check"], &["scene", "schema"], &["study", "stability"]];
+    let below = [
+        &["scene", "show"][..],
+        &["scene", "check"],
+        &["scene", "schema"],
+        &["study", "stability"],
+        &["sweep", "merge"],
+    ];
     let all =
         COMMANDS.iter().map(std::slice::from_ref).chain(below).chain([&["study", "step-size"][..], &["man"], &[]]);
     for words in all {

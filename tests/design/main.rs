@@ -25,6 +25,7 @@ mod study_step_size;
 mod sweep_given;
 mod sweep_resume;
 mod sweep_runs;
+mod sweep_shards;
 mod sweep_study;
 mod table;
 mod volume_kernel;
