@@ -7,7 +7,9 @@
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
 //! | `hold` | how much acceleration a gripper holds its object against |
+//! | `optimize` | the best designs over ranges of fields |
 //! | `pool` | the threads that the others work on |
+//! | `random` | random numbers that stay the same |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
 //! | `simulate` | a run of a gripper for what its criteria say |
@@ -21,7 +23,9 @@ mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
+pub mod optimize;
 mod pool;
+mod random;
 pub mod reproduce;
 pub mod select;
 mod simulate;
