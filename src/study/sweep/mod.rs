@@ -14,6 +14,7 @@
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
 //! | `designs` | studies whose designs are found one after the other |
+//! | `given` | studies of rows that a program has |
 //! | `template` | scene texts |
 //! | `one`, `one_finger`, `one_gripper`, `simulate`, `row` | one run, of a finger or a gripper, and its row |
 //! | `run` | all of them, on all cores |
@@ -26,6 +27,7 @@ mod designs;
 mod document;
 mod error;
 mod field;
+mod given;
 mod one;
 mod one_finger;
 mod one_gripper;
@@ -50,7 +52,8 @@ pub(in crate::study) use read_axis::{axes, between, field, read};
 pub(in crate::study) use row::found;
 
 pub use error::StudyError;
-pub use field::Point;
+pub use field::{Field, Point};
+pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};
 pub use row::{Row, Status, columns, sorted, table};
