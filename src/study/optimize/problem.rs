@@ -2,6 +2,7 @@
 
 use crate::study::sweep::{Field, Point, Range, Spacing, Study};
 use crate::table::Kind;
+use crate::trace::Model;
 
 /// Which way of an objective is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +74,11 @@ impl Variable {
     /// Name of its column: the path with the unit of its SI value.
     pub fn column(&self) -> String {
         self.field.column()
+    }
+
+    /// Its value in the base scene, where the search begins.
+    pub fn start(&self) -> &Point {
+        &self.start
     }
 
     /// The bounds as values of a scene.
@@ -165,6 +171,11 @@ impl Optimisation {
     /// The study that its runs are rows of: for their columns, their file, and their fingerprint.
     pub fn study(&self) -> &Study {
         &self.study
+    }
+
+    /// Simulates with this model instead of the file's.
+    pub fn simulate_with(&mut self, model: Model) {
+        self.study.model = model;
     }
 
     /// How often each design runs.

@@ -92,7 +92,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Optimisation, StudyError> {
         );
         return Err(refuse(c.into_problems()));
     }
-    Ok(found)
+    let runs = found.most_runs();
+    Ok(Optimisation { study: found.study.expecting(runs), ..found })
 }
 
 fn variables(c: &mut Checker<'_>, raw: &[Section<RawVariable>], kind: SceneKind) -> Vec<Ranged> {

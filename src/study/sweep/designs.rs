@@ -41,6 +41,12 @@ pub(in crate::study) fn of_designs(of: Designs) -> Result<Study, String> {
 }
 
 impl Study {
+    /// The same, for as many runs as there may be in the end.
+    pub(in crate::study) fn expecting(mut self, runs: u64) -> Study {
+        self.runs = runs;
+        self
+    }
+
     /// How often each design runs.
     pub(in crate::study) fn conditions(&self) -> u64 {
         self.loops().iter().filter(|of| of.again).map(|of| of.len).product()
