@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    BLACK, BLUE, DrawError, Entry, Frame, GREEN, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture, point,
-    titled,
+    BLACK, BLUE, DrawError, Entry, Frame, GREEN, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture,
+    point, titled,
 };
 use crate::study::optimize::{Design, Found, Optimisation};
 use crate::wording::Quantity;

@@ -153,12 +153,7 @@ impl From<&crate::study::optimize::Variable> for VariableReport {
             Value::Number(number) => Some(number),
             _ => None,
         });
-        VariableReport {
-            column: of.column(),
-            from,
-            to,
-            spacing: if of.is_logarithmic() { "log" } else { "linear" },
-        }
+        VariableReport { column: of.column(), from, to, spacing: if of.is_logarithmic() { "log" } else { "linear" } }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A paper of an optimisation: its picture, where a point of the front leads to its scene, and its tables.
 
 use super::document::{OptimisationReport, chosen};
-use super::text::constraint_words;
+use super::text::{constraint_words, variable_labels};
 use crate::report::paper::{Cell, Paper, Section, Tone};
 use crate::study::optimize::{Found, Goal, Optimisation, gain};
 use crate::table::Value;
@@ -45,7 +45,7 @@ pub fn optimisation_paper(
     );
     let names: Vec<String> = std::iter::once("design".to_string())
         .chain(of.objectives.iter().map(|of| Quantity::of(&of.figure.name).label()))
-        .chain(of.variables.iter().map(|of| Quantity::of(&of.column()).label()))
+        .chain(variable_labels(of))
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     members = members.table("All designs of the front.", &names, front(of, found));
@@ -62,8 +62,11 @@ fn capital(word: &str) -> String {
 
 fn caption(of: &Optimisation) -> String {
     match &of.objectives[..] {
-        [one] => format!("{} of every design that meets all constraints, in the order they were looked at.", one.figure.name),
-        _ => "Every design that meets all constraints by its objectives; the front, the start, and the compromise.".to_string(),
+        [one] => {
+            format!("{} of every design that meets all constraints, in the order they were looked at.", one.figure.name)
+        }
+        _ => "Every design that meets all constraints by its objectives; the front, the start, and the compromise."
+            .to_string(),
     }
 }
 
@@ -78,27 +81,24 @@ fn head(of: &Optimisation, found: &Found) -> Vec<&'static str> {
 }
 
 fn rows(of: &Optimisation, found: &Found) -> Vec<Vec<Cell>> {
-    let start = found.start();
+    let (start, labels) = (found.start(), variable_labels(of));
     let mut designs = vec![start];
     designs.extend(chosen(of, found).into_iter().map(|(_, index)| &found.designs[index]));
     let line = |name: String, cells: Vec<Cell>| std::iter::once(Cell::new(name)).chain(cells).collect::<Vec<_>>();
-    let mut rows = vec![line(
-        "design".to_string(),
-        designs.iter().map(|design| Cell::new(design.number.to_string())).collect(),
-    )];
+    let mut rows =
+        vec![line("design".to_string(), designs.iter().map(|design| Cell::new(design.number.to_string())).collect())];
     for (at, variable) in of.variables.iter().enumerate() {
         let quantity = Quantity::of(&variable.column());
         let cells = designs.iter().map(|design| Cell::new(quantity.value(&design.points[at].value, 4)));
-        rows.push(line(quantity.label(), cells.collect()));
+        rows.push(line(labels[at].clone(), cells.collect()));
     }
     for (at, objective) in of.objectives.iter().enumerate() {
         let quantity = Quantity::of(&objective.figure.name);
         let goal = if objective.goal == Goal::Min { "small" } else { "large" };
         let cell = |value: Option<f64>| match value {
-            Some(value) => Cell {
-                figure: Some((objective.figure.name.clone(), value)),
-                ..Cell::new(quantity.number(value, 5))
-            },
+            Some(value) => {
+                Cell { figure: Some((objective.figure.name.clone(), value)), ..Cell::new(quantity.number(value, 5)) }
+            }
             None => Cell::new("–"),
         };
         let cells = designs.iter().map(|design| cell(design.judged.values[at]));
@@ -140,8 +140,7 @@ fn front(of: &Optimisation, found: &Found) -> Vec<Vec<Cell>> {
             Cell::new(value.map_or("–".to_string(), |value| quantity.number(value, 5)))
         });
         let variables = of.variables.iter().zip(&design.points);
-        let variables =
-            variables.map(|(of, point)| Cell::new(Quantity::of(&of.column()).value(&point.value, 4)));
+        let variables = variables.map(|(of, point)| Cell::new(Quantity::of(&of.column()).value(&point.value, 4)));
         let number = Cell { link: Some(format!("design-{}", design.number)), ..Cell::new(design.number.to_string()) };
         std::iter::once(number).chain(objectives).chain(variables).collect()
     };

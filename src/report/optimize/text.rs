@@ -27,19 +27,18 @@ pub fn optimisation_text(of: &Optimisation, found: &Found, report: &Optimisation
 pub fn optimisation_list(of: &Optimisation) -> Sheet {
     let mut text = Sheet::from(format!("{}\n\n", headline(of)));
     let head = ["variable", "from", "to", "start"].map(String::from).to_vec();
-    let line = |variable: &crate::study::optimize::Variable, start: &Value| {
+    let line = |(variable, label): (&crate::study::optimize::Variable, String)| {
         let quantity = Quantity::of(&variable.column());
         let [from, to] = variable.bounds().map(|point| quantity.value(&point.value, 4));
-        vec![quantity.label(), from, to, quantity.value(start, 4)]
+        vec![label, from, to, quantity.value(&variable.start().value, 4)]
     };
-    let rows = of.variables.iter().map(|variable| line(variable, &variable.start().value));
+    let rows = of.variables.iter().zip(variable_labels(of)).map(line);
     text.push(table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
     for objective in &of.objectives {
         text.push_str(&format!("\nobjective   {}", objective_words(of, objective)));
     }
-    for (at, constraint) in of.constraints.iter().enumerate() {
+    for at in 0..of.constraints.len() {
         text.push_str(&format!("\nconstraint  {}", constraint_words(of, at)));
-        debug_assert_eq!(of.constraints[at].column, constraint.column);
     }
     text.push_str(&format!("\n\nat most {} designs, {} runs\n", of.most_designs(), of.most_runs()));
     text
@@ -54,6 +53,19 @@ fn objective_words(of: &Optimisation, objective: &Objective) -> String {
         (_, crate::study::optimize::Over::Mean) => ", the mean of all conditions",
     };
     format!("{} {goal}{over}", objective.figure.name)
+}
+
+/// Names of the variables with their units: the last part of a path, and what stands before it where two end alike.
+pub(super) fn variable_labels(of: &Optimisation) -> Vec<String> {
+    let labels: Vec<String> = of.variables.iter().map(|of| Quantity::of(&of.column()).label()).collect();
+    let one = |(variable, label): (&crate::study::optimize::Variable, &String)| {
+        let above = variable.path().rsplit('.').nth(1);
+        match (labels.iter().filter(|other| *other == label).count(), above) {
+            (2.., Some(above)) => format!("{above}.{label}"),
+            _ => label.clone(),
+        }
+    };
+    of.variables.iter().zip(&labels).map(one).collect()
 }
 
 /// A constraint in words.
@@ -94,7 +106,7 @@ fn headline(of: &Optimisation) -> String {
 
 /// The start beside the best ones: variables, objectives, what is gained, and the worst of the constraints.
 pub(super) fn compared(of: &Optimisation, found: &Found) -> Sheet {
-    let chosen = chosen(of, found);
+    let (chosen, labels) = (chosen(of, found), variable_labels(of));
     let mut designs: Vec<&Design> = vec![found.start()];
     designs.extend(chosen.iter().map(|(_, index)| &found.designs[*index]));
     let names = chosen.iter().map(|(name, _)| match name.strip_prefix("best ") {
@@ -106,7 +118,7 @@ pub(super) fn compared(of: &Optimisation, found: &Found) -> Sheet {
     rows.push(line("number", &designs, |design| design.number.to_string()));
     for (at, variable) in of.variables.iter().enumerate() {
         let quantity = Quantity::of(&variable.column());
-        rows.push(line(&quantity.label(), &designs, |design| quantity.value(&design.points[at].value, 4)));
+        rows.push(line(&labels[at], &designs, |design| quantity.value(&design.points[at].value, 4)));
     }
     for (at, objective) in of.objectives.iter().enumerate() {
         let quantity = Quantity::of(&objective.figure.name);
@@ -144,7 +156,7 @@ pub(super) fn front(of: &Optimisation, found: &Found, most: usize) -> Sheet {
     let quantities: Vec<Quantity> = of.variables.iter().map(|variable| Quantity::of(&variable.column())).collect();
     let goals: Vec<Quantity> = of.objectives.iter().map(|of| Quantity::of(&of.figure.name)).collect();
     let head = std::iter::once("design".to_string());
-    let head = head.chain(goals.iter().chain(&quantities).map(Quantity::label)).collect();
+    let head = head.chain(goals.iter().map(Quantity::label)).chain(variable_labels(of)).collect();
     let row = |index: &usize| {
         let design = &found.designs[*index];
         let objectives = goals.iter().zip(&design.judged.values);

@@ -128,7 +128,10 @@ pub struct Constraint {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Limit {
     /// Numbers in SI.
-    Between { at_least: Option<f64>, at_most: Option<f64> },
+    Between {
+        at_least: Option<f64>,
+        at_most: Option<f64>,
+    },
     Flag(bool),
     Word(String),
     /// The worst class allowed, as its place among all from good to bad.

@@ -12,7 +12,7 @@ use crate::scene::check::Checker;
 use crate::scene::entry::Section;
 use crate::scene::words::SceneKind;
 use crate::study::sweep::{
-    Designs, Document, Field, MOST_RUNS, Point, RawAxis, Range, StudyError, SweepAxis, axes, between, document, field,
+    Designs, Document, Field, MOST_RUNS, Point, Range, RawAxis, StudyError, SweepAxis, axes, between, document, field,
     filter_of, of_designs, read, refused, stem, text_of,
 };
 use crate::table::Value;
@@ -125,12 +125,7 @@ fn variables(c: &mut Checker<'_>, raw: &[Section<RawVariable>], kind: SceneKind)
 }
 
 /// The conditions: axes with values, none of them a variable.
-fn conditions(
-    c: &mut Checker<'_>,
-    raw: &[Section<RawAxis>],
-    kind: SceneKind,
-    variables: &[Ranged],
-) -> Vec<SweepAxis> {
+fn conditions(c: &mut Checker<'_>, raw: &[Section<RawAxis>], kind: SceneKind, variables: &[Ranged]) -> Vec<SweepAxis> {
     for raw in raw {
         c.unused("again", &raw.again, "among conditions: all of them run the same designs again");
         if raw.from.is_given() && raw.to.is_given() && !raw.count.is_given() {
@@ -168,7 +163,8 @@ fn variable(c: &mut Checker<'_>, of: Ranged, raw: &Section<RawVariable>, scene: 
     let Value::Number(start_si) = start.value else { return None };
     let share = range.share(start_si);
     if !(0.0..=1.0).contains(&share) {
-        let message = format!("`{}` begins at {}, which is not within its range", field.path, start.text.trim_matches('"'));
+        let message =
+            format!("`{}` begins at {}, which is not within its range", field.path, start.text.trim_matches('"'));
         let help = "widen the range, or give a start within it: start = ..";
         c.push(span, message, "starts outside", help);
         return None;

@@ -29,12 +29,7 @@ pub fn objectives(
     raw.iter().filter_map(|raw| objective(c, raw, kind, before)).collect()
 }
 
-fn objective(
-    c: &mut Checker<'_>,
-    raw: &Section<RawObjective>,
-    kind: SceneKind,
-    before: usize,
-) -> Option<Objective> {
+fn objective(c: &mut Checker<'_>, raw: &Section<RawObjective>, kind: SceneKind, before: usize) -> Option<Objective> {
     let (goal, over) = (c.or("goal", &raw.goal, Goal::Min), c.or("over", &raw.over, Over::Worst));
     let of = c.or("of", &raw.of, Of::Largest);
     let name = c.get("name", &raw.name);
@@ -119,12 +114,7 @@ pub fn constraints(
     raw.iter().filter_map(|raw| constraint(c, raw, kind, before)).collect()
 }
 
-fn constraint(
-    c: &mut Checker<'_>,
-    raw: &Section<RawConstraint>,
-    kind: SceneKind,
-    before: usize,
-) -> Option<Constraint> {
+fn constraint(c: &mut Checker<'_>, raw: &Section<RawConstraint>, kind: SceneKind, before: usize) -> Option<Constraint> {
     if !raw.column.is_given() {
         c.missing("column", raw, "say which column of the results: column = \"class\"");
         return None;
@@ -224,7 +214,12 @@ fn bound(c: &mut Checker<'_>, key: &str, entry: &Entry<Anything>, column: &str) 
             },
             None => {
                 let message = format!("`{key}` is a text, but a bound of `{column}` is a plain number");
-                c.push(span, message, "a number", "write it without quotes, in the unit that the column's name ends in");
+                c.push(
+                    span,
+                    message,
+                    "a number",
+                    "write it without quotes, in the unit that the column's name ends in",
+                );
                 None
             }
         },

@@ -55,7 +55,8 @@ pub fn run(
     listener: &mut dyn Listener,
 ) -> Result<Optimised, OtherDesign> {
     let start = Instant::now();
-    let mut known: HashMap<u64, Vec<Value>> = known.into_iter().filter_map(|cells| Some((number(&cells)?, cells))).collect();
+    let mut known: HashMap<u64, Vec<Value>> =
+        known.into_iter().filter_map(|cells| Some((number(&cells)?, cells))).collect();
     let mut search = Search::new(&of.method, of.variables.iter().map(|variable| variable.start_share).collect());
     let mut done = Optimised { found: None, runs: 0, simulations: 0, threads: 0, wall_s: 0.0 };
     let (mut designs, mut generation) = (Vec::new(), 0);
@@ -71,9 +72,7 @@ pub fn run(
         let first = designs.len() as u64 + 1;
         let judged = rows.chunks(of.conditions() as usize).map(|rows| judge(&of.objectives, &of.constraints, rows));
         let of_generation = points.into_iter().zip(judged).zip(first..);
-        designs.extend(
-            of_generation.map(|((points, judged), number)| Design { number, generation, points, judged }),
-        );
+        designs.extend(of_generation.map(|((points, judged), number)| Design { number, generation, points, judged }));
         let scores: Vec<Score> =
             designs[first as usize - 1..].iter().map(|design| design.judged.score.clone()).collect();
         search.tell(&scores);
@@ -112,7 +111,8 @@ fn simulated(
 ) -> Result<Option<Vec<Row>>, OtherDesign> {
     let study = of.study.with_rows(points.to_vec());
     let offset = before * of.conditions();
-    let mut rows: Vec<Option<Row>> = (1..=study.runs()).map(|run| Some(row(known.remove(&(offset + run))?))).collect::<Vec<Option<Row>>>();
+    let mut rows: Vec<Option<Row>> =
+        (1..=study.runs()).map(|run| Some(row(known.remove(&(offset + run))?))).collect::<Vec<Option<Row>>>();
     for (run, row) in (1..).zip(&rows) {
         if row.as_ref().is_some_and(|row| !is_of(row, &study, run)) {
             return Err(OtherDesign { run: offset + run });

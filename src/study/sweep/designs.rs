@@ -37,7 +37,20 @@ pub(in crate::study) fn of_designs(of: Designs) -> Result<Study, String> {
     let template = Template::new(scene, &all.map(|field| field.path.as_str()).collect::<Vec<_>>())?;
     let first = Axis { fields, points: Points::Given(Vec::new()), again: false };
     let axes = std::iter::once(first).chain(conditions).collect();
-    Ok(Study { kind, name, description, model, checked: false, filter, axes, sequence: None, template, runs: 0, source, base })
+    Ok(Study {
+        kind,
+        name,
+        description,
+        model,
+        checked: false,
+        filter,
+        axes,
+        sequence: None,
+        template,
+        runs: 0,
+        source,
+        base,
+    })
 }
 
 impl Study {

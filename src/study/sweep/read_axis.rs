@@ -198,7 +198,12 @@ fn values(c: &mut Checker<'_>, fields: &[Field], row: &Spanned<Any>) -> Option<V
 }
 
 /// The field of a path; notes if there is none.
-pub(in crate::study) fn field(c: &mut Checker<'_>, path: &str, span: Option<Span<usize>>, kind: SceneKind) -> Option<Field> {
+pub(in crate::study) fn field(
+    c: &mut Checker<'_>,
+    path: &str,
+    span: Option<Span<usize>>,
+    kind: SceneKind,
+) -> Option<Field> {
     let found = Field::find(path, schema_of(kind));
     found.map_err(|(message, label, help)| c.push(span, message, label, help)).ok()
 }
