@@ -58,7 +58,7 @@ fn all(of: &Optimisation, threads: usize) -> optimize::Found {
 #[test]
 fn a_short_search_beats_design_95_under_its_own_criteria() {
     let directory = directory("optimize_gain");
-    let of = load(small(&directory, 32, 12)).unwrap_or_else(|error| panic!("{error}"));
+    let of = load(small(&directory, 32, 30)).unwrap_or_else(|error| panic!("{error}"));
     let found = all(&of, 2);
     let start = found.start();
     assert!(start.is_feasible(), "design 95 meets its criteria: {:?}", start.judged);

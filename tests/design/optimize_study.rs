@@ -89,7 +89,7 @@ fn mistakes_are_named_with_their_place() {
         (objective("column = \"tts_s\"\nname = \"design.base_m\"\n"), ":8:8", &["two columns `design.base_m`"]),
         (with(OBJECTIVE), ":9:10", &["two columns `tts_s`", "name = .."]),
         (constraint("column = \"pfp_n\"\n"), ":8:1", &["at_least = .. or at_most"]),
-        (constraint("column = \"pfp_n\"\nat_least = \"0 N\"\n"), ":10:12", &["a plain number"]),
+        (constraint("column = \"rebound_percent\"\nat_most = \"5 mm\"\n"), ":10:11", &["a plain number"]),
         (constraint("column = \"tts_s\"\nat_most = \"8 mm\"\n"), ":10:11", &["a time is wanted"]),
         (constraint("column = \"pfp_n\"\nat_least = 3\nat_most = 2\n"), ":11:11", &["at least 3 and at most 2"]),
         (constraint("column = \"pfp_n\"\nequals = 3\nat_least = 1\n"), ":10:10", &["`equals` has no effect"]),
@@ -124,7 +124,7 @@ fn mistakes_are_named_with_their_place() {
 fn the_schema_knows_what_shipped_files_say() {
     let schema: serde_json::Value = serde_json::from_str(&schema()).expect("JSON");
     let keys = schema["properties"].as_object().expect("a table");
-    for (file, variables) in [("optimize-95", 4), ("optimize-95-wide", 8)] {
+    for (file, variables) in [("optimize-95", 4), ("optimize-95-wide", 8), ("optimize-95-fastest", 8)] {
         let path = format!("scenes/studies/{file}.toml");
         let text: toml::Table = std::fs::read_to_string(&path).expect("ships").parse().expect("TOML");
         assert!(text.keys().all(|key| keys.contains_key(key)), "{file}");

@@ -211,12 +211,15 @@ fn counts(found: &Found, report: &OptimisationReport) -> String {
         .collect();
     let ended = if report.converged { ", converged" } else { "" };
     let now = &report.now;
+    let best = match report.objectives.len() {
+        1 => String::new(),
+        _ => format!(", {} on the front", report.front.len()),
+    };
     let mut text = format!(
-        "{} designs in {} generations{ended}: {} meet all constraints, {} on the front. {} runs: {}.",
+        "{} designs in {} generations{ended}: {} meet all constraints{best}. {} runs: {}.",
         report.designs,
         report.generations,
         report.feasible_designs,
-        report.front.len(),
         report.runs,
         statuses.join(", ")
     );
