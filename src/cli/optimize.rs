@@ -216,10 +216,10 @@ fn scene(of: &Optimisation, design: &Design) -> String {
 fn with_links(drawn: &plot::Designs) -> String {
     let mut links = String::new();
     for (number, (x, y)) in &drawn.places {
-        let _ = write!(
+        let _ = writeln!(
             links,
             "<a href=\"#design-{number}\"><circle cx=\"{x}\" cy=\"{y}\" r=\"9\" fill=\"transparent\"><title>design \
-             {number}</title></circle></a>\n"
+             {number}</title></circle></a>"
         );
     }
     match drawn.svg.rsplit_once("</svg>") {

@@ -103,7 +103,7 @@ fn cma_es_learns_the_shape_of_the_ground() {
         let x: Vec<f64> = place.iter().map(|x| x - 0.4).collect();
         // Sums over a Hadamard matrix: directions at right angles, none along a variable.
         let turned = |row: usize| -> f64 {
-            let sign = |column: usize| if (row & column).count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = |column: usize| if (row & column).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
             x.iter().enumerate().map(|(column, x)| sign(column) * x).sum::<f64>() / 8f64.sqrt()
         };
         free(&[(0..8).map(|row| 10f64.powf(6.0 * row as f64 / 7.0) * turned(row).powi(2)).sum()])

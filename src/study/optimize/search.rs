@@ -9,7 +9,7 @@ use super::score::Score;
 #[derive(Clone, Debug)]
 pub enum Search {
     Nsga2(Nsga2),
-    CmaEs(CmaEs),
+    CmaEs(Box<CmaEs>),
 }
 
 impl Search {
@@ -18,7 +18,7 @@ impl Search {
         let population = usize::try_from(method.population).unwrap_or(usize::MAX);
         match method.algorithm {
             Algorithm::Nsga2 => Search::Nsga2(Nsga2::new(start, population, method.seed)),
-            Algorithm::CmaEs => Search::CmaEs(CmaEs::new(start, population, method.seed)),
+            Algorithm::CmaEs => Search::CmaEs(Box::new(CmaEs::new(start, population, method.seed))),
         }
     }
 
