@@ -22,6 +22,7 @@ mod new;
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
+mod optimize;
 mod output;
 mod overrides;
 mod own;
@@ -135,6 +136,7 @@ enum Command {
     Volume(volume::VolumeArgs),
     Sweep(sweep::SweepArgs),
     Select(select::SelectArgs),
+    Optimize(optimize::OptimizeArgs),
     Reproduce(reproduce::ReproduceArgs),
     /// See what a choice of settings does to a result
     #[command(
@@ -201,6 +203,7 @@ pub fn main() -> ExitCode {
         Command::Volume(args) => volume::run(args),
         Command::Sweep(args) => sweep::run(args),
         Command::Select(args) => select::run(args),
+        Command::Optimize(args) => optimize::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Study(command) => study::run(command),
         Command::Completions(args) => completions::run(args, Cli::command()),

@@ -8,8 +8,13 @@
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
 //! | `hold` | how much acceleration a gripper holds its object against |
+<<<<<<< HEAD
 //! | `parts` | sweeps beyond one machine: parts of a study, and such parts joined |
+=======
+//! | `optimize` | the best designs over ranges of fields |
+>>>>>>> optimize
 //! | `pool` | the threads that the others work on |
+//! | `random` | random numbers that stay the same |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
 //! | `simulate` | a run of a gripper for what its criteria say |
@@ -24,8 +29,13 @@ mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
+<<<<<<< HEAD
 pub mod parts;
+=======
+pub mod optimize;
+>>>>>>> optimize
 mod pool;
+mod random;
 pub mod reproduce;
 pub mod select;
 mod simulate;

@@ -5,8 +5,21 @@ use std::process::{Command, Stdio};
 
 use crate::support::cli::{ANCHOR, directory, phalanx, stderr, stdout, write};
 
-const COMMANDS: [&str; 12] =
-    ["new", "run", "validate", "replay", "scene", "size", "statics", "volume", "sweep", "select", "reproduce", "study"];
+const COMMANDS: [&str; 13] = [
+    "new",
+    "run",
+    "validate",
+    "replay",
+    "scene",
+    "size",
+    "statics",
+    "volume",
+    "sweep",
+    "select",
+    "optimize",
+    "reproduce",
+    "study",
+];
 
 /// Whether a shell that is here finds a script sound; `None` where it is not here.
 fn sound(shell: &str, file: &str) -> Option<bool> {

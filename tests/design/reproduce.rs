@@ -112,6 +112,7 @@ fn forms_agree(found: &Reproduction, all: &[Comparison], paper: &Paper) {
                 }
                 Block::Notes(notes) => assert!(!notes.is_empty() && notes.iter().all(|note| note.len() > 10)),
                 Block::Words(words) => assert!(words.trim().len() > 20, "{words:?}"),
+                Block::Text(text) => assert!(!text.id.is_empty() && !text.text.is_empty(), "{}", text.title),
             }
         }
     }
