@@ -16,8 +16,9 @@ use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{HoldReport, hold_csv, hold_json, hold_text};
-use crate::scene::{AnyScene, Axis, GripperScene};
+use crate::scene::{Axis, GripperScene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
+use crate::study::only_gripper;
 use crate::units::Dimension;
 
 /// How much acceleration a gripper holds its object against: in pulses, vibrations, or a pick-and-place move.
@@ -180,13 +181,8 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
 }
 
 fn gripper(args: &HoldArgs) -> Result<GripperScene, Failure> {
-    match args.set.load_any(&args.scene)? {
-        AnyScene::Gripper(scene) => Ok(*scene),
-        _ => Err(Failure::bad_input(format!(
-            "{} is no gripper; this study takes a scene of kind = \"gripper\", like scenes/gripper/hold.toml",
-            args.scene.display()
-        ))),
-    }
+    let scene = args.set.load_any(&args.scene)?;
+    only_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml").map_err(Failure::bad_input)
 }
 
 fn plan(args: &HoldArgs) -> Result<Plan, Failure> {

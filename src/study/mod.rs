@@ -6,11 +6,14 @@
 //! | `geometric` | where fingers close around an object |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
+//! | `posture` | a gripper's posture in words |
 //! | `hold` | how much acceleration a gripper holds its object against |
+//! | `kind` | studies that are about grippers |
 //! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
 //! | `simulate` | a run of a gripper for what its criteria say |
+//! | `size` | spring and motor for the finger of a scene |
 //! | `stability` | where the engine is stable, and where it is right |
 //! | `step_size` | the force of an impact against the step |
 //! | `sweep` | a scene again and again, with other values in some of its fields |
@@ -21,11 +24,16 @@ mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
+mod kind;
 mod pool;
+pub mod posture;
 pub mod reproduce;
 pub mod select;
 mod simulate;
+pub mod size;
 pub mod stability;
 pub mod step_size;
 pub mod sweep;
 pub mod volume;
+
+pub use kind::only_gripper;
