@@ -22,6 +22,7 @@ mod statics_gripper;
 mod statics_simulated;
 mod study_stability;
 mod study_step_size;
+mod sweep_given;
 mod sweep_resume;
 mod sweep_runs;
 mod sweep_study;

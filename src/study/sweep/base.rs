@@ -16,7 +16,7 @@ use crate::scene::kinds::Words;
 use crate::scene::schema::schema_of;
 use crate::scene::text::syntax;
 use crate::scene::words::SceneKind;
-use crate::scene::{Problem, SceneError, keys, layers, parse_layers};
+use crate::scene::{Layer, Problem, SceneError, keys, layers, parse_layers};
 
 /// A base scene.
 pub struct Base {
@@ -44,6 +44,11 @@ pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result
         )),
         error => Refusal::Scene(error),
     })?;
+    of_layers(&layers, &[]).map_err(Refusal::Scene)
+}
+
+/// The base scene of these texts, see `scene::parse_layers`.
+pub fn of_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
     let read = |text: &str, file: &str| {
         let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
         let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
@@ -51,7 +56,7 @@ pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result
         let table = check(document, "", kind, &mut problems);
         if problems.is_empty() { Ok(Base { table, kind, text: text.to_string() }) } else { Err(refuse(problems)) }
     };
-    parse_layers(&layers, &[], read).map_err(Refusal::Scene)
+    parse_layers(layers, settings, read)
 }
 
 /// The kind of scene a document says it is; of a finger if it says nothing that is known.

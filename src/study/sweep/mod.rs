@@ -13,6 +13,7 @@
 //! | `raw`, `read`, `read_axis`, `base`, `error` | a study file and its scene, checked |
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
+//! | `given` | studies of rows that a program has |
 //! | `template` | scene texts |
 //! | `one`, `one_finger`, `one_gripper`, `simulate`, `row` | one run, of a finger or a gripper, and its row |
 //! | `run` | all of them, on all cores |
@@ -23,6 +24,7 @@ mod axis;
 mod base;
 mod error;
 mod field;
+mod given;
 mod one;
 mod one_finger;
 mod one_gripper;
@@ -39,7 +41,8 @@ mod template;
 mod trust;
 
 pub use error::StudyError;
-pub use field::Point;
+pub use field::{Field, Point};
+pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};
 pub use row::{Row, Status, columns, sorted, table};
