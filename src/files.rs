@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Until everything is on the disk the older file stays as it is, and after an error too. What is not a regular file (a
 /// device, a pipe) cannot be replaced: it is written directly. A link stays a link; what it points to is replaced.
-pub fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+pub fn replace(path: &Path, fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
         fill(&mut out)?;
@@ -31,6 +31,61 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     Ok((bytes.len() as u64 <= most).then_some(bytes))
+}
+
+/// Passes bytes on and keeps their checksum (CRC-32), so that nobody has to read what he has just written.
+pub struct Summed<'a> {
+    out: &'a mut (dyn Write + Send),
+    crc: crc32fast::Hasher,
+    bytes: u64,
+}
+
+impl<'a> Summed<'a> {
+    pub fn new(out: &'a mut (dyn Write + Send)) -> Self {
+        Summed { out, crc: crc32fast::Hasher::new(), bytes: 0 }
+    }
+
+    /// How many bytes there have been.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The checksum of all that has been written.
+    pub fn crc(&self) -> u32 {
+        self.crc.clone().finalize()
+    }
+}
+
+impl Write for Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = self.out.write(bytes)?;
+        self.crc.update(&bytes[..taken]);
+        self.bytes += taken as u64;
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// The checksum (CRC-32) of the first `most` bytes of a file, and how many there were; read piece by piece.
+pub fn checksum(path: &Path, most: u64) -> io::Result<(u32, u64)> {
+    let mut hasher = crc32fast::Hasher::new();
+    let mut file = fs::File::open(path)?.take(most);
+    let mut piece = vec![0; 1 << 16];
+    let mut read = 0;
+    loop {
+        match file.read(&mut piece) {
+            Ok(0) => return Ok((hasher.finalize(), read)),
+            Ok(count) => {
+                hasher.update(&piece[..count]);
+                read += count as u64;
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 /// Whether a file could be written there, without touching one that is there.

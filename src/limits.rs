@@ -2,7 +2,7 @@
 
 pub use crate::check::MOST_STEPS as MOST_CHECKED_STEPS;
 pub use crate::log::LARGEST_RECORD;
-pub use crate::study::sweep::MOST_RUNS;
+pub use crate::study::sweep::{MOST_RUNS, MOST_SHARDED_RUNS};
 pub use crate::study::volume::MOST_POINTS;
 pub use crate::units::LONGEST_S;
 pub use phalanx_core::limits::{MOST_DISCS, MOST_PICTURES, MOST_PROBLEMS, MOST_SAMPLES, SHOWN_PROBLEMS};

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::own::Form;
 use super::saved::{broken, save};
-use crate::files::replace;
+use crate::files::{checksum as sum_up, replace};
 
 /// Checksums of what was written, by name.
 const CHECKSUMS: &str = ".phalanx";
@@ -164,15 +164,7 @@ fn checksums(out: &Path) -> Checksums {
 }
 
 fn checksum(path: &Path) -> io::Result<String> {
-    let mut hasher = crc32fast::Hasher::new();
-    let mut file = File::open(path)?;
-    let mut bytes = vec![0; 1 << 16];
-    loop {
-        match io::Read::read(&mut file, &mut bytes)? {
-            0 => return Ok(format!("{:08x}", hasher.finalize())),
-            count => hasher.update(&bytes[..count]),
-        }
-    }
+    sum_up(path, u64::MAX).map(|(crc, _)| format!("{crc:08x}"))
 }
 
 /// All files of a directory and of those in it, by their names from there, in order.

@@ -2,19 +2,20 @@
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
-use clap::Args;
+use clap::{Args, Subcommand};
 
 use super::interrupt::Interrupt;
 use super::output::{note, print, show};
-use super::progress::Count;
+use super::sweep_merge::{self, MergeArgs};
+use super::sweep_progress::SoFar;
+use super::sweep_shard::{self, Place, ShardOf, shard_of};
 use super::sweep_store::{Found, Store, open};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::report::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
-use crate::study::sweep::{self, Ran, Row, Study, StudyError, Summary, run_while, summary};
+use crate::study::sweep::{self, Ran, Study, StudyError, Summary, run_while, summary};
 use crate::table::Table;
 
 /// Rows that `--list` shows.
@@ -26,14 +27,22 @@ const LISTED: u64 = 12;
 /// OUT.partial.csv as they are found; in the end all are in OUT, in order, and OUT.study.json says of which study. The same
 /// command again goes on where an earlier one was ended, however it was. A scene that is not valid and a simulation that does
 /// not end are rows too, with their reasons.
+///
+/// On several machines each makes a part (--shard), and `phalanx sweep merge` joins the parts to the same bytes.
 #[derive(Debug, Args)]
 #[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
     after_help = "Examples:\n  phalanx sweep scenes/studies/thesis.toml --out thesis.csv\n  phalanx sweep scenes/studies/sample.toml \
-                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep --schema \
-                  > study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
+                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep \
+                  scenes/studies/thesis.toml --shard 2/3 --out part-2.parquet\n  phalanx sweep --schema > \
+                  study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
                   goes on), or not one run could be simulated."
 )]
 pub struct SweepArgs {
+    #[command(subcommand)]
+    command: Option<SweepCommand>,
+
     /// Study file (TOML); `phalanx sweep --schema` describes it
     #[arg(required_unless_present = "schema")]
     study: Option<PathBuf>,
@@ -58,6 +67,10 @@ pub struct SweepArgs {
     #[arg(long, value_name = "N", value_parser = runs)]
     limit: Option<u64>,
 
+    /// Make only part K of N, as one Parquet file that appears whole or not at all; a part that is there is left as it is
+    #[arg(long, value_name = "K/N", value_parser = shard_of, conflicts_with_all = ["limit", "list", "schema"])]
+    shard: Option<ShardOf>,
+
     /// Begin anew, whatever is there of an earlier sweep
     #[arg(long)]
     restart: bool,
@@ -75,6 +88,11 @@ pub struct SweepArgs {
     json: bool,
 }
 
+#[derive(Debug, Subcommand)]
+enum SweepCommand {
+    Merge(MergeArgs),
+}
+
 impl From<StudyError> for Failure {
     /// The message shows the place in the file, and begins with `error:` itself.
     fn from(error: StudyError) -> Self {
@@ -84,6 +102,9 @@ impl From<StudyError> for Failure {
 
 /// Runs the command.
 pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
+    if let Some(SweepCommand::Merge(args)) = &args.command {
+        return sweep_merge::run(args);
+    }
     let Some(file) = &args.study else {
         print(&sweep::schema())?;
         return Ok(Status::Done);
@@ -97,6 +118,10 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
         show(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
         return Ok(Status::Done);
     };
+    if let Some(of) = args.shard {
+        let place = Place { out, threads: args.threads, restart: args.restart, json: args.json };
+        return sweep_shard::run(&study, of, &place);
+    }
     let most = args.limit.unwrap_or(u64::MAX);
     match open(&study, out, most, args.restart)? {
         Found::Complete(table) => {
@@ -152,6 +177,8 @@ fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWo
         out: out.display().to_string(),
         runs: study.runs(),
         designs: study.designs(),
+        shard: None,
+        parts: None,
         found,
         now,
     };
@@ -177,42 +204,4 @@ fn runs(text: &str) -> Result<u64, String> {
 fn nothing(found: &Summary) -> bool {
     use sweep::Status::{Completed, Filtered};
     found.runs > 0 && found.with(Completed) == 0 && found.with(Filtered) == 0
-}
-
-/// How far a sweep has come.
-struct SoFar {
-    count: Count,
-    total: u64,
-    done: u64,
-    simulations: u64,
-    failed: u64,
-    refused: u64,
-    start: Instant,
-    next: Duration,
-}
-
-impl SoFar {
-    /// With so many done before this sweep.
-    fn new(total: u64, done: u64) -> Self {
-        let (mut count, start) = (Count::new(), Instant::now());
-        count.show(done as usize, total as usize, "");
-        SoFar { count, total, done, simulations: 0, failed: 0, refused: 0, start, next: Duration::ZERO }
-    }
-
-    fn take(&mut self, row: &Row) {
-        self.done += 1;
-        match row.status {
-            sweep::Status::Completed => self.simulations += 1,
-            sweep::Status::Failed => (self.simulations, self.failed) = (self.simulations + 1, self.failed + 1),
-            sweep::Status::Refused => self.refused += 1,
-            sweep::Status::Filtered => {}
-        }
-        let elapsed = self.start.elapsed();
-        // Texts are made only as often as somebody can read them.
-        if elapsed >= self.next {
-            self.next = elapsed + Duration::from_millis(100);
-            let text = format!("{} failed, {} refused", self.failed, self.refused);
-            self.count.show(self.done as usize, self.total as usize, &text);
-        }
-    }
 }

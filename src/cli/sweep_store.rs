@@ -10,30 +10,16 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
-use serde::{Deserialize, Serialize};
 
 use super::Failure;
 use super::saved::save;
-use crate::study::sweep::{Study, columns, sorted};
+use crate::files::checksum;
+use crate::study::beside::{Beside, beside, beside_name};
+use crate::study::sweep::{Study, columns, in_one_piece, sorted};
 use crate::table::{self, Column, Table, Value};
 
 /// How the file of unfinished results begins.
 const MAGIC: &str = "# phalanx sweep";
-
-/// What `OUT.study.json` says.
-#[derive(Debug, Serialize, Deserialize)]
-struct Beside {
-    phalanx: String,
-    study: String,
-    model: String,
-    /// Of study, base scene, model and version.
-    fingerprint: String,
-    /// Of the bytes of the results.
-    results: String,
-    rows: u64,
-    study_toml: String,
-    scene_toml: String,
-}
 
 /// Results that grow.
 pub struct Store {
@@ -58,6 +44,7 @@ pub enum Found {
 /// A place where results cannot be, results of another study, or another sweep that writes them.
 pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found, Failure> {
     table::format(out).map_err(Failure::bad_input)?;
+    in_one_piece(study, most).map_err(Failure::bad_input)?;
     if out.is_dir() {
         return Err(Failure::bad_input(format!("{} is a directory; give the name of a file in it", out.display())));
     }
@@ -131,19 +118,9 @@ impl Store {
             ))
         };
         table::write(&self.out, &table).map_err(|error| kept(&error))?;
-        let results = fs::read(&self.out).map_err(|error| kept(&error))?;
-        let beside = Beside {
-            phalanx: env!("CARGO_PKG_VERSION").to_string(),
-            study: study.name.clone(),
-            model: study.model.name().to_string(),
-            fingerprint: study.fingerprint(),
-            results: crc(&results),
-            rows: table.rows.len() as u64,
-            study_toml: study.source.clone(),
-            scene_toml: study.base.clone(),
-        };
-        let text = serde_json::to_string_pretty(&beside).map_err(|error| kept(&error))?;
-        save(&beside_name(&self.out), &format!("{text}\n"))?;
+        let (crc, _) = checksum(&self.out, u64::MAX).map_err(|error| kept(&error))?;
+        let text = Beside::new(study, table.rows.len() as u64, crc).text().map_err(|error| kept(&error))?;
+        save(&beside_name(&self.out), &text)?;
         fs::remove_file(&self.partial).map_err(|error| kept(&error))?;
         Ok(table)
     }
@@ -199,8 +176,7 @@ fn head(study: &Study, columns: &[Column]) -> String {
 
 /// Refuses to replace, also for `--restart`, what no sweep has written, and what has been changed since.
 fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), Failure> {
-    let beside_name = beside_name(out);
-    let beside = fs::read(&beside_name).ok().map(|bytes| serde_json::from_slice::<Beside>(&bytes));
+    let beside = beside(out);
     let refused = |path: &Path, whose: &str| {
         Err(Failure::bad_input(format!(
             "{} is there already, and not as a sweep {whose}left it, so it is left alone; give another --out, or delete it \
@@ -209,13 +185,12 @@ fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), Failu
         )))
     };
     if matches!(beside, Some(Err(_))) {
-        return refused(&beside_name, "");
+        return refused(&beside_name(out), "");
     }
     if !fs::metadata(out).is_ok_and(|found| found.is_file() && found.len() > 0) {
         return Ok(());
     }
-    let crc = fs::read(out).ok().map(|bytes| crc(&bytes));
-    let left = matches!(&beside, Some(Ok(beside)) if Some(&beside.results) == crc.as_ref());
+    let left = matches!(&beside, Some(Ok(beside)) if beside.is_of(out));
     // A sweep that was killed between its last two files has left the rows too.
     let killed = || partial.exists() && rows(study, out).is_some();
     if left || killed() { Ok(()) } else { refused(out, "of this study ") }
@@ -232,8 +207,8 @@ fn rows(study: &Study, out: &Path) -> Option<Table> {
 
 /// Results that a sweep of this study has written and nobody has touched since.
 fn finished(study: &Study, out: &Path) -> Option<Table> {
-    let beside: Beside = serde_json::from_slice(&fs::read(beside_name(out)).ok()?).ok()?;
-    if beside.fingerprint != study.fingerprint() || beside.results != crc(&fs::read(out).ok()?) {
+    let beside = beside(out)?.ok()?;
+    if beside.fingerprint != study.fingerprint() || !beside.is_of(out) {
         return None;
     }
     rows(study, out)
@@ -280,16 +255,8 @@ fn same_file(_: &File, _: &Path) -> bool {
     true
 }
 
-fn beside_name(out: &Path) -> PathBuf {
-    with_suffix(out, ".study.json")
-}
-
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(suffix);
     PathBuf::from(name)
-}
-
-fn crc(bytes: &[u8]) -> String {
-    format!("{:08x}", crc32fast::hash(bytes))
 }

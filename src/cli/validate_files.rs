@@ -115,7 +115,7 @@ fn show_page(
 
 /// Both models side by side, as `rows` writes them.
 fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let written = replace(path, rows);
+    let written = replace(path, |out| rows(out));
     written.map_err(|error| broken(path, error))
 }
 

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::document_text;
-use crate::study::sweep::{Study, Summary};
+use crate::study::sweep::{Shard, Study, Summary};
 use crate::table::Value;
 use crate::wording::figures::figure;
 use crate::wording::sheet::{Sheet, list, table};
 
-/// A finished sweep.
+/// A finished sweep, or a part of one.
 #[derive(Clone, Debug, Serialize)]
 pub struct SweepReport {
     pub study: String,
@@ -19,6 +19,12 @@ pub struct SweepReport {
     pub out: String,
     pub runs: u64,
     pub designs: u64,
+    /// The part of the study that the results are, if they are one.
+    #[serde(flatten)]
+    pub shard: Option<Shard>,
+    /// How many parts the results were joined from, if they were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts: Option<u64>,
     #[serde(flatten)]
     pub found: Summary,
     /// What was done now; all else was there already.
@@ -62,10 +68,12 @@ pub fn sweep_json(report: &SweepReport) -> String {
 
 /// Tables for people.
 pub fn sweep_text(report: &SweepReport) -> Sheet {
-    let SweepReport { study, model, out, runs, designs, found, now } = report;
-    let of = match found.runs == *runs {
-        true => format!("{runs} runs"),
-        false => format!("{} of {runs} runs", found.runs),
+    let SweepReport { study, model, out, runs, designs, shard, parts, found, now } = report;
+    let of = match shard {
+        Some(Shard { number, of, .. }) if found.runs == 0 => format!("shard {number}/{of}: none of {runs} runs"),
+        Some(Shard { number, of, first, last }) => format!("shard {number}/{of}: runs {first} to {last} of {runs}"),
+        None if found.runs == *runs => format!("{runs} runs"),
+        None => format!("{} of {runs} runs", found.runs),
     };
     let mut text = Sheet::from(format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n"));
     let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
@@ -84,7 +92,9 @@ pub fn sweep_text(report: &SweepReport) -> Sheet {
         }
     }
     let mut done = String::new();
-    if now.runs < found.runs {
+    if let Some(parts) = parts {
+        done.push_str(&format!("Joined from {parts} {}.", if *parts == 1 { "part" } else { "parts" }));
+    } else if now.runs < found.runs {
         done.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
     }
     if now.simulations > 0 {

@@ -2,6 +2,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `beside` | what stands beside the results of a sweep |
 //! | `capture` | which positioning errors a gripper captures |
 //! | `geometric` | where fingers close around an object |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
@@ -9,6 +10,7 @@
 //! | `posture` | a gripper's posture in words |
 //! | `hold` | how much acceleration a gripper holds its object against |
 //! | `kind` | studies that are about grippers |
+//! | `parts` | sweeps beyond one machine: parts of a study, and such parts joined |
 //! | `pool` | the threads that the others work on |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
@@ -19,12 +21,14 @@
 //! | `sweep` | a scene again and again, with other values in some of its fields |
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
+pub mod beside;
 pub mod capture;
 mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
 mod kind;
+pub mod parts;
 mod pool;
 pub mod posture;
 pub mod reproduce;

@@ -139,12 +139,30 @@ fn broken(error: &csv::Error, file: &str) -> TableError {
 
 /// Writes the table as CSV.
 pub(super) fn write(out: &mut dyn Write, table: &Table) -> io::Result<()> {
-    let mut writer = writer(out);
-    writer.write_record(table.columns.iter().map(|column| harmless(&column.name).into_owned()))?;
-    for row in &table.rows {
-        writer.write_record(row.iter().map(cell))?;
+    let mut rows = Rows::new(out, &table.columns)?;
+    table.rows.iter().try_for_each(|row| rows.add(row))?;
+    rows.finish()
+}
+
+/// A CSV file that is written row by row.
+pub(super) struct Rows<W: Write> {
+    writer: Writer<W>,
+}
+
+impl<W: Write> Rows<W> {
+    pub fn new(out: W, columns: &[Column]) -> io::Result<Self> {
+        let mut writer = writer(out);
+        writer.write_record(columns.iter().map(|column| harmless(&column.name).into_owned()))?;
+        Ok(Rows { writer })
     }
-    writer.flush()
+
+    pub fn add(&mut self, row: &[Value]) -> io::Result<()> {
+        Ok(self.writer.write_record(row.iter().map(cell))?)
+    }
+
+    pub fn finish(mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
 }
 
 /// One line of a CSV file, with its line feed.

@@ -9,6 +9,7 @@
 //! | `value` | values and kinds, to and from text |
 //! | `get` | columns by name, of one kind |
 //! | `csv_file`, `parquet_file` | either format |
+//! | `row_writer` | rows to either format, as they come |
 //! | `error` | what can be wrong, with its place |
 
 mod csv_file;
@@ -16,12 +17,15 @@ mod error;
 mod formula;
 mod get;
 mod parquet_file;
+mod row_writer;
 mod value;
 
 use std::path::Path;
 
 pub use csv_file::{line, read_csv, read_rows};
 pub use error::TableError;
+pub use parquet_file::Groups;
+pub use row_writer::RowWriter;
 pub use value::{Kind, Value};
 
 use crate::files::replace;
@@ -114,8 +118,19 @@ pub fn write(path: &Path, table: &Table) -> Result<(), TableError> {
     check(table)?;
     let written = replace(path, |out| match format {
         Format::Csv => csv_file::write(out, table),
-        Format::Parquet => parquet_file::write(out, table),
+        Format::Parquet => parquet_file::write(out, table, &[]),
     });
+    written.map_err(|error| TableError::Write { file: path.display().to_string(), reason: error.to_string() })
+}
+
+/// Writes a table as Parquet, whole or not at all, with notes of what it is in its metadata and a checksum of its rows:
+/// [`Groups`] reads them.
+///
+/// # Errors
+/// The file cannot be written, or a value is not of its column's kind.
+pub fn write_noted(path: &Path, table: &Table, notes: &[(String, String)]) -> Result<(), TableError> {
+    check(table)?;
+    let written = replace(path, |out| parquet_file::write(out, table, notes));
     written.map_err(|error| TableError::Write { file: path.display().to_string(), reason: error.to_string() })
 }
 

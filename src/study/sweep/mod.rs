@@ -17,6 +17,7 @@
 //! | `template` | scene texts |
 //! | `one`, `one_finger`, `one_gripper`, `simulate`, `row` | one run, of a finger or a gripper, and its row |
 //! | `run` | all of them, on all cores |
+//! | `shard` | which runs a part of them has, for more than one machine |
 //! | `summary` | what came out |
 //! | `trust` | whether results found on the disk are of this study |
 
@@ -35,6 +36,7 @@ mod read_axis;
 mod row;
 mod run;
 mod sequence;
+mod shard;
 mod simulate;
 mod summary;
 mod template;
@@ -46,7 +48,8 @@ pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};
 pub use row::{Row, Status, columns, sorted, table};
-pub use run::{Ran, run, run_while};
+pub use run::{Ran, run, run_range, run_while};
+pub use shard::{Shard, ShardError, in_one_piece, range, shard};
 pub use summary::{Summary, summary};
 
 use axis::{Axis, Points};
@@ -56,8 +59,13 @@ use template::Template;
 use crate::scene::words::SceneKind;
 use crate::trace::Model;
 
-/// Most runs of one study: their rows are sorted in memory in the end, a kilobyte each.
+/// Most runs that are made in one piece, as a sweep or as a part of one: their rows are sorted in memory in the end, a kilobyte
+/// each.
 pub const MOST_RUNS: u64 = 1_000_000;
+
+/// Most runs of a study that is made in parts. With a hundred thousand cores and a run in a millisecond these take three hours;
+/// and every number of a run stays one that a table, a script and JSON have exactly.
+pub const MOST_SHARDED_RUNS: u64 = 1_000_000_000_000;
 
 /// Which designs are simulated: those whose static criteria are as is said here, if anything is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

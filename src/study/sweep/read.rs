@@ -15,7 +15,7 @@ use super::raw::{RawSample, RawStudy, schema_json};
 use super::read_axis;
 use super::sequence::{MOST_HALTON, Method, Sequence};
 use super::template::Template;
-use super::{Filter, MOST_RUNS, Study};
+use super::{Filter, MOST_RUNS, MOST_SHARDED_RUNS, Study};
 use crate::files::read_at_most;
 use crate::limits::LARGEST_SCENE_BYTES;
 use crate::scene::check::Checker;
@@ -110,7 +110,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     if c.is_clean() && total(&axes, sequence.as_ref()).is_none() {
         c.push(
             None,
-            format!("the study has more than {MOST_RUNS} runs"),
+            format!("the study has more than {MOST_SHARDED_RUNS} runs"),
             "",
             "leave out values, or sample the axes: [sample]",
         );
@@ -180,9 +180,17 @@ fn sample(
         c.missing("count", raw, "say how many points: count = 1000");
     }
     let count = c.get("sample.count", &raw.count)?;
-    if count > MOST_RUNS {
-        let help = format!("take at most {MOST_RUNS} points");
+    if count > MOST_SHARDED_RUNS {
+        let help = format!("take at most {MOST_SHARDED_RUNS} points");
         c.push(raw.count.span(), format!("`sample.count` is {count}, too many to be run"), "too many", help);
+        return None;
+    }
+    // Its slices are shuffled in memory before the first run, and every part of a study would do that again.
+    if method == Method::LatinHypercube && count > MOST_RUNS {
+        let message = format!("`sample.count` is {count}, but a latin-hypercube has at most {MOST_RUNS} points");
+        let help =
+            "take fewer, or use method = \"halton\" or \"random\": their points are found from their numbers alone";
+        c.push(raw.count.span(), message, "too many for this method", help);
         return None;
     }
     if ranges == 0 && axes.len() == given {
@@ -202,7 +210,7 @@ fn total(axes: &[Axis], sequence: Option<&Sequence>) -> Option<u64> {
     let sampled = axes.iter().any(|axis| matches!(axis.points, Points::Range(_)));
     let points = sequence.filter(|_| sampled).map_or(1, Sequence::count);
     let product = given.chain([points]).try_fold(1u64, u64::checked_mul);
-    product.filter(|total| *total <= MOST_RUNS)
+    product.filter(|total| *total <= MOST_SHARDED_RUNS)
 }
 
 /// The file's name without its extension.

@@ -1,6 +1,7 @@
 //! All runs of a study, on as many threads as are wanted.
 
 use std::collections::HashSet;
+use std::ops::RangeInclusive;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
@@ -35,9 +36,6 @@ pub fn run(study: &Study, threads: usize, done: &HashSet<u64>, mut each: impl Fn
 
 /// Makes the first `most` runs of a study except those `done`, until `go_on` or `each` says no. A run that is stopped on its
 /// way has no row.
-///
-/// Threads take the next run when they are free, one after the other, so that rows come nearly in order; and hand over its
-/// row themselves: nobody has to be woken for it.
 pub fn run_while(
     study: &Study,
     threads: usize,
@@ -46,9 +44,24 @@ pub fn run_while(
     go_on: &(dyn Fn() -> bool + Sync),
     each: impl FnMut(Row) -> bool + Send,
 ) -> Ran {
+    run_range(study, threads, 1..=study.runs().min(most), done, go_on, each)
+}
+
+/// Makes these runs of a study except those `done`, as [`run_while`] does.
+///
+/// Threads take the next run when they are free, one after the other, so that rows come nearly in order; and hand over its
+/// row themselves: nobody has to be woken for it.
+pub fn run_range(
+    study: &Study,
+    threads: usize,
+    runs: RangeInclusive<u64>,
+    done: &HashSet<u64>,
+    go_on: &(dyn Fn() -> bool + Sync),
+    each: impl FnMut(Row) -> bool + Send,
+) -> Ran {
     let start = Instant::now();
-    let last = study.runs().min(most);
-    let left = last - done.iter().filter(|run| **run <= last).count() as u64;
+    let all = if runs.is_empty() { 0 } else { runs.end() - runs.start() + 1 };
+    let left = all - done.iter().filter(|run| runs.contains(run)).count() as u64;
     let pool = pool(threads, usize::try_from(left).unwrap_or(usize::MAX));
     let (stopped, ran, each) = (AtomicBool::new(false), AtomicU64::new(0), Mutex::new(each));
     let may = || !stopped.load(Ordering::Relaxed) && go_on();
@@ -62,7 +75,7 @@ pub fn run_while(
         ran.fetch_add(1, Ordering::Relaxed);
         Some(())
     };
-    pool.install(|| (1..=last).filter(|at| !done.contains(at)).par_bridge().try_for_each(work));
+    pool.install(|| runs.filter(|at| !done.contains(at)).par_bridge().try_for_each(work));
     let (runs, threads) = (ran.into_inner(), pool.current_num_threads());
     Ran { runs, threads, wall_s: start.elapsed().as_secs_f64(), complete: runs == left }
 }

@@ -36,6 +36,26 @@ impl Summary {
     pub fn with(&self, status: Status) -> u64 {
         self.by_status.iter().find(|(name, _)| name == status.name()).map_or(0, |(_, count)| *count)
     }
+
+    /// Counts the rows of another table of the same study, which stand behind those of this one.
+    pub fn add(&mut self, more: Summary) {
+        self.runs += more.runs;
+        for (counts, others) in [(&mut self.by_status, more.by_status), (&mut self.by_class, more.by_class)] {
+            for ((_, count), (_, other)) in counts.iter_mut().zip(others) {
+                *count += other;
+            }
+        }
+        for reason in more.reasons {
+            let same = |known: &&mut Reason| {
+                known.status == reason.status && without_numbers(&known.reason) == without_numbers(&reason.reason)
+            };
+            match self.reasons.iter_mut().find(same) {
+                Some(known) => known.runs += reason.runs,
+                None => self.reasons.push(reason),
+            }
+        }
+        in_order(&mut self.reasons);
+    }
 }
 
 /// Counts the rows of a sweep's results.
@@ -65,17 +85,21 @@ pub fn summary(table: &Table) -> Result<Summary, TableError> {
         found.runs += 1;
     }
     let mut reasons: Vec<Reason> = reasons.into_values().collect();
-    // The sort is stable: by status, the most frequent first.
-    reasons.sort_by_key(|reason| {
-        let rank = Status::ALL.iter().position(|status| status.name() == reason.status);
-        (rank, std::cmp::Reverse(reason.runs), reason.first_run)
-    });
+    in_order(&mut reasons);
     Ok(Summary {
         runs: table.rows.len() as u64,
         by_status: Status::ALL.map(|of| (of.name().to_string(), count(&status, of.name()))).to_vec(),
         by_class: classes.into_iter().map(|of| (of.to_string(), count(&class, of))).collect(),
         reasons,
     })
+}
+
+/// By status, the most frequent first.
+fn in_order(reasons: &mut [Reason]) {
+    reasons.sort_by_key(|reason| {
+        let rank = Status::ALL.iter().position(|status| status.name() == reason.status);
+        (rank, std::cmp::Reverse(reason.runs), reason.first_run)
+    });
 }
 
 /// A reason by its words: the same thing happens at other times and lengths.
