@@ -186,29 +186,15 @@ fn gripper(args: &HoldArgs) -> Result<GripperScene, Failure> {
 }
 
 fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
-    if args.from >= args.to {
-        return Err(Failure::bad_input(format!(
-            "--from is {} m/s² and --to {} m/s²; the first must be smaller, such as --from \"1 m/s^2\" --to \"1000 m/s^2\"",
-            args.from, args.to
-        )));
-    }
     let loads = match (&args.vibration, args.moves) {
         (Some(Frequencies(frequencies_hz)), _) => {
-            let mut axes: Vec<Axis> = Vec::new();
-            for axis in args.along.iter().map(|axis| Axis::from(*axis)) {
-                if axes.contains(&axis) {
-                    return Err(Failure::bad_input(
-                        "--along names an axis twice; each once, such as --along x,y,angle",
-                    ));
-                }
-                axes.push(axis);
-            }
+            let axes = args.along.iter().map(|axis| Axis::from(*axis)).collect();
             Loads::Vibrations { axes, frequencies_hz: frequencies_hz.clone() }
         }
         (None, true) => Loads::Move,
         (None, false) => Loads::Pulses { directions: args.directions, length_s: args.pulse },
     };
-    Ok(Plan {
+    let plan = Plan {
         model: args.model.into(),
         loads,
         begins_s: args.at,
@@ -218,7 +204,9 @@ fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
         scan: args.scan,
         tolerance: args.tol,
         threads: 0,
-    })
+    };
+    plan.check().map_err(Failure::bad_input)?;
+    Ok(plan)
 }
 
 /// A quantity above 0, such as the example.

@@ -18,6 +18,7 @@
 //! | `size` | spring and motor for the finger of a scene |
 //! | `stability` | where the engine is stable, and where it is right |
 //! | `step_size` | the force of an impact against the step |
+//! | `store` | results of a sweep that grow on the disk |
 //! | `sweep` | a scene again and again, with other values in some of its fields |
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
@@ -37,6 +38,7 @@ mod simulate;
 pub mod size;
 pub mod stability;
 pub mod step_size;
+pub mod store;
 pub mod sweep;
 pub mod volume;
 
