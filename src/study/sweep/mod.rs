@@ -43,7 +43,7 @@ mod template;
 mod trust;
 
 pub use error::StudyError;
-pub use field::{Field, Point};
+pub use field::{Field, Holds, Point};
 pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};

@@ -1,0 +1,98 @@
+//! Values of Python as those of a scene, and documents of JSON as Python.
+
+use phalanx::scene::Words;
+use phalanx::units::{self, Dimension};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+
+/// A value as it is written in a scene. A text stands as `--set` takes it: what is no value of TOML is a text without its quotes.
+pub fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    match value.cast::<PyString>() {
+        Ok(text) => Ok(text.to_str()?.to_string()),
+        Err(_) => item(value),
+    }
+}
+
+/// A value within a list: texts are quoted.
+fn item(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(toml::Value::from(text.to_str()?).to_string());
+    }
+    // True is a number of Python too.
+    if value.is_instance_of::<PyBool>() {
+        return Ok(value.extract::<bool>()?.to_string());
+    }
+    if value.is_instance_of::<PyInt>() {
+        return Ok(value.extract::<i64>()?.to_string());
+    }
+    if value.is_instance_of::<PyFloat>() {
+        return Ok(number(value.extract()?));
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let items = value.try_iter()?.map(|part| item(&part?)).collect::<PyResult<Vec<_>>>()?;
+        return Ok(format!("[{}]", items.join(", ")));
+    }
+    // Scalars and arrays of numpy.
+    if value.hasattr("tolist")? {
+        return item(&value.call_method0("tolist")?);
+    }
+    let kind = value.get_type().name()?;
+    Err(PyTypeError::new_err(format!(
+        "a field of a scene is a text such as \"20 mm\", a number, True or False, or a list of these, and not of type {kind}"
+    )))
+}
+
+/// A number as TOML.
+pub fn number(value: f64) -> String {
+    match value {
+        _ if value.is_nan() => "nan".to_string(),
+        _ if value.is_infinite() => if value > 0.0 { "inf" } else { "-inf" }.to_string(),
+        _ => format!("{value:?}"),
+    }
+}
+
+/// A document of JSON as dictionaries and lists.
+pub fn json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("json")?.call_method1("loads", (text,))
+}
+
+/// A dictionary as a text of TOML.
+pub fn document(scene: &Bound<'_, PyDict>) -> PyResult<String> {
+    let py = scene.py();
+    let options = PyDict::new(py);
+    // Scalars and arrays of numpy, which JSON does not know.
+    options.set_item("default", py.import("operator")?.call_method1("methodcaller", ("tolist",))?)?;
+    let text: String = py.import("json")?.call_method("dumps", (scene,), Some(&options))?.extract()?;
+    let value: serde_json::Value =
+        serde_json::from_str(&text).map_err(|error| PyValueError::new_err(format!("no scene: {error}")))?;
+    toml::to_string(&value).map_err(|error| {
+        PyValueError::new_err(format!("a scene has texts, numbers, True and False, lists and dictionaries: {error}"))
+    })
+}
+
+/// One of a list of words, as a scene writes them.
+pub fn word<W: Words>(what: &str, given: &str) -> Result<W, String> {
+    let words: Vec<String> = W::WORDS.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+    let found = W::WORDS.iter().find(|(word, _)| *word == given);
+    found.map(|(_, value)| value.clone()).ok_or(format!("{what} is \"{given}\", but must be {}", words.join(" or ")))
+}
+
+/// A quantity that is more than 0, in SI: a text with its unit, or a number in SI.
+pub fn positive(what: &str, value: &Bound<'_, PyAny>, dimension: Dimension) -> PyResult<Result<f64, String>> {
+    let otherwise = format!("{what} must be more than 0; expected a text with a unit, or a number in SI");
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(units::positive(text.to_str()?, dimension, &otherwise).map_err(|error| format!("{what}: {error}")));
+    }
+    let number: f64 = value.extract()?;
+    Ok(if number.is_finite() && number > 0.0 { Ok(number) } else { Err(otherwise) })
+}
+
+/// A quantity in SI: a text with its unit, or a number in SI.
+pub fn quantity(what: &str, value: &Bound<'_, PyAny>, dimension: Dimension) -> PyResult<Result<f64, String>> {
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(units::parse(text.to_str()?, dimension).map_err(|error| format!("{what}: {error}")));
+    }
+    let number: f64 = value.extract()?;
+    Ok(if number.is_finite() { Ok(number) } else { Err(format!("{what} is {number}, but must be finite")) })
+}
