@@ -42,7 +42,7 @@ mod _phalanx {
     #[pymodule_export]
     use super::simulate::{read_log, run};
     #[pymodule_export]
-    use super::study::{study_info, sweep, sweep_merge, sweep_shard};
+    use super::study::{_study_files, study_info, sweep, sweep_merge, sweep_shard};
     #[pymodule_export]
     use super::table::Table;
 

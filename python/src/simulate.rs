@@ -37,7 +37,9 @@ pub struct Made {
 /// `result` has the run up to there. Other threads go on meanwhile, and Ctrl-C ends the run.
 #[pyfunction]
 #[pyo3(signature = (scene, model = "analytic", check = Some(false), *, preset = None, rtol = None, construction = None,
-                    step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None))]
+                    step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None),
+       text_signature = "(scene, model='analytic', check=False, *, preset=None, rtol=None, construction=None, step=None, \
+                         tolerance=None, duration=None, numeric_rate=None, picture_rate=None, log=None)")]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn run(
     py: Python<'_>,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phalanx::study::parts::{self, Made, Merged, PartError, Work};
 use phalanx::study::store::{Found, StoreError, open};
-use phalanx::study::sweep::{Row, Study, in_one_piece, load as loaded, run_while, shard, sorted};
+use phalanx::study::sweep::{Row, Study, files, in_one_piece, load as loaded, run_while, shard, sorted};
 use phalanx::table;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -146,7 +146,13 @@ pub fn sweep_merge<'py>(
     Ok(said)
 }
 
-/// How many runs a study has: `runs`, `designs`, `name`, `model`, and `fingerprint`, which tells studies apart whose results differ.
+/// The files of a study: its own, then those of its base scene.
+#[pyfunction]
+pub fn _study_files(py: Python<'_>, study: PathBuf) -> PyResult<Vec<PathBuf>> {
+    files(&study).map_err(|error| errors::study(py, &error))
+}
+
+/// What a study is: `name`, `model`, `runs`, `designs`, and `fingerprint`, which tells studies apart whose results differ.
 #[pyfunction]
 #[pyo3(signature = (study, *, model = None, check = false))]
 pub fn study_info<'py>(

@@ -11,6 +11,7 @@
 //! | file | job |
 //! |---|---|
 //! | `raw`, `read`, `read_axis`, `base`, `error` | a study file and its scene, checked |
+//! | `files` | which files a study needs |
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
 //! | `given` | studies of rows that a program has |
@@ -25,6 +26,7 @@ mod axis;
 mod base;
 mod error;
 mod field;
+mod files;
 mod given;
 mod one;
 mod one_finger;
@@ -44,6 +46,7 @@ mod trust;
 
 pub use error::StudyError;
 pub use field::{Field, Holds, Point};
+pub use files::files;
 pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};
