@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, and real
 # clients of the logs. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed. What else the
-# browser's target and the clients need, tools/wasm.sh and tools/clients.sh install or name.
+# browser's target, the Python package and the clients need, tools/wasm.sh, tools/python.sh and tools/clients.sh install or name.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -28,7 +28,7 @@ cargo fmt --check
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
-for apart in benches/solvers tests/fuzz tests/wasm; do
+for apart in benches/solvers tests/fuzz tests/wasm python; do
     if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
         echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
         exit 1
@@ -57,6 +57,9 @@ fi
 
 say "the core in the browser"
 tools/wasm.sh
+
+say "the Python package"
+tools/python.sh
 
 say "real clients"
 tools/clients.sh

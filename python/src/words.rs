@@ -10,37 +10,11 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 pub fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     match value.cast::<PyString>() {
         Ok(text) => Ok(text.to_str()?.to_string()),
-        Err(_) => item(value),
+        Err(_) => Ok(match tree(value)? {
+            toml::Value::Float(value) => number(value),
+            value => value.to_string(),
+        }),
     }
-}
-
-/// A value within a list: texts are quoted.
-fn item(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(toml::Value::from(text.to_str()?).to_string());
-    }
-    // True is a number of Python too.
-    if value.is_instance_of::<PyBool>() {
-        return Ok(value.extract::<bool>()?.to_string());
-    }
-    if value.is_instance_of::<PyInt>() {
-        return Ok(value.extract::<i64>()?.to_string());
-    }
-    if value.is_instance_of::<PyFloat>() {
-        return Ok(number(value.extract()?));
-    }
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let items = value.try_iter()?.map(|part| item(&part?)).collect::<PyResult<Vec<_>>>()?;
-        return Ok(format!("[{}]", items.join(", ")));
-    }
-    // Scalars and arrays of numpy.
-    if value.hasattr("tolist")? {
-        return item(&value.call_method0("tolist")?);
-    }
-    let kind = value.get_type().name()?;
-    Err(PyTypeError::new_err(format!(
-        "a field of a scene is a text such as \"20 mm\", a number, True or False, or a list of these, and not of type {kind}"
-    )))
 }
 
 /// A number as TOML.
@@ -59,16 +33,46 @@ pub fn json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
 
 /// A dictionary as a text of TOML.
 pub fn document(scene: &Bound<'_, PyDict>) -> PyResult<String> {
-    let py = scene.py();
-    let options = PyDict::new(py);
-    // Scalars and arrays of numpy, which JSON does not know.
-    options.set_item("default", py.import("operator")?.call_method1("methodcaller", ("tolist",))?)?;
-    let text: String = py.import("json")?.call_method("dumps", (scene,), Some(&options))?.extract()?;
-    let value: serde_json::Value =
-        serde_json::from_str(&text).map_err(|error| PyValueError::new_err(format!("no scene: {error}")))?;
-    toml::to_string(&value).map_err(|error| {
-        PyValueError::new_err(format!("a scene has texts, numbers, True and False, lists and dictionaries: {error}"))
-    })
+    toml::to_string(&table(scene)?).map_err(|error| PyValueError::new_err(format!("no scene: {error}")))
+}
+
+fn table(of: &Bound<'_, PyDict>) -> PyResult<toml::Table> {
+    of.iter().map(|(key, value)| Ok((key.extract()?, tree(&value)?))).collect()
+}
+
+/// A value with all that is in it, to the bit.
+fn tree(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+    if let Ok(inner) = value.cast::<PyDict>() {
+        return Ok(toml::Value::Table(table(inner)?));
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(toml::Value::from(text.to_str()?));
+    }
+    // True is a number of Python too.
+    if value.is_instance_of::<PyBool>() {
+        return Ok(toml::Value::Boolean(value.extract()?));
+    }
+    if value.is_instance_of::<PyInt>() {
+        return Ok(toml::Value::Integer(value.extract()?));
+    }
+    if value.is_instance_of::<PyFloat>() {
+        return Ok(toml::Value::Float(value.extract()?));
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        return value.try_iter()?.map(|part| tree(&part?)).collect::<PyResult<_>>().map(toml::Value::Array);
+    }
+    // Scalars and arrays of numpy.
+    if value.hasattr("tolist")? {
+        return tree(&value.call_method0("tolist")?);
+    }
+    Err(unknown(value))
+}
+
+fn unknown(value: &Bound<'_, PyAny>) -> PyErr {
+    let kind = value.get_type().name().map_or_else(|_| "that".to_string(), |name| name.to_string());
+    PyTypeError::new_err(format!(
+        "a field of a scene is a text such as \"20 mm\", a number, True or False, or a list of these, and not of type {kind}"
+    ))
 }
 
 /// One of a list of words, as a scene writes them.
