@@ -1,6 +1,6 @@
 """How fast a sweep is through Ray, beside the plain one: 20,000 designs on a cluster of two nodes on this machine, a processor each.
 
-    PHALANX=target/release/phalanx python bench/ray_scaling.py [--runs 20000] [--rounds 3]
+    PHALANX=target/release/phalanx python python/bench/ray_scaling.py [--runs 20000] [--rounds 3]     (from the root)
 
 Prints the rate of `phalanx sweep` and of `phalanx.ray.sweep` in turn, and of one more during which a worker and then a node are
 killed; every result has to have the same bytes. With --evaluate also the rate of 1,000 designs through `phalanx.evaluate` beside
@@ -27,7 +27,6 @@ import json
 import numpy as np
 import phalanx
 import phalanx.ray
-import ray
 from cluster import Node, cluster, kill, wait_for_nodes
 
 STUDY = """
@@ -137,36 +136,41 @@ def main() -> None:
         study = directory / "scaling.toml"
         study.write_text(STUDY.format(runs=args.runs))
         with cluster() as (address, head, second):
+            # Not before: its library looks for the cluster's token once.
+            import ray
+
             ray.init(address=address, _node_ip_address="127.0.0.1", log_to_driver=False, logging_level="ERROR")
-            wait_for_nodes(ray, 2)
-            ours: list[float] = []
-            theirs: list[float] = []
-            shards = 0
-            for round_ in range(args.rounds):
-                theirs.append(plain(study, directory / "plain.parquet"))
-                swept = through_ray(study, directory / "ray.parquet")
-                ours.append(swept.wall_s)
-                shards = swept.shards
+            try:
+                wait_for_nodes(ray, 2)
+                ours: list[float] = []
+                theirs: list[float] = []
+                shards = 0
+                for round_ in range(args.rounds):
+                    theirs.append(plain(study, directory / "plain.parquet"))
+                    swept = through_ray(study, directory / "ray.parquet")
+                    ours.append(swept.wall_s)
+                    shards = swept.shards
+                    same = (directory / "plain.parquet").read_bytes() == swept.out.read_bytes()
+                    print(f"round {round_ + 1}: plain {theirs[-1]:.2f} s, Ray {ours[-1]:.2f} s in {shards} parts, same bytes: {same}")
+                    if not same:
+                        raise SystemExit("the bytes differ")
+                share = statistics.median(theirs) / statistics.median(ours)
+                print(f"{args.runs} designs: plain {args.runs / statistics.median(theirs):.0f} a second, Ray {args.runs / statistics.median(ours):.0f}: {share:.1%}")
+                over = threading.Event()
+                out = directory / "killed.parquet"
+                thread = threading.Thread(target=disturb, args=(Path(f"{out}.parts"), head, second, shards, over))
+                thread.start()
+                try:
+                    swept = phalanx.ray.sweep(study, out, shards=shards)
+                finally:
+                    over.set()
+                    thread.join()
                 same = (directory / "plain.parquet").read_bytes() == swept.out.read_bytes()
-                print(f"round {round_ + 1}: plain {theirs[-1]:.2f} s, Ray {ours[-1]:.2f} s in {shards} parts, same bytes: {same}")
+                print(f"with a worker and a node killed: {swept.wall_s:.2f} s, same bytes: {same}")
                 if not same:
                     raise SystemExit("the bytes differ")
-            share = statistics.median(theirs) / statistics.median(ours)
-            print(f"{args.runs} designs: plain {args.runs / statistics.median(theirs):.0f} a second, Ray {args.runs / statistics.median(ours):.0f}: {share:.1%}")
-            over = threading.Event()
-            out = directory / "killed.parquet"
-            thread = threading.Thread(target=disturb, args=(Path(f"{out}.parts"), head, second, shards, over))
-            thread.start()
-            try:
-                swept = phalanx.ray.sweep(study, out, shards=shards)
             finally:
-                over.set()
-                thread.join()
-            same = (directory / "plain.parquet").read_bytes() == swept.out.read_bytes()
-            print(f"with a worker and a node killed: {swept.wall_s:.2f} s, same bytes: {same}")
-            ray.shutdown()
-            if not same:
-                raise SystemExit("the bytes differ")
+                ray.shutdown()
 
 
 if __name__ == "__main__":

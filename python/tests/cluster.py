@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import signal
 import socket
 import subprocess
@@ -82,11 +83,14 @@ class Node:
 
 @contextmanager
 def cluster() -> Iterator[tuple[str, Node, Node]]:
-    """The address of a cluster, its head and its second node."""
+    """The address of a cluster, its head and its second node. Ray is imported within it: its library looks for the token once."""
     with socket.socket() as free:
         free.bind((HOST, 0))
         port = free.getsockname()[1]
     address = f"{HOST}:{port}"
+    # Ray listens on all interfaces, and whoever may talk to it may run anything: only who has this cluster's own token may.
+    token = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
+    os.environ.update(token)
     with tempfile.TemporaryDirectory(prefix="ray-", dir="/tmp", ignore_cleanup_errors=True) as directory:
         started: list[Node] = []
         try:
@@ -97,6 +101,8 @@ def cluster() -> Iterator[tuple[str, Node, Node]]:
         finally:
             for node in reversed(started):
                 node.kill()
+            for name in token:
+                del os.environ[name]
 
 
 def _answers(port: int) -> None:

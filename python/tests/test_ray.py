@@ -9,7 +9,6 @@ from unittest import mock
 
 import phalanx
 import phalanx.ray
-import ray
 from cluster import cluster, kill, wait_for_nodes
 from common import ANCHOR
 
@@ -35,6 +34,8 @@ count = 1200
 class Cluster(unittest.TestCase):
     def test_a_worker_and_a_node_are_killed(self):
         with tempfile.TemporaryDirectory() as directory, cluster() as (address, head, second):
+            import ray
+
             place = Path(directory)
             # A scene that extends another one beside it: all of them go along.
             (place / "base.toml").write_text(ANCHOR.read_text())
