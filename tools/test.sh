@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, real
-# clients of the logs, and a sweep under Slurm. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is
-# installed. What else the browser's target, the clients, Slurm and the linters need, tools/wasm.sh, tools/clients.sh,
-# tools/slurm/test.sh and tools/lint_workflows.sh install or name.
+# Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, the Python
+# package, real clients of the logs, and a sweep under Slurm. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where
+# it is installed. What else the browser's target, the package, the clients, Slurm and the linters need, tools/wasm.sh,
+# tools/python.sh, tools/clients.sh, tools/slurm/test.sh and tools/lint_workflows.sh install or name.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -29,7 +29,7 @@ cargo fmt --check
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
-for apart in benches/solvers tests/fuzz tests/wasm; do
+for apart in benches/solvers tests/fuzz tests/wasm python; do
     if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
         echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
         exit 1
@@ -61,6 +61,9 @@ fi
 
 say "the core in the browser"
 tools/wasm.sh
+
+say "the Python package"
+tools/python.sh
 
 say "real clients"
 tools/clients.sh

@@ -15,9 +15,10 @@ use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{CaptureReport, capture_csv, capture_json, capture_text};
-use crate::scene::{AnyScene, GripperScene, SceneError};
-use crate::study::capture::{CaptureError, Plan, capture};
-use crate::units::{self, Dimension};
+use crate::scene;
+use crate::study::capture::{CaptureError, Plan, Source, capture};
+use crate::study::only_gripper;
+use crate::units::Dimension;
 
 /// Which positioning errors a gripper captures: where the object ends that lies off the middle of the palm.
 ///
@@ -70,18 +71,13 @@ const FILES: [&str; 4] = ["capture.json", "capture.csv", "capture.svg", "capture
 pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     let error_m = args.to;
     // Whether it is a gripper at all is said before anything is made.
-    let _ = gripper(args, None)?;
+    let scene = args.set.load_any(&args.scene)?;
+    only_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/offset.toml").map_err(Failure::bad_input)?;
+    let source = Source { layers: scene::layers(&args.scene)?, settings: args.set.settings().to_vec() };
     let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let plan = Plan { model: args.model.into(), error_m, places: args.places, tolerance_m: args.finely };
-    let load = |offset_m: f64| match gripper(args, Some([error_m, offset_m])) {
-        Ok(Ok(scene)) => Ok(scene),
-        Ok(Err(error)) => Err(error),
-        // It has been one before.
-        Err(_) => {
-            Err(SceneError::Read { file: args.scene.display().to_string(), reason: "it has changed".to_string() })
-        }
-    };
+    let load = |offset_m: f64| source.placed(error_m, offset_m);
     let mut count = Count::new();
     let mut tell = |done: u64, total: u64| count.show(done as usize, total as usize, "places");
     let result = capture(plan, &load, &mut tell, &|| interrupt.signal().is_none());
@@ -107,27 +103,6 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
         false => show(&capture_text(&report)),
     }?;
     Ok(Status::Done)
-}
-
-/// The gripper, if given made for an error and with its object at an offset, both in m.
-fn gripper(args: &CaptureArgs, at: Option<[f64; 2]>) -> Result<Result<GripperScene, SceneError>, Failure> {
-    let length = |value: f64| units::format(value, Dimension::Length);
-    let set = match at {
-        None => args.set.clone(),
-        Some([error_m, offset_m]) => args.set.and(&[
-            format!("positioning_error = \"{}\"", length(error_m)),
-            format!("object.offset = \"{}\"", length(offset_m)),
-        ]),
-    };
-    match set.load_any(&args.scene) {
-        Ok(AnyScene::Gripper(scene)) => Ok(Ok(*scene)),
-        Ok(_) => Err(Failure::bad_input(format!(
-            "{} is no gripper; this study takes a scene of kind = \"gripper\", like scenes/gripper/offset.toml",
-            args.scene.display()
-        ))),
-        Err(error) if at.is_none() => Err(error.into()),
-        Err(error) => Ok(Err(error)),
-    }
 }
 
 fn length(text: &str) -> Result<f64, String> {

@@ -16,8 +16,9 @@ use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::{HoldReport, hold_csv, hold_json, hold_text};
-use crate::scene::{AnyScene, Axis, GripperScene};
+use crate::scene::{Axis, GripperScene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
+use crate::study::only_gripper;
 use crate::units::Dimension;
 
 /// How much acceleration a gripper holds its object against: in pulses, vibrations, or a pick-and-place move.
@@ -180,39 +181,20 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
 }
 
 fn gripper(args: &HoldArgs) -> Result<GripperScene, Failure> {
-    match args.set.load_any(&args.scene)? {
-        AnyScene::Gripper(scene) => Ok(*scene),
-        _ => Err(Failure::bad_input(format!(
-            "{} is no gripper; this study takes a scene of kind = \"gripper\", like scenes/gripper/hold.toml",
-            args.scene.display()
-        ))),
-    }
+    let scene = args.set.load_any(&args.scene)?;
+    only_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml").map_err(Failure::bad_input)
 }
 
 fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
-    if args.from >= args.to {
-        return Err(Failure::bad_input(format!(
-            "--from is {} m/s² and --to {} m/s²; the first must be smaller, such as --from \"1 m/s^2\" --to \"1000 m/s^2\"",
-            args.from, args.to
-        )));
-    }
     let loads = match (&args.vibration, args.moves) {
         (Some(Frequencies(frequencies_hz)), _) => {
-            let mut axes: Vec<Axis> = Vec::new();
-            for axis in args.along.iter().map(|axis| Axis::from(*axis)) {
-                if axes.contains(&axis) {
-                    return Err(Failure::bad_input(
-                        "--along names an axis twice; each once, such as --along x,y,angle",
-                    ));
-                }
-                axes.push(axis);
-            }
+            let axes = args.along.iter().map(|axis| Axis::from(*axis)).collect();
             Loads::Vibrations { axes, frequencies_hz: frequencies_hz.clone() }
         }
         (None, true) => Loads::Move,
         (None, false) => Loads::Pulses { directions: args.directions, length_s: args.pulse },
     };
-    Ok(Plan {
+    let plan = Plan {
         model: args.model.into(),
         loads,
         begins_s: args.at,
@@ -222,7 +204,9 @@ fn plan(args: &HoldArgs) -> Result<Plan, Failure> {
         scan: args.scan,
         tolerance: args.tol,
         threads: 0,
-    })
+    };
+    plan.check().map_err(Failure::bad_input)?;
+    Ok(plan)
 }
 
 /// A quantity above 0, such as the example.

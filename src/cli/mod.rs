@@ -54,7 +54,6 @@ mod sweep;
 mod sweep_merge;
 mod sweep_progress;
 mod sweep_shard;
-mod sweep_store;
 mod terminal;
 mod validate;
 mod validate_args;

@@ -8,24 +8,15 @@ use super::Failure;
 use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
-use super::simulate::grasp;
-use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, Tracker};
-use crate::log::{self, LARGEST_RECORD, LogSink, ReadError, Reading};
-use crate::report::{ReplayReport, Summary, csv_head, csv_sample};
-use crate::scene::words::SceneKind;
-use crate::scene::{self, AnyScene, SceneError};
+use crate::log::{self, LogSink, ReadError, Reading};
+pub(super) use crate::report::attached;
+use crate::report::{Heard, ReplayReport, Summary, csv_head, csv_sample};
 use crate::trace::columns::{Column, columns};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
 pub(super) struct Listeners<'a> {
-    summary: Summary,
-    grasp: Option<AtRest>,
-    tracker: Option<Tracker>,
-    /// Of a gripper.
-    gripper: Option<GraspTracker>,
-    /// The scene of a log of bodies, if there is one that this phalanx reads: how they are moved.
-    moved: Option<AnyScene>,
+    heard: Heard,
     progress: Progress,
     interrupt: &'a Interrupt,
 }
@@ -35,42 +26,14 @@ impl<'a> Listeners<'a> {
     pub fn new(path: &Path, interrupt: &'a Interrupt) -> Result<Self, Failure> {
         let head = head(path)?;
         let duration_s = head.metadata.get("duration_s").and_then(|text| text.parse().ok());
-        let mut listeners = Listeners {
-            summary: Summary::default(),
-            grasp: None,
-            tracker: None,
-            gripper: None,
-            moved: None,
-            progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)),
-            interrupt,
-        };
-        match attached(&head) {
-            Some(Ok(AnyScene::Finger(scene))) => {
-                listeners.grasp = grasp(&scene);
-                listeners.tracker = listeners.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
-            }
-            Some(Ok(scene)) => {
-                if let AnyScene::Gripper(gripper) = &scene {
-                    listeners.gripper = Some(GraspTracker::of(gripper));
-                }
-                listeners.moved = Some(scene);
-            }
-            Some(Err(error)) => {
-                let missing = match head.kind() {
-                    SceneKind::Finger => "no dynamic criteria",
-                    SceneKind::Bodies => "what moves the discs is unknown",
-                    SceneKind::Gripper => "no criteria of the grasp",
-                };
-                complain(&format!("{missing}, for the scene in the log cannot be read by this phalanx: {error}"));
-            }
-            None => {}
-        }
-        Ok(listeners)
+        let (heard, said) = Heard::new(&head);
+        said.iter().for_each(|said| complain(said));
+        Ok(Listeners { heard, progress: Progress::new(duration_s.unwrap_or(f64::INFINITY)), interrupt })
     }
 
     /// What is known of the run, and what its samples consist of.
     pub fn summary(&self) -> &Summary {
-        &self.summary
+        self.heard.summary()
     }
 
     /// Wipes the line that says how far it has come.
@@ -80,25 +43,7 @@ impl<'a> Listeners<'a> {
 
     /// The summary of what was read.
     pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
-        ReplayReport::new(
-            name,
-            reading,
-            &self.summary,
-            self.criteria(reading),
-            self.grasp(reading).as_ref(),
-            self.moved.as_ref(),
-        )
-    }
-
-    /// What became of the object of a gripper.
-    fn grasp(&self, reading: &Reading) -> Option<GraspCriteria> {
-        self.gripper.as_ref().filter(|_| is_of_whole_run(reading))?.criteria()
-    }
-
-    /// Of a run that was completed, and of which nothing is missing.
-    fn criteria(&self, reading: &Reading) -> Option<Criteria> {
-        let judged = self.tracker.as_ref().zip(self.grasp.as_ref()).filter(|_| is_of_whole_run(reading));
-        judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()))
+        self.heard.report(name, reading)
     }
 
     fn check(&self) -> Result<(), SinkError> {
@@ -106,33 +51,19 @@ impl<'a> Listeners<'a> {
     }
 }
 
-/// Whether a run was completed and nothing of its log is missing.
-fn is_of_whole_run(reading: &Reading) -> bool {
-    let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
-    completed && reading.losses.is_empty() && reading.recovered.is_none()
-}
-
 impl LogSink for Listeners<'_> {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.summary = Summary::new(layout.clone());
-        // The scene may be of another kind than the log.
-        self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == 1);
-        self.gripper = self.gripper.take().filter(|_| layout.fingers.len() == 2);
-        Ok(())
+        self.heard.layout(layout)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.check()?;
         Sink::sample(&mut self.progress, sample)?;
-        self.summary.sample(sample)?;
-        self.gripper.sample(sample)?;
-        self.tracker.sample(sample)
+        self.heard.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.summary.event(event)?;
-        self.gripper.event(event)?;
-        self.tracker.event(event)
+        self.heard.event(event)
     }
 }
 
@@ -199,12 +130,6 @@ pub(super) fn tabulate(
         Err(error) => Err(bad_log(path, &error)),
         Ok(reading) => Ok(Some(reading)),
     }
-}
-
-/// The scene of a log, if it has one of a size that scenes have.
-pub(super) fn attached(head: &Reading) -> Option<Result<AnyScene, SceneError>> {
-    let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD)?;
-    Some(scene::parse_any(text, name))
 }
 
 /// Watches a log being gone through message by message: shows how far that has come, and ends it at a signal.

@@ -1,6 +1,5 @@
 //! `phalanx size`: spring and motor for a finger.
 
-use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,15 +10,10 @@ use super::overrides::positive;
 use super::set::SetArgs;
 use super::words::RuleArg;
 use super::{Failure, Status};
-use crate::gripper::contact_angle_proximal;
 use crate::plot::{self, DrawError};
 use crate::report::{SizingReport, sizing_csv, sizing_json, sizing_text};
-use crate::scene::{Actuation, Scene, SpringKind};
-use crate::sizing::{CLOSING_S, SizingError, Task, profile};
+use crate::study::size::{Asked, size};
 use crate::units::Dimension;
-
-/// Samples of the profile that is written.
-const SAMPLES: usize = 400;
 
 /// Size spring and motor of a finger: what a test trajectory asks of them.
 ///
@@ -63,32 +57,24 @@ pub struct SizeArgs {
 /// Runs the command.
 pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let scene = args.set.load(&args.scene)?;
-    let task = task(&scene, args.closing_time.unwrap_or(CLOSING_S))?;
-    let preload_rad = args.preload.unwrap_or(0.5 * PI);
-    let profile = profile(&scene.finger, &task, preload_rad, SAMPLES).map_err(Failure::bad_input)?;
-    let report = SizingReport {
-        scene: &scene.name,
-        profile: &profile,
+    let usual = Asked::default();
+    let asked = Asked {
         rule: args.rule.into(),
-        preload_rad,
-        given_motor_n_m: match scene.actuation {
-            Actuation::Constant { torque_n_m } => Some(torque_n_m),
-            _ => None,
-        },
-        given_spring_n_m: scene.spring.and_then(|spring| match spring.kind {
-            SpringKind::Constant { torque_n_m } => Some(torque_n_m),
-            SpringKind::Torsional { .. } => None,
-        }),
+        closing_s: args.closing_time.unwrap_or(usual.closing_s),
+        preload_rad: args.preload.unwrap_or(usual.preload_rad),
     };
+    let found = size(&scene, asked).map_err(Failure::bad_input)?;
+    let report = SizingReport::from(&found);
+    let profile = &found.profile;
     if let Some(out) = &args.out {
         let undrawn = |error: DrawError| Failure::incomplete(format!("cannot draw the pictures: {error}"));
         let files = [
             ("size.txt", sizing_text(&report).to_string()),
             ("size.json", sizing_json(&report)),
-            ("size.csv", sizing_csv(&profile)),
-            ("trajectory.svg", plot::sizing_trajectory(&scene.name, &profile).map_err(undrawn)?),
-            ("springs.svg", plot::sizing_springs(&scene.name, &profile).map_err(undrawn)?),
-            ("spring-types.svg", plot::sizing_spring_types(&scene.name, &profile).map_err(undrawn)?),
+            ("size.csv", sizing_csv(profile)),
+            ("trajectory.svg", plot::sizing_trajectory(&scene.name, profile).map_err(undrawn)?),
+            ("springs.svg", plot::sizing_springs(&scene.name, profile).map_err(undrawn)?),
+            ("spring-types.svg", plot::sizing_spring_types(&scene.name, profile).map_err(undrawn)?),
         ];
         write_all(out, &files)?;
     }
@@ -97,21 +83,6 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
         false => show(&sizing_text(&report)),
     }?;
     Ok(Status::Done)
-}
-
-/// What the finger of a scene is sized for: its object, from where it starts.
-fn task(scene: &Scene, closing_s: f64) -> Result<Task, Failure> {
-    let Some(object) = scene.object else {
-        return Err(Failure::bad_input(format!(
-            "{} has no object to close on, so nothing says how far its finger goes; give a scene without [object] present = \
-             false",
-            scene.name
-        )));
-    };
-    let disc = object.circle();
-    let contact_rad = contact_angle_proximal(scene.finger.lengths.half_width_m, disc)
-        .map_err(|error| Failure::bad_input(SizingError::from(error)))?;
-    Ok(Task { disc, opening_rad: contact_rad - scene.initial.q21_rad, gravity_m_s2: scene.gravity_m_s2, closing_s })
 }
 
 fn closing_time(text: &str) -> Result<f64, String> {

@@ -10,11 +10,11 @@ use super::output::{note, print, show};
 use super::sweep_merge::{self, MergeArgs};
 use super::sweep_progress::SoFar;
 use super::sweep_shard::{self, Place, ShardOf, shard_of};
-use super::sweep_store::{Found, Store, open};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::report::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
+use crate::study::store::{Found, Store, StoreError, open};
 use crate::study::sweep::{self, Ran, Study, StudyError, Summary, run_while, summary};
 use crate::table::Table;
 
@@ -91,6 +91,15 @@ pub struct SweepArgs {
 #[derive(Debug, Subcommand)]
 enum SweepCommand {
     Merge(MergeArgs),
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::Refused(message) => Failure::bad_input(message),
+            StoreError::Broken(message) => Failure::incomplete(message),
+        }
+    }
 }
 
 impl From<StudyError> for Failure {

@@ -8,10 +8,9 @@ use super::validate_args::ValidateArgs;
 use super::validate_files::{files, write};
 use super::{Failure, Status};
 use crate::integrator;
-use crate::limits::MOST_VALIDATED_SAMPLES;
 use crate::report::{self, ValidationReport, validation_json, validation_text};
 use crate::trace::{Model, RunError, Simulated};
-use crate::validate::{Progress, StudyError, Validation, validate};
+use crate::validate::{Progress, StudyError, Validation, refuse_too_fine, validate};
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
@@ -31,25 +30,9 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
 }
 
-/// Refuses what would not fit into memory: runs are held whole to be compared.
-fn refuse_too_fine(scene: Simulated<'_>) -> Result<(), Failure> {
-    let numeric_hz = scene.log().numeric_hz;
-    let samples = numeric_hz * scene.duration_s();
-    if samples <= MOST_VALIDATED_SAMPLES {
-        return Ok(());
-    }
-    Err(Failure::bad_input(format!(
-        "the scene asks for {samples:.0} samples of a run ({:e} Hz over {} s), and a validation, which holds several runs in \
-         memory, takes {MOST_VALIDATED_SAMPLES:e}; lower numeric_rate in [log] to {:e} Hz, or shorten the run",
-        numeric_hz,
-        scene.duration_s(),
-        (MOST_VALIDATED_SAMPLES / scene.duration_s()).floor()
-    )))
-}
-
 /// The validation itself, its progress shown; it ends at a signal.
 fn watched(scene: Simulated<'_>, args: &ValidateArgs, interrupt: &Interrupt) -> Result<Validation, Failure> {
-    refuse_too_fine(scene)?;
+    refuse_too_fine(scene).map_err(Failure::bad_input)?;
     let mut count = Count::new();
     let mut reached = (0, 0);
     let mut tell = |Progress { done, total, next }: Progress| {

@@ -36,6 +36,9 @@ pub mod laws {}
 #[doc = include_str!("limits.md")]
 pub mod limits {}
 
+#[doc = include_str!("python.md")]
+pub mod python {}
+
 #[doc = include_str!("robustness.md")]
 pub mod robustness {}
 

@@ -236,12 +236,10 @@ fn part(part: crate::drawing::Part) -> &'static str {
 /// An event at a place of this name; `angular` is whether its gap is an angle.
 pub(super) fn mark(event: &Event, place: &str, angular: bool) -> Mark {
     let [speed_unit, impulse_unit] = if angular { ["rad/s", "N·m·s"] } else { ["m/s", "N·s"] };
-    let (kind, figure) = match event.kind {
-        EventKind::TouchDown => ("touch-down", Some((event.approach_speed, speed_unit))),
-        EventKind::LiftOff => ("lift-off", Some((event.impulse, impulse_unit))),
-        EventKind::Reload => ("pressed again", None),
-        EventKind::Slips => ("begins to slip", None),
-        EventKind::Sticks => ("sticks again", None),
+    let figure = match event.kind {
+        EventKind::TouchDown => Some((event.approach_speed, speed_unit)),
+        EventKind::LiftOff => Some((event.impulse, impulse_unit)),
+        EventKind::Reload | EventKind::Slips | EventKind::Sticks => None,
     };
-    Mark { time_s: event.time_s, place: place.to_string(), kind, figure }
+    Mark { time_s: event.time_s, place: place.to_string(), kind: event.kind.name(), figure }
 }

@@ -15,6 +15,7 @@ mod paper;
 mod replay;
 mod reproduce;
 mod select;
+mod simulated;
 mod sizing;
 mod stability;
 mod statics;
@@ -41,9 +42,9 @@ pub use optimize::{
 };
 pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Text, Tone, paper_html, paper_markdown};
 pub use replay::{
-    AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Lost,
-    RecoveryReport, ReplayReport, Summary, VerificationReport, WordReport, against_json, against_text, csv_head,
-    csv_sample, is_samples, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
+    AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Heard, Lost,
+    RecoveryReport, ReplayReport, Summary, VerificationReport, WordReport, against_json, against_text, attached,
+    csv_head, csv_sample, is_samples, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
 pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
@@ -52,6 +53,7 @@ pub use select::{
     ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, is_ranking,
     ranking_table, selection_json, selection_text,
 };
+pub use simulated::{Broken, Checking, Finished, Making, simulated};
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
 pub use statics::{

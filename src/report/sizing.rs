@@ -6,6 +6,7 @@ use super::csv;
 use super::{document_text, duration};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
+use crate::study::size::Sized;
 use crate::wording::figures::{figure, row};
 use crate::wording::sheet::{Sheet, table};
 
@@ -20,6 +21,19 @@ pub struct SizingReport<'a> {
     /// Torques that the scene itself has, where it has constant ones.
     pub given_motor_n_m: Option<f64>,
     pub given_spring_n_m: Option<f64>,
+}
+
+impl<'a> From<&'a Sized> for SizingReport<'a> {
+    fn from(found: &'a Sized) -> Self {
+        SizingReport {
+            scene: &found.scene,
+            profile: &found.profile,
+            rule: found.asked.rule,
+            preload_rad: found.asked.preload_rad,
+            given_motor_n_m: found.given_motor_n_m,
+            given_spring_n_m: found.given_spring_n_m,
+        }
+    }
 }
 
 /// Largest and root mean square of the motor's torque after the contact, against either spring: constant, torsional.

@@ -1,7 +1,7 @@
 //! From a file to a scene.
 
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::line_column;
 use super::{
@@ -64,9 +64,22 @@ const MOST_LAYERS: usize = 16;
 /// A file that cannot be read, or scenes that extend each other.
 pub fn layers(path: &Path) -> Result<Vec<Layer>, SceneError> {
     let (text, file) = read(path)?;
-    let (mut layers, mut last) = (Vec::new(), Layer { file, text });
-    let mut seen = vec![path.canonicalize().ok()];
-    let mut here = path.to_path_buf();
+    behind(Layer { file, text }, path.to_path_buf())
+}
+
+/// The text of a scene, behind those of the scenes it extends: files, whose paths are seen from where its own file is, or would be.
+///
+/// # Errors
+/// As [`layers`].
+pub fn layers_of(own: Layer) -> Result<Vec<Layer>, SceneError> {
+    let here = PathBuf::from(&own.file);
+    behind(own, here)
+}
+
+/// A text that stands `here`, behind those it extends.
+fn behind(own: Layer, mut here: PathBuf) -> Result<Vec<Layer>, SceneError> {
+    let (mut layers, mut last) = (Vec::new(), own);
+    let mut seen = vec![here.canonicalize().ok()];
     while let Some((base, span)) = extended(&last.text) {
         let refuse = |message: String, label: &str, help: &str| SceneError::Invalid {
             file: last.file.clone(),

@@ -2,5 +2,5 @@
 
 pub(crate) mod file;
 
-pub use file::{layers, load, load_any, load_any_with, load_template, load_template_with, load_with};
+pub use file::{layers, layers_of, load, load_any, load_any_with, load_template, load_template_with, load_with};
 pub use phalanx_core::scene::*;

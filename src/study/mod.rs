@@ -7,19 +7,20 @@
 //! | `geometric` | where fingers close around an object |
 //! | `grasp` | a grasp at rest, all of it: for a report and a picture |
 //! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
+//! | `posture` | a gripper's posture in words |
 //! | `hold` | how much acceleration a gripper holds its object against |
-<<<<<<< HEAD
+//! | `kind` | studies that are about grippers |
 //! | `parts` | sweeps beyond one machine: parts of a study, and such parts joined |
-=======
 //! | `optimize` | the best designs over ranges of fields |
->>>>>>> optimize
 //! | `pool` | the threads that the others work on |
 //! | `random` | random numbers that stay the same |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
 //! | `simulate` | a run of a gripper for what its criteria say |
+//! | `size` | spring and motor for the finger of a scene |
 //! | `stability` | where the engine is stable, and where it is right |
 //! | `step_size` | the force of an impact against the step |
+//! | `store` | results of a sweep that grow on the disk |
 //! | `sweep` | a scene again and again, with other values in some of its fields |
 //! | `volume` | grasp-state volumes: which designs hold the object |
 
@@ -29,17 +30,20 @@ mod geometric;
 pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
-<<<<<<< HEAD
-pub mod parts;
-=======
+mod kind;
 pub mod optimize;
->>>>>>> optimize
+pub mod parts;
 mod pool;
+pub mod posture;
 mod random;
 pub mod reproduce;
 pub mod select;
 mod simulate;
+pub mod size;
 pub mod stability;
 pub mod step_size;
+pub mod store;
 pub mod sweep;
 pub mod volume;
+
+pub use kind::only_gripper;

@@ -26,6 +26,7 @@
 //! | `track` | differences of angles and rates along the way |
 //! | `difference` | everything in which a run differs from its reference |
 //! | `gate` | runs that end when they are told to |
+//! | `room` | what fits into memory |
 //! | `ladder` | the settings that are tried |
 //! | `cost` | wall time of a setting, beside that of the everyday analytic run |
 //! | `study` | the whole validation of a scene |
@@ -38,6 +39,7 @@ mod gate;
 mod impacts;
 mod ladder;
 mod recording;
+mod room;
 mod statistics;
 mod study;
 mod subject;
@@ -51,6 +53,7 @@ pub use gate::{GoOn, While};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
 pub use recording::{Recording, record, record_while};
+pub use room::refuse_too_fine;
 pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use subject::{Subject, path_bound, reference, sampled, steps_only, until_s};

@@ -3,6 +3,7 @@
 mod against;
 mod csv;
 mod document;
+mod heard;
 mod recover;
 mod summary;
 mod text;
@@ -11,6 +12,7 @@ mod verify;
 pub use against::{AgainstReport, ApartReport, FigureReport, WordReport, against_json, against_text, side_by_side};
 pub use csv::{csv_head, csv_sample, is_samples};
 pub use document::{Lost, ReplayReport};
+pub use heard::{Heard, attached};
 pub use recover::{GapReport, RecoveryReport, recovery_json, recovery_text};
 pub use summary::Summary;
 pub use text::replay_text;

@@ -7,9 +7,11 @@
 //! | file | job |
 //! |---|---|
 //! | `place` | one place of the object: the grasp it would have, the run, what came of it |
+//! | `loader` | the scene with its object there |
 //! | `edge` | how far from the middle it is captured, by bisection |
 
 mod edge;
+mod loader;
 mod place;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,6 +21,7 @@ use crate::study::pool;
 use crate::trace::Model;
 
 pub use edge::Edge;
+pub use loader::Source;
 pub use place::{Found, Placed};
 
 /// What is asked.

@@ -11,6 +11,7 @@
 //! | file | job |
 //! |---|---|
 //! | `raw`, `document`, `read`, `read_axis`, `base`, `error` | a study file and its scene, checked |
+//! | `files` | which files a study needs |
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
 //! | `designs` | studies whose designs are found one after the other |
@@ -28,6 +29,7 @@ mod designs;
 mod document;
 mod error;
 mod field;
+mod files;
 mod given;
 mod one;
 mod one_finger;
@@ -54,7 +56,8 @@ pub(in crate::study) use read_axis::{axes, between, field, read};
 pub(in crate::study) use row::found;
 
 pub use error::StudyError;
-pub use field::{Field, Point};
+pub use field::{Field, Holds, Point};
+pub use files::files;
 pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};

@@ -5,9 +5,10 @@
 //! | `raw`, `raw_bodies`, `raw_gripper` | the file as it is written, of each kind; source of the JSON Schema |
 //! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
 //! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
+//! | `setting` | a field that is set besides, as a line of a scene |
 //! | `over` | what gives way where one part goes over another |
 //! | `text`, `keys` | text → raw, unknown keys |
-//! | `check`, `error`, `suggest` | collecting and showing what is wrong |
+//! | `check`, `error`, `suggest`, `locate` | collecting and showing what is wrong, and where |
 //! | `table` | settings: every key with its kind, default, range and use |
 //! | `resolve`, `defaults` | raw → [`Scene`], [`BodiesScene`] or [`GripperScene`], physics checked |
 //! | `show` | any of them → a complete scene file |
@@ -28,6 +29,7 @@ pub mod error;
 mod gripper;
 pub mod keys;
 pub mod kinds;
+mod locate;
 mod over;
 mod palm_motion;
 mod raw;
@@ -35,6 +37,7 @@ mod raw_bodies;
 mod raw_gripper;
 mod resolve;
 pub mod schema;
+mod setting;
 mod show;
 mod suggest;
 pub mod table;
@@ -49,8 +52,10 @@ pub use cycle::Cycle;
 pub use error::{Problem, SceneError};
 pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
 pub use kinds::Words;
+pub use locate::{Located, located};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use schema::schema;
+pub use setting::{setting, setting_of};
 pub use show::{show, show_any, show_bodies, show_gripper, show_written};
 pub use suggest::nearest;
 pub use table::bounds::{BodiesBounds, Bounds, GripperBounds};

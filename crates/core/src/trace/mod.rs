@@ -5,7 +5,7 @@
 //! | `sample`, `outcome` | one instant, the events between instants, and what remains in the end |
 //! | `layout`, `columns` | what the samples of a scene consist of: its fingers, bodies and contacts by name, its figures with their units |
 //! | `simulated` | a scene of either kind |
-//! | `model` | the two models behind one face |
+//! | `model`, `overrides` | the two models behind one face; a run that is made otherwise than its scene says |
 //! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
 //! | `between`, `grid` | a sample between two others; the even grid of times |
 //! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
@@ -26,6 +26,7 @@ mod layout;
 mod model;
 mod moments;
 mod outcome;
+pub mod overrides;
 mod reading;
 mod recorder;
 mod recording;

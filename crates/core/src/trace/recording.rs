@@ -47,6 +47,12 @@ impl Recording {
         Some(&self.values[index])
     }
 
+    /// All columns by their names, and the events: for whoever keeps them without a copy.
+    pub fn into_parts(self) -> (Vec<(String, Vec<f64>)>, Vec<Event>) {
+        let names = self.columns.into_iter().map(|column| column.name);
+        (names.zip(self.values).collect(), self.events)
+    }
+
     /// The times of the samples, in s; two may share one, before and after an event.
     pub fn time(&self) -> &[f64] {
         &self.values[0]

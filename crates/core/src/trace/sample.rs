@@ -278,6 +278,17 @@ pub enum EventKind {
 }
 
 impl EventKind {
+    /// In tables and on pages.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventKind::TouchDown => "touch-down",
+            EventKind::LiftOff => "lift-off",
+            EventKind::Reload => "pressed again",
+            EventKind::Slips => "begins to slip",
+            EventKind::Sticks => "sticks again",
+        }
+    }
+
     /// Whether it is one of friction: such contacts press on as before.
     pub fn is_of_friction(self) -> bool {
         matches!(self, EventKind::Slips | EventKind::Sticks)

@@ -14,5 +14,5 @@ mod table;
 pub use format::format;
 pub use number::number;
 pub use parse::split;
-pub use parse::{QuantityError, parse};
+pub use parse::{QuantityError, parse, positive};
 pub use table::{Dimension, LONGEST_S, Unit};

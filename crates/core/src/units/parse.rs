@@ -21,6 +21,18 @@ pub enum QuantityError {
     WrongDimension { text: String, found: Dimension, wanted: Dimension },
 }
 
+/// Reads a quantity that must be more than 0, and returns it in SI; `otherwise` is said of one that is not.
+///
+/// # Errors
+/// What is wrong with the text, or `otherwise`.
+pub fn positive(text: &str, wanted: Dimension, otherwise: &str) -> Result<f64, String> {
+    match parse(text, wanted) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(_) => Err(otherwise.to_string()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
 /// Reads a quantity of dimension `wanted` and returns it in SI.
 ///
 /// The number is a decimal with optional exponent. Units are those of [`Dimension::units`], case-sensitive; a product

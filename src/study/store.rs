@@ -5,17 +5,16 @@
 //! started again may go on from what is there.
 
 use std::ffi::OsString;
+use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
 
-use super::Failure;
-use super::saved::save;
-use crate::files::checksum;
-use crate::study::beside::{Beside, beside, beside_name};
-use crate::study::sweep::{Study, columns, in_one_piece, sorted};
+use super::beside::{Beside, beside, beside_name};
+use super::sweep::{Study, columns, in_one_piece, sorted};
+use crate::files::{checksum, replace};
 use crate::table::{self, Column, Table, Value};
 
 /// How the file of unfinished results begins.
@@ -31,10 +30,32 @@ pub struct Store {
     rows: Vec<Vec<Value>>,
 }
 
+/// Why there are no results, in words.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StoreError {
+    /// The place is one where none can be, or has something else.
+    #[error("{0}")]
+    Refused(String),
+    /// They could not be written.
+    #[error("{0}")]
+    Broken(String),
+}
+
+impl StoreError {
+    fn refused(message: impl Display) -> Self {
+        StoreError::Refused(message.to_string())
+    }
+
+    fn broken(message: impl Display) -> Self {
+        StoreError::Broken(message.to_string())
+    }
+}
+
 /// What is there of a sweep.
 pub enum Found {
     /// All that is wanted.
     Complete(Table),
+    /// Some of it, or nothing yet.
     Begun(Store),
 }
 
@@ -42,15 +63,15 @@ pub enum Found {
 ///
 /// # Errors
 /// A place where results cannot be, results of another study, or another sweep that writes them.
-pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found, Failure> {
-    table::format(out).map_err(Failure::bad_input)?;
-    in_one_piece(study, most).map_err(Failure::bad_input)?;
+pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found, StoreError> {
+    table::format(out).map_err(StoreError::refused)?;
+    in_one_piece(study, most).map_err(StoreError::refused)?;
     if out.is_dir() {
-        return Err(Failure::bad_input(format!("{} is a directory; give the name of a file in it", out.display())));
+        return Err(StoreError::refused(format!("{} is a directory; give the name of a file in it", out.display())));
     }
     if let Some(directory) = out.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
         let directory = directory.display();
-        return Err(Failure::bad_input(format!(
+        return Err(StoreError::refused(format!(
             "cannot write {}: the directory {directory} does not exist; create it first (mkdir -p {directory})",
             out.display()
         )));
@@ -77,7 +98,7 @@ pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found
         Some(table) => store.rows.extend(table.rows),
         None if out.exists() && !begun => {
             let _ = fs::remove_file(&store.partial);
-            return Err(Failure::bad_input(format!(
+            return Err(StoreError::refused(format!(
                 "{} has the results of another study, model or version; give another --out, or replace it with --restart",
                 out.display()
             )));
@@ -102,6 +123,9 @@ impl Store {
     }
 
     /// Adds a row: on the disk in one write, so that what ends the process leaves it whole or torn, but never in between others.
+    ///
+    /// # Errors
+    /// It cannot be written.
     pub fn add(&mut self, cells: Vec<Value>) -> io::Result<()> {
         self.file.write_all(table::line(&cells).as_bytes())?;
         self.rows.push(cells);
@@ -114,10 +138,13 @@ impl Store {
     }
 
     /// Writes the results, in order and whole, and removes the file that grew.
-    pub fn finish(self, study: &Study) -> Result<Table, Failure> {
+    ///
+    /// # Errors
+    /// They cannot be written; every finished run is still in the file that grew.
+    pub fn finish(self, study: &Study) -> Result<Table, StoreError> {
         let table = sorted(study, self.rows);
-        let kept = |error: &dyn std::fmt::Display| {
-            Failure::incomplete(format!(
+        let kept = |error: &dyn Display| {
+            StoreError::broken(format!(
                 "{error}; every finished run is in {}: the same command goes on from there",
                 self.partial.display()
             ))
@@ -125,13 +152,15 @@ impl Store {
         table::write(&self.out, &table).map_err(|error| kept(&error))?;
         let (crc, _) = checksum(&self.out, u64::MAX).map_err(|error| kept(&error))?;
         let text = Beside::new(study, table.rows.len() as u64, crc).text().map_err(|error| kept(&error))?;
-        save(&beside_name(&self.out), &text)?;
+        let name = beside_name(&self.out);
+        replace(&name, |out| out.write_all(text.as_bytes()))
+            .map_err(|error| StoreError::broken(format!("cannot write {}: {error}", name.display())))?;
         fs::remove_file(&self.partial).map_err(|error| kept(&error))?;
         Ok(table)
     }
 
     /// Takes the rows of an earlier sweep of this study; says whether there is one.
-    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, Failure> {
+    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, StoreError> {
         let mut bytes = Vec::new();
         self.file.read_to_end(&mut bytes).map_err(|error| self.failed(&error))?;
         let head = head(study, &self.columns);
@@ -139,7 +168,7 @@ impl Store {
         let out = self.out.display();
         let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
         if !MAGIC.as_bytes().starts_with(&first[..first.len().min(MAGIC.len())]) {
-            return Err(Failure::bad_input(format!(
+            return Err(StoreError::refused(format!(
                 "{partial} is needed for unfinished results, but is something else; move it away or give another --out"
             )));
         }
@@ -153,7 +182,7 @@ impl Store {
             return Ok(restart);
         }
         let Some(lines) = bytes.strip_prefix(head.as_bytes()) else {
-            return Err(Failure::bad_input(format!(
+            return Err(StoreError::refused(format!(
                 "{partial} holds unfinished results of another study, model or version, or this study has been changed since; \
                  --restart begins anew and gives them up, another --out leaves them alone ({out} is as it was)"
             )));
@@ -168,8 +197,8 @@ impl Store {
         Ok(true)
     }
 
-    fn failed(&self, error: &io::Error) -> Failure {
-        Failure::incomplete(format!("cannot write {}: {error}", self.partial.display()))
+    fn failed(&self, error: &io::Error) -> StoreError {
+        StoreError::broken(format!("cannot write {}: {error}", self.partial.display()))
     }
 }
 
@@ -180,10 +209,10 @@ fn head(study: &Study, columns: &[Column]) -> String {
 }
 
 /// Refuses to replace, also for `--restart`, what no sweep has written, and what has been changed since.
-fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), Failure> {
+fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), StoreError> {
     let beside = beside(out);
     let refused = |path: &Path, whose: &str| {
-        Err(Failure::bad_input(format!(
+        Err(StoreError::refused(format!(
             "{} is there already, and not as a sweep {whose}left it, so it is left alone; give another --out, or delete it \
              first",
             path.display()
@@ -220,9 +249,9 @@ fn finished(study: &Study, out: &Path) -> Option<Table> {
 }
 
 /// Opens the file that grows and locks it, so that no two sweeps write one.
-fn claim(out: &Path, partial: &Path) -> Result<File, Failure> {
+fn claim(out: &Path, partial: &Path) -> Result<File, StoreError> {
     let failed = |error: io::Error| {
-        Failure::bad_input(format!("cannot write {}: {error}; give a place where you may write", partial.display()))
+        StoreError::refused(format!("cannot write {}: {error}; give a place where you may write", partial.display()))
     };
     loop {
         let mut options = OpenOptions::new();
@@ -230,7 +259,7 @@ fn claim(out: &Path, partial: &Path) -> Result<File, Failure> {
         match FileExt::try_lock(&file) {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(Failure::bad_input(format!(
+                return Err(StoreError::refused(format!(
                     "another sweep is writing {} (its rows are in {}); wait for it, or give another --out",
                     out.display(),
                     partial.display()

@@ -1,0 +1,177 @@
+"""How fast a sweep is through Ray, beside the plain one: 20,000 designs on a cluster of two nodes on this machine, a processor each.
+
+    PHALANX=target/release/phalanx python python/bench/ray_scaling.py [--runs 20000] [--rounds 3]     (from the root)
+
+Prints the rate of `phalanx sweep` and of `phalanx.ray.sweep` in turn, and of one more during which a worker and then a node are
+killed; every result has to have the same bytes. With --evaluate also the rate of 1,000 designs through `phalanx.evaluate` beside
+that of `phalanx sweep`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+import json
+
+import numpy as np
+import phalanx
+import phalanx.ray
+from cluster import Node, cluster, kill, wait_for_nodes
+
+STUDY = """
+name = "scaling"
+
+[scene]
+sizing = "rigid"
+contact.friction.mu_static = 0.8
+
+[[axes]]
+field = "design.base"
+from = "12 mm"
+to = "22 mm"
+
+[[axes]]
+field = "design.l21_fraction"
+from = 0.0
+to = 1.0
+
+[[axes]]
+field = "design.phi22"
+from = "90 deg"
+to = "120 deg"
+
+[[axes]]
+field = "design.arm_ratio"
+from = 0.3334
+to = 0.6666
+
+[sample]
+count = {runs}
+"""
+
+
+def plain(study: Path, out: Path) -> float:
+    """Seconds of the program."""
+    for old in out.parent.glob(out.name + "*"):
+        old.unlink()
+    start = time.monotonic()
+    subprocess.run([os.environ["PHALANX"], "sweep", study, "--out", out, "--threads", "2", "--quiet"], check=True, capture_output=True)
+    return time.monotonic() - start
+
+
+def through_ray(study: Path, out: Path) -> phalanx.ray.Swept:
+    shutil.rmtree(f"{out}.parts", ignore_errors=True)
+    return phalanx.ray.sweep(study, out)
+
+
+def disturb(parts: Path, head: Node, second: Node, shards: int, over: threading.Event) -> None:
+    """Kills a worker at a third of the parts and a node at half of them."""
+    done = lambda: len(list(parts.glob("part-*.parquet")))  # noqa: E731
+    while not over.is_set() and done() < shards // 3:
+        time.sleep(0.02)
+    while not over.is_set():
+        if worker := head.busy_worker():
+            print(f"  killed a worker after {done()} of {shards} parts")
+            kill(worker)
+            break
+        time.sleep(0.01)
+    while not over.is_set() and done() < shards // 2:
+        time.sleep(0.02)
+    if not over.is_set():
+        print(f"  killed the second node after {done()} of {shards} parts")
+        second.kill()
+
+
+def evaluated(rounds: int, directory: Path) -> None:
+    """1,000 designs as arrays, beside the same as a study, in turn; processes are started and files written for the second."""
+    study, out = directory / "thousand.toml", directory / "thousand.parquet"
+    study.write_text(STUDY.format(runs=1000))
+    table = phalanx.sweep(study)
+    fields = {
+        "design.base": table["design.base_m"],
+        "design.l21_fraction": table["design.l21_fraction"],
+        "design.phi22": table["design.phi22_rad"],
+        "design.arm_ratio": table["design.arm_ratio"],
+    }
+    scene = {"sizing": "rigid", "contact": {"friction": {"mu_static": 0.8}}}
+    scene["design"] = {"base": "15.5 mm", "l21_fraction": 1.0, "phi22": "120 deg", "arm_ratio": 0.5}
+    base = phalanx.Scene.from_dict(scene)
+    ours: list[float] = []
+    theirs: list[float] = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        found = phalanx.evaluate(base, fields, threads=2)
+        ours.append(time.perf_counter() - start)
+        for old in directory.glob("thousand.parquet*"):
+            old.unlink()
+        call = [os.environ["PHALANX"], "sweep", study, "--out", out, "--threads", "2", "--json"]
+        shown = subprocess.run(call, check=True, capture_output=True, text=True)
+        theirs.append(json.loads(shown.stdout)["now"]["wall_s"])
+    np.testing.assert_allclose(found["tts_s"], table["tts_s"], rtol=1e-9)
+    rates = [1000 / statistics.median(of) for of in (ours, theirs)]
+    print(f"1,000 designs: evaluate {rates[0]:.0f} a second, sweep {rates[1]:.0f} a second (its own wall_s): {rates[0] / rates[1]:.1%}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=20_000)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--evaluate", action="store_true")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="phalanx-bench-") as name:
+        directory = Path(name)
+        if args.evaluate:
+            evaluated(max(5, args.rounds), directory)
+        study = directory / "scaling.toml"
+        study.write_text(STUDY.format(runs=args.runs))
+        with cluster() as (address, head, second):
+            # Not before: its library looks for the cluster's token once.
+            import ray
+
+            ray.init(address=address, _node_ip_address="127.0.0.1", log_to_driver=False, logging_level="ERROR")
+            try:
+                wait_for_nodes(ray, 2)
+                ours: list[float] = []
+                theirs: list[float] = []
+                shards = 0
+                for round_ in range(args.rounds):
+                    theirs.append(plain(study, directory / "plain.parquet"))
+                    swept = through_ray(study, directory / "ray.parquet")
+                    ours.append(swept.wall_s)
+                    shards = swept.shards
+                    same = (directory / "plain.parquet").read_bytes() == swept.out.read_bytes()
+                    print(f"round {round_ + 1}: plain {theirs[-1]:.2f} s, Ray {ours[-1]:.2f} s in {shards} parts, same bytes: {same}")
+                    if not same:
+                        raise SystemExit("the bytes differ")
+                share = statistics.median(theirs) / statistics.median(ours)
+                print(f"{args.runs} designs: plain {args.runs / statistics.median(theirs):.0f} a second, Ray {args.runs / statistics.median(ours):.0f}: {share:.1%}")
+                over = threading.Event()
+                out = directory / "killed.parquet"
+                thread = threading.Thread(target=disturb, args=(Path(f"{out}.parts"), head, second, shards, over))
+                thread.start()
+                try:
+                    swept = phalanx.ray.sweep(study, out, shards=shards)
+                finally:
+                    over.set()
+                    thread.join()
+                same = (directory / "plain.parquet").read_bytes() == swept.out.read_bytes()
+                print(f"with a worker and a node killed: {swept.wall_s:.2f} s, same bytes: {same}")
+                if not same:
+                    raise SystemExit("the bytes differ")
+            finally:
+                ray.shutdown()
+
+
+if __name__ == "__main__":
+    main()

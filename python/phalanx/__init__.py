@@ -1,0 +1,57 @@
+"""A planar simulator of high-speed underactuated grippers: stiff contact with exact events.
+
+    import matplotlib.pyplot as plt
+    import phalanx
+
+    result = phalanx.run("scenes/experiment-95.toml")
+    plt.plot(result.time, result["q11_rad"])
+    plt.show()
+
+Everything is in SI, and the names of columns say their units. What a command of the program prints as JSON is a dictionary here,
+and its messages are those of the exceptions.
+"""
+
+from ._phalanx import (
+    Result,
+    Scene,
+    Table,
+    __version__,
+    capture,
+    evaluate,
+    hold,
+    read_log,
+    run,
+    size,
+    statics,
+    study_info,
+    sweep,
+    sweep_merge,
+    sweep_shard,
+    validate,
+)
+from .errors import PhalanxError, RunError, SceneError, StudyError
+from .events import Event
+
+__all__ = [
+    "Event",
+    "PhalanxError",
+    "Result",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "StudyError",
+    "Table",
+    "__version__",
+    "capture",
+    "evaluate",
+    "hold",
+    "read_log",
+    "run",
+    "size",
+    "statics",
+    "study_info",
+    "sweep",
+    "sweep_merge",
+    "sweep_shard",
+    "validate",
+]

@@ -1,0 +1,37 @@
+"""Every piece of Python in the documents runs, in order, as a reader would go through it; and the plot takes five lines."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from common import ROOT, SCENES
+
+PAGES = [ROOT / "python" / "README.md", ROOT / "src" / "docs" / "python.md", ROOT / "book" / "pages" / "python.md"]
+BLOCK = re.compile(r"^```py\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+class Pages(unittest.TestCase):
+    def test_what_is_shown_runs(self):
+        for page in PAGES:
+            blocks = BLOCK.findall(page.read_text())
+            self.assertTrue(blocks, page)
+            with self.subTest(page=page.name), tempfile.TemporaryDirectory() as directory:
+                shutil.copytree(SCENES, Path(directory) / "scenes")
+                script = Path(directory) / "page.py"
+                script.write_text("import matplotlib\nmatplotlib.use('Agg')\n" + "\n".join(blocks))
+                result = subprocess.run([sys.executable, script], cwd=directory, capture_output=True, text=True, check=False)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                if "savefig" in blocks[0]:
+                    self.assertTrue((Path(directory) / "q11.png").read_bytes().startswith(b"\x89PNG"))
+
+    def test_a_plot_takes_five_lines(self):
+        first = BLOCK.findall((ROOT / "python" / "README.md").read_text())[0]
+        self.assertEqual(len(first.strip().splitlines()), 5)
+
+
+if __name__ == "__main__":
+    unittest.main()

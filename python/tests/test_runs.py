@@ -1,0 +1,154 @@
+"""Runs: the same as the program's, as columns that nobody has copied."""
+
+import csv
+import html
+import re
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import phalanx
+import polars
+import pyarrow
+from common import ANCHOR, DISCS, GRIPPER, command, document
+
+
+def address(array: np.ndarray) -> int:
+    return array.__array_interface__["data"][0]
+
+
+class Runs(unittest.TestCase):
+    def same(self, ours: dict, theirs: dict) -> None:
+        for key in ("wall_s", "log"):
+            ours.pop(key), theirs.pop(key)
+        self.assertEqual(ours, theirs)
+
+    def test_a_run_is_that_of_the_program(self):
+        cases = [
+            (ANCHOR, {}, []),
+            (ANCHOR, {"preset": "reference", "duration": "8 ms"}, ["--preset", "reference", "--duration", "8 ms"]),
+            (ANCHOR, {"rtol": 1e-8}, ["--rtol", "1e-8"]),
+            (ANCHOR, {"model": "engine", "step": "2 us", "duration": "5 ms"}, ["--model", "engine", "--step", "2 us", "--duration", "5 ms"]),
+            (GRIPPER, {"duration": "12 ms"}, ["--duration", "12 ms"]),
+            (DISCS, {}, []),
+        ]
+        for scene, ours, flags in cases:
+            with self.subTest(scene=scene.name, flags=flags):
+                result = phalanx.run(scene, check=None, **ours)
+                self.same(result.summary, document("run", scene, *flags))
+                self.assertEqual(result.outcome["steps"], result.summary["steps"])
+
+    def test_checks_are_made_where_they_are_wanted(self):
+        self.assertIsNone(phalanx.run(ANCHOR).check)
+        self.assertEqual(phalanx.run(ANCHOR, check=True).check["verdict"], "sure")
+
+    def test_columns_are_those_of_the_table(self):
+        with tempfile.TemporaryDirectory() as directory:
+            log, table = Path(directory) / "run.mcap", Path(directory) / "run.csv"
+            command("run", ANCHOR, "--log", log)
+            command("replay", log, "--csv", table)
+            with table.open(newline="") as file:
+                head, *rows = list(csv.reader(file))
+            result = phalanx.run(ANCHOR)
+            self.assertEqual(result.columns, head)
+            self.assertEqual(len(result), len(rows))
+            for index, name in enumerate(head):
+                theirs = np.array([float(row[index] or "nan") for row in rows])
+                np.testing.assert_array_equal(result[name], theirs, err_msg=name)
+
+    def test_nothing_is_copied(self):
+        result = phalanx.run(ANCHOR)
+        q11 = result["q11_rad"]
+        self.assertEqual((q11.dtype, q11.flags.writeable, q11.flags.owndata), (np.float64, False, False))
+        self.assertEqual(address(q11), address(result["q11_rad"]))
+        self.assertEqual(result.time[-1], 0.02)
+        table = pyarrow.table(result)
+        self.assertEqual(table.column("q11_rad").chunk(0).buffers()[1].address, address(q11))
+        self.assertEqual(address(result.to_polars()["q11_rad"].to_numpy(allow_copy=False)), address(q11))
+        self.assertTrue(np.shares_memory(result.to_pandas()["q11_rad"].to_numpy(), q11))
+        self.assertEqual(polars.DataFrame(result).columns, result.columns)
+        # The numbers outlive the run.
+        last = q11[-1]
+        del result, table
+        self.assertEqual(q11[-1], last)
+        with self.assertRaises(ValueError):
+            q11[0] = 1.0
+        with self.assertRaisesRegex(KeyError, "did you mean \"q11_rad\""):
+            phalanx.run(ANCHOR)["q11_rd"]
+
+    def test_events_and_criteria(self):
+        result = phalanx.run(ANCHOR)
+        touches = [event for event in result.events if event.kind == "touch-down" and event.time_s > 0]
+        self.assertEqual([event.contact for event in touches], ["proximal", "distal"])
+        self.assertAlmostEqual(touches[1].time_s, 6.883746e-3, places=8)
+        self.assertGreater(touches[0].approach_speed, 2)
+        self.assertEqual(result.criteria["class"], "stable")
+        self.assertAlmostEqual(result.contacts["proximal"]["first_s"], touches[0].time_s, places=12)
+        self.assertAlmostEqual(result.energies["balance_j"], result["balance_j"][-1])
+        gripper = phalanx.run(GRIPPER)
+        self.assertEqual(gripper.criteria["fate"], "held")
+        self.assertIsNone(phalanx.run(DISCS).criteria)
+
+    def test_a_log_is_that_of_the_program(self):
+        with tempfile.TemporaryDirectory() as directory:
+            theirs, ours, during = (Path(directory) / f"{name}.mcap" for name in ("theirs", "ours", "during"))
+            for scene, flags, settings in ((ANCHOR, [], {}), (GRIPPER, ["--duration", "10 ms"], {"duration": "10 ms"})):
+                command("run", scene, "--log", theirs, *flags)
+                result = phalanx.run(scene, check=None, log=during, **settings)
+                result.save(ours)
+                self.assertEqual(ours.read_bytes(), theirs.read_bytes())
+                self.assertEqual(during.read_bytes(), theirs.read_bytes())
+                read = phalanx.read_log(theirs)
+                self.assertEqual(read.events, result.events)
+                self.assertEqual(read.columns, result.columns)
+                for name in result.columns:
+                    np.testing.assert_array_equal(read[name], result[name], err_msg=name)
+                self.assertEqual(read.criteria, result.criteria)
+                summary, shown = read.summary, document("replay", theirs)
+                self.assertEqual(summary, shown)
+
+    def test_what_is_no_log_is_refused(self):
+        for path, words in ((ANCHOR, "MCAP"), (ANCHOR.parent / "no.mcap", "there is no log")):
+            with self.assertRaisesRegex(phalanx.RunError, words):
+                phalanx.read_log(path)
+
+    def test_the_page_is_that_of_the_program(self):
+        with tempfile.TemporaryDirectory() as directory:
+            page = Path(directory) / "run.html"
+            command("run", ANCHOR, "--html", page)
+            # The one figure of a page that two runs do not share is how long they took.
+            timeless = lambda text: [line for line in text.splitlines() if " wall " not in line and "steps" not in line]  # noqa: E731
+            result = phalanx.run(ANCHOR, check=None)
+            self.assertEqual(timeless(result.html()), timeless(page.read_text()))
+            frame = result._repr_html_()
+            inside = re.match(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts', frame)[1]
+            self.assertEqual(html.unescape(inside), result.html())
+
+    def test_wrong_arguments_are_refused_as_by_the_program(self):
+        for settings, words in (
+            ({"model": "magic"}, "\"analytic\" or \"engine\""),
+            ({"preset": "fine"}, "\"engineering\" or \"reference\""),
+            ({"step": "1 us"}, "leave --step out or say --model engine"),
+            ({"model": "engine", "rtol": 1e-6}, "leave --rtol out"),
+            ({"rtol": 2.0}, "between 0 and 1"),
+            ({"duration": "0 ms"}, "longer than 0"),
+            ({"model": "engine", "step": "1 us", "tolerance": "1 um"}, "leave one of them out"),
+            ({"numeric_rate": "9000 MHz"}, "give --numeric-rate"),
+        ):
+            with self.subTest(settings=settings), self.assertRaisesRegex(phalanx.SceneError, words):
+                phalanx.run(ANCHOR, **settings)
+
+    def test_a_run_that_breaks_off_is_there_up_to_where_it_did(self):
+        scene = phalanx.Scene.load(ANCHOR).with_({"integrator.max_steps": 100})
+        with self.assertRaisesRegex(phalanx.RunError, "the simulation stopped at") as caught:
+            phalanx.run(scene)
+        result = caught.exception.result
+        self.assertFalse(result.completed)
+        self.assertGreater(len(result), 20)
+        self.assertLess(result.time[-1], 0.02)
+        self.assertIn("not completed", repr(result))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,87 @@
+"""Scenes: read, changed, refused."""
+
+import copy
+import pickle
+import unittest
+
+import numpy as np
+import phalanx
+from common import ANCHOR, DISCS, GRIPPER, ROOT, SCENES, command
+
+
+class Scenes(unittest.TestCase):
+    def test_a_scene_is_what_the_program_shows(self):
+        for path in (ANCHOR, GRIPPER, DISCS):
+            scene = phalanx.Scene.load(path)
+            self.assertEqual(scene.toml, command("scene", "show", path))
+            self.assertEqual(scene.resolved, command("scene", "show", path, "--resolved"))
+        self.assertEqual([phalanx.Scene.load(path).kind for path in (ANCHOR, GRIPPER, DISCS)], ["finger", "gripper", "bodies"])
+
+    def test_every_shipped_scene_comes_back_from_its_dictionary(self):
+        paths = [path for path in SCENES.glob("**/*.toml") if "studies" not in path.parts]
+        self.assertGreater(len(paths), 40)
+        for path in paths:
+            with self.subTest(path=path.relative_to(ROOT)):
+                scene = phalanx.Scene.load(path)
+                again = phalanx.Scene.from_dict(scene.to_dict())
+                self.assertEqual(again.resolved, scene.resolved)
+
+    def test_fields_are_set_as_on_the_command_line(self):
+        scene = phalanx.Scene.load(ANCHOR)
+        changed = scene.with_({"contact.friction.mu_static": 0.6, "design.base": "14 mm", "palm": False})
+        flags = ["--set", "contact.friction.mu_static=0.6", "--set", "design.base=14 mm", "--set", "palm=false"]
+        self.assertEqual(changed.toml, command("scene", "show", ANCHOR, *flags))
+        self.assertEqual(scene["design.base"], "15.5 mm")
+        self.assertEqual(changed["design.base"], "14 mm")
+        self.assertEqual(changed["design"]["arm_ratio"], 0.5)
+        self.assertEqual(changed.with_({"design.base": "16 mm"})["design.base"], "16 mm")
+        gravity = scene.with_({"gravity": ["0 m/s^2", "-1 m/s^2"], "contact.friction.mu_static": np.float64(0.5)})
+        self.assertEqual(gravity["contact.friction.mu_static"], 0.5)
+        with self.assertRaises(KeyError):
+            scene["design.bsae"]
+
+    def test_a_text_extends_what_stands_beside_its_name(self):
+        text = 'extends = "experiment-95.toml"\nduration = "5 ms"\n'
+        scene = phalanx.Scene.from_toml(text, str(SCENES / "mine.toml"))
+        self.assertEqual((scene.duration_s, scene["design.base"]), (0.005, "15.5 mm"))
+
+    def test_what_is_wrong_has_its_place(self):
+        with self.assertRaises(phalanx.SceneError) as caught:
+            phalanx.Scene.from_toml('[design]\nbase = "12 s"\nbsae = 1\n', "own.toml")
+        error = caught.exception
+        self.assertEqual((error.file, error.line, error.column, error.field), ("own.toml", 2, 8, "design.base"))
+        self.assertGreater(len(error.problems), 1)
+        self.assertIn("own.toml:2:8", str(error))
+        self.assertTrue(error.help)
+        self.assertIsInstance(error, phalanx.PhalanxError)
+        again = pickle.loads(pickle.dumps(error))
+        self.assertEqual((str(again), again.line, again.problems), (str(error), 2, error.problems))
+
+    def test_messages_are_those_of_the_command_line(self):
+        scene = phalanx.Scene.load(ANCHOR)
+        for field, value in {"contact.friction.mu_static": -1, "design.base": "12", "design.bsae": "1 mm", "palm": "no"}.items():
+            said = command("run", ANCHOR, "--set", f"{field}={value}", status=2)
+            with self.assertRaises(phalanx.SceneError) as caught:
+                scene.with_({field: value})
+            # Only what the place is called differs, and how long that is.
+            ours = str(caught.exception).replace("with_:", "--set:")
+            self.assertEqual(ours.split(), said.split())
+            self.assertEqual(caught.exception.field, field)
+        with self.assertRaises(phalanx.SceneError) as caught:
+            phalanx.Scene.load("no-such.toml")
+        self.assertEqual(str(caught.exception).strip(), command("run", "no-such.toml", status=2).strip())
+        for wrong in ({"a b": 1}, {"design.base": ""}):
+            with self.assertRaises(phalanx.SceneError):
+                scene.with_(wrong)
+        with self.assertRaises(TypeError):
+            scene.with_({"design.base": object()})
+
+    def test_scenes_go_to_other_processes(self):
+        scene = phalanx.Scene.load(GRIPPER).with_({"contact.friction.mu_static": 0.3})
+        for again in (pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene)):
+            self.assertEqual(again.resolved, scene.resolved)
+        self.assertIn("0.3", repr(scene))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,111 @@
+//! Everything that listens to a log: the summary, and what its run is judged by.
+
+use super::document::ReplayReport;
+use super::summary::Summary;
+use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, Tracker, at_rest};
+use crate::log::{LARGEST_RECORD, LogSink, Reading};
+use crate::scene::words::SceneKind;
+use crate::scene::{self, AnyScene, SceneError};
+use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+
+/// Everything that listens to a log.
+#[derive(Debug, Default)]
+pub struct Heard {
+    summary: Summary,
+    grasp: Option<AtRest>,
+    tracker: Option<Tracker>,
+    /// Of a gripper.
+    gripper: Option<GraspTracker>,
+    /// The scene of a log of bodies, if there is one that this phalanx reads: how they are moved.
+    moved: Option<AnyScene>,
+}
+
+impl Heard {
+    /// By the head of the log, for the criteria need its scene before the first sample; and what is to be said if there are none.
+    pub fn new(head: &Reading) -> (Self, Option<String>) {
+        let mut heard = Heard::default();
+        let mut said = None;
+        match attached(head) {
+            Some(Ok(AnyScene::Finger(scene))) => {
+                let found = scene.object.map(|object| at_rest(&scene, object)).transpose();
+                heard.grasp = found.unwrap_or_else(|error| {
+                    said = Some(format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
+                    None
+                });
+                heard.tracker = heard.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
+            }
+            Some(Ok(scene)) => {
+                if let AnyScene::Gripper(gripper) = &scene {
+                    heard.gripper = Some(GraspTracker::of(gripper));
+                }
+                heard.moved = Some(scene);
+            }
+            Some(Err(error)) => {
+                let missing = match head.kind() {
+                    SceneKind::Finger => "no dynamic criteria",
+                    SceneKind::Bodies => "what moves the discs is unknown",
+                    SceneKind::Gripper => "no criteria of the grasp",
+                };
+                said = Some(format!("{missing}, for the scene in the log cannot be read by this phalanx: {error}"));
+            }
+            None => {}
+        }
+        (heard, said)
+    }
+
+    /// What is known of the run, and what its samples consist of.
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// The summary of what was read.
+    pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
+        let (criteria, grasp) = (self.criteria(reading), self.grasp(reading));
+        ReplayReport::new(name, reading, &self.summary, criteria, grasp.as_ref(), self.moved.as_ref())
+    }
+
+    /// What became of the object of a gripper.
+    fn grasp(&self, reading: &Reading) -> Option<GraspCriteria> {
+        self.gripper.as_ref().filter(|_| is_of_whole_run(reading))?.criteria()
+    }
+
+    /// Of a run that was completed, and of which nothing is missing.
+    fn criteria(&self, reading: &Reading) -> Option<Criteria> {
+        let judged = self.tracker.as_ref().zip(self.grasp.as_ref()).filter(|_| is_of_whole_run(reading));
+        judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()))
+    }
+}
+
+/// Whether a run was completed and nothing of its log is missing.
+fn is_of_whole_run(reading: &Reading) -> bool {
+    let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
+    completed && reading.losses.is_empty() && reading.recovered.is_none()
+}
+
+/// The scene of a log, if it has one of a size that scenes have.
+pub fn attached(head: &Reading) -> Option<Result<AnyScene, SceneError>> {
+    let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD)?;
+    Some(scene::parse_any(text, name))
+}
+
+impl LogSink for Heard {
+    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
+        self.summary = Summary::new(layout.clone());
+        // The scene may be of another kind than the log.
+        self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == 1);
+        self.gripper = self.gripper.take().filter(|_| layout.fingers.len() == 2);
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.summary.sample(sample)?;
+        self.gripper.sample(sample)?;
+        self.tracker.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.summary.event(event)?;
+        self.gripper.event(event)?;
+        self.tracker.event(event)
+    }
+}

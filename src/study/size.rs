@@ -1,0 +1,78 @@
+//! What a test trajectory asks of spring and motor, for the finger of a scene.
+
+use std::f64::consts::PI;
+
+use crate::gripper::contact_angle_proximal;
+use crate::scene::{Actuation, Scene, SpringKind};
+use crate::sizing::{CLOSING_S, Profile, Rule, SizingError, Task, profile};
+
+/// Samples of the profile.
+const SAMPLES: usize = 400;
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Over what the motor torque is averaged.
+    pub rule: Rule,
+    /// Length of the test trajectory.
+    pub closing_s: f64,
+    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight.
+    pub preload_rad: f64,
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        Asked { rule: Rule::Rigid, closing_s: CLOSING_S, preload_rad: 0.5 * PI }
+    }
+}
+
+/// A finger's sizing, with what its scene has now.
+#[derive(Clone, Debug)]
+pub struct Sized {
+    pub scene: String,
+    pub asked: Asked,
+    pub profile: Profile,
+    /// Torques that the scene itself has, where it has constant ones.
+    pub given_motor_n_m: Option<f64>,
+    pub given_spring_n_m: Option<f64>,
+}
+
+/// Why a finger cannot be sized.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SizeError {
+    #[error(
+        "{scene} has no object to close on, so nothing says how far its finger goes; give a scene without [object] present = false"
+    )]
+    NoObject { scene: String },
+    #[error(transparent)]
+    Sizing(#[from] SizingError),
+}
+
+/// Sizes the finger of a scene for its object, from where it starts.
+///
+/// # Errors
+/// A scene without an object, or a finger that does not close on it.
+pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
+    let object = scene.object.ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
+    let disc = object.circle();
+    let contact_rad = contact_angle_proximal(scene.finger.lengths.half_width_m, disc).map_err(SizingError::from)?;
+    let task = Task {
+        disc,
+        opening_rad: contact_rad - scene.initial.q21_rad,
+        gravity_m_s2: scene.gravity_m_s2,
+        closing_s: asked.closing_s,
+    };
+    Ok(Sized {
+        scene: scene.name.clone(),
+        asked,
+        profile: profile(&scene.finger, &task, asked.preload_rad, SAMPLES)?,
+        given_motor_n_m: match scene.actuation {
+            Actuation::Constant { torque_n_m } => Some(torque_n_m),
+            _ => None,
+        },
+        given_spring_n_m: scene.spring.and_then(|spring| match spring.kind {
+            SpringKind::Constant { torque_n_m } => Some(torque_n_m),
+            SpringKind::Torsional { .. } => None,
+        }),
+    })
+}
