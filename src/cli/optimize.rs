@@ -12,7 +12,6 @@ use super::output::{note, print, show};
 use super::own::{Form, writable};
 use super::progress::Count;
 use super::saved::{broken, save};
-use super::sweep_store::{Found as Stored, Store, open};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -22,6 +21,7 @@ use crate::report::{
     paper_html,
 };
 use crate::study::optimize::{self, Design, Found, Listener, Optimisation, Optimised};
+use crate::study::store::{Found as Stored, Store, open};
 use crate::study::sweep::Row;
 use crate::table;
 
