@@ -58,7 +58,7 @@ pub use raw::schema;
 pub use read::{load, parse};
 pub use row::{Row, Status, columns, sorted, table};
 pub use run::{Ran, run, run_while};
-pub use summary::{Summary, summary};
+pub use summary::{Reason, Summary, summary};
 
 use axis::{Axis, Points};
 use sequence::Sequence;
