@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # To be sourced: says what goes on, and gets what a script cannot do without.
 
 say() { printf '\n== %s\n' "$*"; }

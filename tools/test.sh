@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, and real
-# clients of the logs. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed. What else the
-# browser's target, the Python package and the clients need, tools/wasm.sh, tools/python.sh and tools/clients.sh install or name.
+# Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, the Python
+# package, real clients of the logs, and a sweep under Slurm. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where
+# it is installed. What else the browser's target, the package, the clients, Slurm and the linters need, tools/wasm.sh,
+# tools/python.sh, tools/clients.sh, tools/slurm/test.sh and tools/lint_workflows.sh install or name.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -35,6 +36,9 @@ for apart in benches/solvers tests/fuzz tests/wasm python; do
     fi
 done
 
+say "workflows and scripts"
+tools/lint_workflows.sh
+
 say "lints"
 # Everything with all features, so that one build serves; the default set has to be sound too.
 cargo clippy --workspace --locked --quiet -- -D warnings
@@ -63,3 +67,7 @@ tools/python.sh
 
 say "real clients"
 tools/clients.sh
+
+say "sweeps under Slurm"
+# Under two minutes; what waits for a scheduler that does not answer must not wait for ever.
+timeout --kill-after=60 600 tools/slurm/test.sh

@@ -23,6 +23,7 @@ else
     need "the checks of the core in the browser" "a compiler for $target ('rustup target add $target' is enough)" \
         "rustc-web cargo-web rust-web-src lld-19" debians_compiler
     # RUSTC_BOOTSTRAP: building std is not stable yet.
+    # shellcheck disable=SC2054  # a comma of rust's own flag
     build=(env RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER="$(command -v wasm-ld-19)"
         /usr/bin/cargo build -Zbuild-std=std,panic_abort)
 fi

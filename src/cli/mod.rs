@@ -22,6 +22,7 @@ mod new;
 #[cfg(all(test, feature = "live"))]
 #[allow(dead_code)]
 mod no_live;
+mod optimize;
 mod output;
 mod overrides;
 mod own;
@@ -85,11 +86,18 @@ const STYLES: Styles = Styles::styled()
     .literal(AnsiColor::Cyan.on_default().bold())
     .placeholder(AnsiColor::Cyan.on_default());
 
+/// What `--version` says: a release names the commit that it was built from.
+const VERSION: &str = match option_env!("PHALANX_VERSION") {
+    Some(version) => version,
+    None => env!("CARGO_PKG_VERSION"),
+};
+
 /// Simulates planar, high-speed underactuated grippers: stiff contact with exact events.
 #[derive(Debug, Parser)]
 #[command(
     name = "phalanx",
     version,
+    long_version = VERSION,
     propagate_version = true,
     max_term_width = WIDEST,
     styles = STYLES,
@@ -127,6 +135,7 @@ enum Command {
     Volume(volume::VolumeArgs),
     Sweep(sweep::SweepArgs),
     Select(select::SelectArgs),
+    Optimize(optimize::OptimizeArgs),
     Reproduce(reproduce::ReproduceArgs),
     /// See what a choice of settings does to a result
     #[command(
@@ -193,6 +202,7 @@ pub fn main() -> ExitCode {
         Command::Volume(args) => volume::run(args),
         Command::Sweep(args) => sweep::run(args),
         Command::Select(args) => select::run(args),
+        Command::Optimize(args) => optimize::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Study(command) => study::run(command),
         Command::Completions(args) => completions::run(args, Cli::command()),

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::Failure;
 use crate::files::probe;
 use crate::plot::PICTURE_MARK;
-use crate::report::{is_ranking, is_samples};
+use crate::report::{is_designs, is_ranking, is_samples};
 use crate::{log, table};
 
 /// What a file is to be.
@@ -20,6 +20,8 @@ pub enum Form {
     Samples,
     /// A table of selected designs.
     Ranking,
+    /// A table of the designs of an optimisation.
+    Designs,
 }
 
 /// Every page has it in its head.
@@ -37,6 +39,7 @@ impl Form {
             Form::Log => "a log",
             Form::Samples => "a table of samples",
             Form::Ranking => "a ranking",
+            Form::Designs => "a table of designs",
         }
     }
 
@@ -62,6 +65,7 @@ impl Form {
             Form::Log => log::refuse_other_files(path, path).is_ok(),
             Form::Samples => is_samples(head.lines().next().unwrap_or_default()),
             Form::Ranking => table::read(path).is_ok_and(|table| is_ranking(&table)),
+            Form::Designs => table::read(path).is_ok_and(|table| is_designs(&table.columns)),
         })
     }
 }

@@ -37,7 +37,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Volumes of 10³ points instead of 20³ (they are shown, but not judged), and no runs at the reference preset
+    /// Volumes of 10³ points instead of 20³ (they are shown, but not judged)
     #[arg(long)]
     quick: bool,
 

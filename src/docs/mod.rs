@@ -3,6 +3,9 @@
 #[doc = include_str!("accuracy.md")]
 pub mod accuracy {}
 
+#[doc = include_str!("clusters.md")]
+pub mod clusters {}
+
 #[doc = include_str!("design.md")]
 pub mod design {}
 

@@ -16,6 +16,7 @@ use crate::drawing::{Drawing, Part, Shape, poses};
 use crate::scene::GripperScene;
 use crate::statics::{Balance, Balanced};
 use crate::study::gripper_grasp::{GripperGrasp, Holds};
+use crate::wording::figures::G_M_S2;
 
 /// Side of the polar plot, and room for the words around it.
 const SIDE: u32 = 620;
@@ -24,8 +25,6 @@ const HEAD: u32 = 40;
 const BESIDE: u32 = WIDTH - SIDE;
 /// Height of the legend above the gripper.
 const LEGEND: u32 = 190;
-
-const G_M_S2: f64 = 9.81;
 
 /// Accelerations beyond so many times the median of those that are limited run off the plot.
 const OFF: f64 = 3.0;

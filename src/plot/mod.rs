@@ -11,6 +11,7 @@
 //! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
+//! | `optimize` | designs by their objectives, and the front |
 //! | `overlay`, `overlay_gripper`, `overlay_panel` | two runs over time |
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
@@ -35,6 +36,7 @@ mod difference;
 mod grasp;
 mod hold;
 mod linkage;
+mod optimize;
 mod outline;
 mod overlay;
 mod overlay_gripper;
@@ -54,6 +56,7 @@ pub use difference::{Apart, Differences, Touches, difference, difference_of, pat
 pub use grasp::grasp;
 pub use hold::hold;
 pub use linkage::{Linkage, Spot, linkage};
+pub use optimize::{Designs, optimisation};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};

@@ -2,11 +2,8 @@
 
 use super::hold::{HoldReport, LimitReport, LoadReport, SizeReport};
 use crate::wording::duration;
-use crate::wording::figures::{figure, row};
+use crate::wording::figures::{G_M_S2, figure, row};
 use crate::wording::sheet::{Sheet, Table};
-
-/// Standard gravity, by which people count accelerations.
-const G_M_S2: f64 = 9.80665;
 
 /// A table for people, and what it comes to.
 pub fn hold_text(report: &HoldReport) -> Sheet {

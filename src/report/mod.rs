@@ -10,6 +10,7 @@ mod grasp;
 mod hold;
 mod hold_text;
 mod named;
+mod optimize;
 mod paper;
 mod replay;
 mod reproduce;
@@ -35,7 +36,11 @@ pub use grasp::{CycleReport, ForceClosureReport, GraspReport, HeldContactReport,
 pub use hold::{HoldReport, LimitReport as HoldLimitReport, LoadReport, SizeReport, TriedReport, hold_csv, hold_json};
 pub use hold_text::hold_text;
 pub use named::Named;
-pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Tone, paper_html, paper_markdown};
+pub use optimize::{
+    DesignReport, GainReport, OptimisationReport, is_designs, optimisation_json, optimisation_list, optimisation_paper,
+    optimisation_text,
+};
+pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Text, Tone, paper_html, paper_markdown};
 pub use replay::{
     AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Heard, Lost,
     RecoveryReport, ReplayReport, Summary, VerificationReport, WordReport, against_json, against_text, attached,

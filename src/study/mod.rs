@@ -11,7 +11,9 @@
 //! | `hold` | how much acceleration a gripper holds its object against |
 //! | `kind` | studies that are about grippers |
 //! | `parts` | sweeps beyond one machine: parts of a study, and such parts joined |
+//! | `optimize` | the best designs over ranges of fields |
 //! | `pool` | the threads that the others work on |
+//! | `random` | random numbers that stay the same |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
 //! | `simulate` | a run of a gripper for what its criteria say |
@@ -29,9 +31,11 @@ pub mod grasp;
 pub mod gripper_grasp;
 pub mod hold;
 mod kind;
+pub mod optimize;
 pub mod parts;
 mod pool;
 pub mod posture;
+mod random;
 pub mod reproduce;
 pub mod select;
 mod simulate;

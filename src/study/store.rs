@@ -117,6 +117,11 @@ impl Store {
         })
     }
 
+    /// The rows there are, by no order.
+    pub fn rows(&self) -> &[Vec<Value>] {
+        &self.rows
+    }
+
     /// Adds a row: on the disk in one write, so that what ends the process leaves it whole or torn, but never in between others.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ pub struct RowWriter<'a> {
 }
 
 enum Rows<'a> {
-    Csv(csv_file::Rows<&'a mut (dyn Write + Send)>),
+    Csv(Box<csv_file::Rows<&'a mut (dyn Write + Send)>>),
     Parquet(Box<parquet_file::Rows<'a>>),
 }
 
@@ -22,7 +22,7 @@ impl<'a> RowWriter<'a> {
     /// `out` does not take its head.
     pub fn new(out: &'a mut (dyn Write + Send), format: Format, columns: &[Column]) -> io::Result<Self> {
         let rows = match format {
-            Format::Csv => Rows::Csv(csv_file::Rows::new(out, columns)?),
+            Format::Csv => Rows::Csv(Box::new(csv_file::Rows::new(out, columns)?)),
             Format::Parquet => Rows::Parquet(Box::new(parquet_file::Rows::new(out, columns)?)),
         };
         Ok(RowWriter { columns: columns.len(), rows })

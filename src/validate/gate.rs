@@ -1,6 +1,6 @@
 //! Runs that end when they are told to.
 
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::{Event, Sample, Sink, SinkError, Wants};
 
 /// Says whether to go on; asked once a step.
 pub type GoOn<'a> = &'a dyn Fn() -> bool;
@@ -22,6 +22,10 @@ impl<S: Sink> Sink for While<'_, S> {
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.sink.event(event)
+    }
+
+    fn wants(&self) -> Wants {
+        self.sink.wants()
     }
 
     fn proceed(&self) -> bool {

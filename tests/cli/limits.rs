@@ -51,6 +51,8 @@ fn the_page_says_what_the_program_has() {
         ("steps of a run that is checked", thousands(limits::MOST_CHECKED_STEPS)),
         ("clients of a run", limits::MOST_CLIENTS.to_string()),
         ("runs of a sweep", thousands(limits::MOST_RUNS)),
+        ("runs of a study", thousands(limits::MOST_SHARDED_RUNS)),
+        ("points of a latin-hypercube", thousands(limits::MOST_RUNS)),
         ("points of all volumes", thousands(limits::MOST_POINTS as u64)),
         ("threads", limits::MOST_THREADS.to_string()),
     ];

@@ -24,4 +24,5 @@ mod size;
 mod status;
 #[cfg(unix)]
 mod terminal;
+mod version;
 mod volume;

@@ -5,8 +5,21 @@ use std::process::{Command, Stdio};
 
 use crate::support::cli::{ANCHOR, directory, phalanx, stderr, stdout, write};
 
-const COMMANDS: [&str; 12] =
-    ["new", "run", "validate", "replay", "scene", "size", "statics", "volume", "sweep", "select", "reproduce", "study"];
+const COMMANDS: [&str; 13] = [
+    "new",
+    "run",
+    "validate",
+    "replay",
+    "scene",
+    "size",
+    "statics",
+    "volume",
+    "sweep",
+    "select",
+    "optimize",
+    "reproduce",
+    "study",
+];
 
 /// Whether a shell that is here finds a script sound; `None` where it is not here.
 fn sound(shell: &str, file: &str) -> Option<bool> {
@@ -55,7 +68,13 @@ fn every_command_has_a_manual_page_with_all_its_options() {
     let output = phalanx(&["man", &place]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     assert!(stdout(&output).starts_with("wrote ") && stdout(&output).contains(&place), "{}", stdout(&output));
-    let below = [&["scene", "show"][..], &["scene", "check"], &["scene", "schema"], &["study", "stability"]];
+    let below = [
+        &["scene", "show"][..],
+        &["scene", "check"],
+        &["scene", "schema"],
+        &["study", "stability"],
+        &["sweep", "merge"],
+    ];
     let all =
         COMMANDS.iter().map(std::slice::from_ref).chain(below).chain([&["study", "step-size"][..], &["man"], &[]]);
     for words in all {

@@ -72,7 +72,9 @@ fn a_log_is_not_taken_for_a_scene() {
 fn the_help_of_a_bound_is_well_formed() {
     let output = phalanx(&["select", "--help"]);
     assert!(stdout(&output).contains("--bound <BOUND>") && stdout(&output).contains("COLUMN >= VALUE"));
-    for command in ["run", "validate", "replay", "size", "statics", "volume", "sweep", "select", "reproduce"] {
+    for command in
+        ["run", "validate", "replay", "size", "statics", "volume", "sweep", "select", "optimize", "reproduce"]
+    {
         let help = phalanx(&[command, "--help"]);
         let flags = stdout(&help).lines().filter(|line| line.trim_start().starts_with("--"));
         for line in flags {

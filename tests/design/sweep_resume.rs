@@ -11,18 +11,8 @@ use std::time::{Duration, Instant};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
 use crate::support::faults::Dice;
+use crate::support::studies::cheap;
 use phalanx::table;
-
-/// Short swings without an object, some of them refused, some out of steps: a thousand of them in well under a second.
-fn cheap(directory: &Path, count: usize) -> String {
-    let scene = fs::canonicalize("scenes/free-swing.toml").expect("ships");
-    let text = format!(
-        "scene = \"{}\"\n[set]\nduration = \"2 ms\"\nintegrator.max_steps = 29\n[[axes]]\nfield = \"design.l21_fraction\"\nfrom = \
-         0.0\nto = 1.1\n[[axes]]\nfield = \"motor.torque\"\nfrom = \"10 N*mm\"\nto = \"900 N*mm\"\n[sample]\ncount = {count}\n",
-        scene.display()
-    );
-    write(directory, "cheap.toml", &text)
-}
 
 fn sweep(study: &str, out: &Path, more: &[&str]) -> Output {
     let mut args = vec!["sweep", study, "--out", out.to_str().expect("text")];

@@ -193,8 +193,23 @@ fn mistakes_of_the_base_scene_are_named_in_its_own_file() {
 #[test]
 fn more_runs_than_anybody_can_make_are_refused() {
     let axis = |field: &str| format!("[[axes]]\nfield = \"{field}\"\nfrom = 0.1\nto = 0.9\ncount = 1000\n");
-    let three = ["design.arm_ratio", "design.l21_fraction", "contact.friction.mu_static"].map(axis).concat();
-    assert!(message(&three).contains("more than 1000000 runs"));
+    let fields = ["design.arm_ratio", "design.l21_fraction", "contact.friction.mu_static"].map(axis).concat();
+    assert_eq!(study(&fields).runs(), 1_000_000_000);
+    // The last run is found as soon as the first.
+    assert_eq!(numbers(&study(&fields), 1_000_000_000), [0.9; 3]);
+    let all = format!("{fields}{}", axis("contact.friction.mu_dynamic"));
+    assert_eq!(study(&all).runs(), phalanx::limits::MOST_SHARDED_RUNS);
+    let more = format!("{all}[[axes]]\nfield = \"palm\"\nvalues = [true, false]\n");
+    assert!(message(&more).contains("more than 1000000000000 runs"));
+    let sample = |method: &str, count: u64| {
+        format!(
+            "[[axes]]\nfield = \"design.arm_ratio\"\nfrom = 0.3\nto = 0.6\n[sample]\nmethod = \"{method}\"\ncount = {count}\n"
+        )
+    };
+    assert_eq!(study(&sample("halton", 5_000_000_000)).runs(), 5_000_000_000);
+    let found = message(&sample("latin-hypercube", 1_000_001));
+    assert!(found.contains("at most 1000000 points") && found.contains("\"halton\" or \"random\""), "{found}");
+    assert!(message(&sample("random", 1_000_000_000_001)).contains("too many to be run"));
 }
 
 #[test]

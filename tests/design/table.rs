@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use phalanx::table::{Column, Kind, Table, Value, read, read_csv, write};
+use phalanx::table::{Column, Format, Groups, Kind, RowWriter, Table, Value, read, read_csv, write, write_noted};
 use proptest::prelude::*;
 
 /// A file of its own, gone at the end.
@@ -186,4 +186,56 @@ fn a_table_that_is_none_leaves_the_older_file_alone() {
     }
     let error = write(&place.file("no/such/place.csv"), &sample()).expect_err("nowhere").to_string();
     assert!(error.starts_with("cannot write"), "{error}");
+}
+
+/// More rows than a group has, with all kinds and gaps.
+#[test]
+fn rows_one_by_one_are_the_bytes_of_the_whole_table_and_come_back_by_groups() {
+    let kinds = [("run", Kind::Integer), ("x_m", Kind::Number), ("good", Kind::Flag), ("reason", Kind::Text)];
+    let columns = kinds.map(|(name, kind)| Column::new(name, kind)).to_vec();
+    let row = |run: i64| {
+        let gap = |value: Value| if run % 7 == 0 { Value::Missing } else { value };
+        let reason = Value::from(format!("at {} ms, \"so\"", run % 1000));
+        vec![Value::Integer(run), gap(Value::Number(run as f64 / 3.0)), gap(Value::Flag(run % 2 == 0)), gap(reason)]
+    };
+    let table = Table::new(columns.clone(), (1..=150_000).map(row).collect());
+    let directory = crate::support::cli::directory("table_rows");
+    for (name, format) in [("rows.csv", Format::Csv), ("rows.parquet", Format::Parquet)] {
+        let path = directory.join(name);
+        write(&path, &table).expect("written");
+        let mut bytes = Vec::new();
+        let mut writer = RowWriter::new(&mut bytes, format, &columns).expect("memory takes everything");
+        (1..=150_000).try_for_each(|run| writer.add(row(run))).expect("memory takes everything");
+        writer.finish().expect("memory takes everything");
+        assert!(bytes == std::fs::read(&path).expect("there"), "{name}");
+    }
+    let mut bytes = Vec::new();
+    let mut writer = RowWriter::new(&mut bytes, Format::Csv, &columns).expect("memory takes everything");
+    assert!(writer.add(vec![Value::Integer(1)]).is_err(), "a row of another table");
+
+    let mut groups = Groups::open(&directory.join("rows.parquet")).expect("a table");
+    assert_eq!((groups.columns(), groups.rows()), (&columns[..], 150_000));
+    assert!(!groups.sound().expect("readable"), "without notes there is no checksum");
+    let (mut found, mut largest) = (Vec::new(), 0);
+    while let Some(rows) = groups.next_group().expect("sound") {
+        largest = largest.max(rows.len());
+        found.extend(rows);
+    }
+    assert!(largest <= 1 << 16 && found == table.rows, "{largest}");
+
+    // Notes and a checksum; whatever is changed of the rows is seen.
+    let noted = directory.join("noted.parquet");
+    let few = Table::new(columns, (1..=500).map(row).collect());
+    write_noted(&noted, &few, &[("whose".to_string(), "mine".to_string())]).expect("written");
+    let open = || Groups::open(&noted).expect("a table");
+    assert_eq!((open().note("whose"), open().note("else")), (Some("mine"), None));
+    assert!(open().sound().expect("readable"));
+    assert_eq!(read(&noted).expect("a table"), few);
+    let whole = std::fs::read(&noted).expect("there");
+    for at in (4..whole.len() / 2).step_by(101) {
+        let mut changed = whole.clone();
+        changed[at] ^= 16;
+        std::fs::write(&noted, changed).expect("written");
+        assert!(!open().sound().expect("readable"), "byte {at}");
+    }
 }

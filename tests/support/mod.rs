@@ -12,6 +12,7 @@ pub mod runs;
 pub mod scenes;
 pub mod select;
 pub mod statics;
+pub mod studies;
 pub mod synthetic;
 #[cfg(unix)]
 pub mod terminal;

@@ -1,6 +1,6 @@
 //! A paper as one HTML file: styles, figures and one small script are in it, and its policy forbids everything else.
 
-use super::{Block, Cell, Figure, Grid, Paper, Section, Tone};
+use super::{Block, Cell, Figure, Grid, Paper, Section, Text, Tone};
 use crate::wording::escaped;
 
 const STYLES: [&str; 3] = [
@@ -52,6 +52,12 @@ fn section((index, section): (usize, &Section), tables: &mut usize, figures: &mu
                 *figures += 1;
                 picture(figure, *figures)
             }
+            Block::Text(Text { id, title, text }) => format!(
+                "<div class=\"text\" id=\"{}\" tabindex=\"-1\"><h3>{}</h3><pre>{}</pre></div>\n",
+                escaped(id),
+                escaped(title),
+                escaped(text)
+            ),
         });
     }
     text.push_str("</section>\n");
@@ -86,9 +92,13 @@ fn line(row: &[Cell]) -> String {
             .figure
             .as_ref()
             .map_or(String::new(), |(key, value)| format!(" data-figure=\"{}\" data-si=\"{value:e}\"", escaped(key)));
+        let text = match &cell.link {
+            Some(id) => format!("<a href=\"#{}\">{}</a>", escaped(id), escaped(&cell.text)),
+            None => escaped(&cell.text),
+        };
         match index {
-            0 => format!("<th scope=\"row\"{class}{figure}>{}</th>", escaped(&cell.text)),
-            _ => format!("<td{class}{figure}>{}</td>", escaped(&cell.text)),
+            0 => format!("<th scope=\"row\"{class}{figure}>{text}</th>"),
+            _ => format!("<td{class}{figure}>{text}</td>"),
         }
     };
     format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>())

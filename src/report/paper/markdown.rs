@@ -23,6 +23,7 @@ pub fn paper_markdown(paper: &Paper) -> String {
                     figures += 1;
                     text.push_str(&picture(figure, figures));
                 }
+                Block::Text(of) => text.push_str(&format!("**{}**\n\n```\n{}\n```\n", of.title, of.text.trim_end())),
             }
         }
     }

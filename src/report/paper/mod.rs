@@ -31,6 +31,17 @@ pub enum Block {
     Notes(Vec<String>),
     Table(Grid),
     Figure(Figure),
+    /// A text that is shown when it is pointed at.
+    Text(Text),
+}
+
+/// A text as it is, such as a scene file, to which links of a paper may lead.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Text {
+    /// What links name.
+    pub id: String,
+    pub title: String,
+    pub text: String,
 }
 
 /// A table: the first column is read as text, the others as figures unless a cell of them is in words.
@@ -47,6 +58,8 @@ pub struct Cell {
     pub text: String,
     /// Key of the figure and its value in SI.
     pub figure: Option<(String, f64)>,
+    /// A text of the paper that the cell leads to, by its id.
+    pub link: Option<String>,
     pub tone: Tone,
 }
 
@@ -100,6 +113,11 @@ impl Section {
     pub fn table(mut self, caption: &str, head: &[&str], rows: Vec<Vec<Cell>>) -> Section {
         let head = head.iter().map(|cell| cell.to_string()).collect();
         self.blocks.push(Block::Table(Grid { caption: caption.to_string(), head, rows }));
+        self
+    }
+
+    pub fn text(mut self, id: &str, title: &str, text: String) -> Section {
+        self.blocks.push(Block::Text(Text { id: id.to_string(), title: title.to_string(), text }));
         self
     }
 

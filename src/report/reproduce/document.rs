@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Comparison, Verdict, comparisons};
 use crate::report::document_text;
 use crate::report::select::SelectionReport;
-use crate::study::reproduce::{DRIFT_S, Reproduction};
+use crate::study::reproduce::{DRIFT_S, Reproduction, Variation};
 
 /// Everything that is judged, in SI.
 #[derive(Clone, Debug, Serialize)]
@@ -108,7 +108,7 @@ impl ReproductionReport {
                 worst_error_rad: found.checks.worst_rad,
             },
             near_chaotic: ChaosReport {
-                variations: chaos.variations.iter().map(|of| of.name()).collect(),
+                variations: Variation::ALL.map(Variation::name).to_vec(),
                 conditions: (0..chaos.stable.len()).map(spread).collect(),
                 runs: flips.collect(),
                 drifting_runs: chaos.drifting.clone(),

@@ -72,13 +72,11 @@ fn summary(found: &Reproduction, all: &[Comparison]) -> Section {
         ),
     };
     let quick = match found.quick {
-        true => {
-            " This was a quick run: volumes have fewer points and are not judged, and nothing was run at the reference preset."
-        }
+        true => " This was a quick run: volumes have fewer points and are not judged.",
         false => "",
     };
     let chaotic = format!(
-        "Simulations whose class changes with the tolerances, or with a torque a billionth larger or smaller: {} of {}; whose \
+        "Simulations whose class changes with the method, the tolerance, or a torque nudged by up to 1e-7: {} of {}; whose \
          time to stability moves by more than {}: {}.",
         found.chaos.flips.len(),
         found.selection.runs.len(),

@@ -59,7 +59,7 @@ pub fn ours(of: &Comparison) -> Cell {
         Verdict::Outside => Tone::Bad,
         Verdict::NotJudged => Tone::Plain,
     };
-    Cell { text: of.ours_text(), figure: Some((of.figure.to_string(), of.ours)), tone }
+    Cell { text: of.ours_text(), figure: Some((of.figure.to_string(), of.ours)), tone, ..Cell::default() }
 }
 
 /// The reason with its errata; nothing where ours rounds to what is printed.

@@ -118,7 +118,7 @@ fn crossed(section: Section, selection: &Selection) -> Section {
 /// Counts with their spread, and the runs that make it.
 fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
     let mut head = vec!["stable or semi-stable", "study"];
-    head.extend(chaos.variations.iter().map(|of| of.name()));
+    head.extend(Variation::ALL.map(Variation::name));
     head.extend(["in all", "in any"]);
     let line = |condition: usize| {
         let counts = chaos.stable[condition].iter().chain([&chaos.always[condition], &chaos.ever[condition]]);
@@ -127,8 +127,9 @@ fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
     };
     let section = section
         .words(
-            "A rebound multiplies small differences. Every statically stable run was therefore repeated with other tolerances \
-             and with torques that differ by a billionth; where the class changes, it is not a property of the design alone.",
+            "A rebound multiplies small differences. Every statically stable run was therefore repeated by another method at a \
+             hundredth of the tolerance, by that with a torque larger by 1e-7, and as it was with a torque larger by a \
+             billionth; where the class changes, it is not a property of the design alone.",
         )
         .table(
             "Dynamically stable runs by variation: the spread of the counts.",
@@ -147,7 +148,7 @@ fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
         return section.words("No run changes its class.");
     }
     let mut head = vec!["run", "design", "condition", "study"];
-    head.extend(chaos.variations.iter().map(|of: &Variation| of.name()));
+    head.extend(Variation::ALL.map(Variation::name));
     let line = |flip: &crate::study::reproduce::Flip| {
         let mut cells = vec![
             Cell::new(flip.run.to_string()),

@@ -31,7 +31,10 @@ pub fn reproduction_text(found: &Reproduction) -> Sheet {
     let chaotic: Vec<String> = report.near_chaotic.runs.iter().map(|flip| flip.run.to_string()).collect();
     text.push_str(&match chaotic.is_empty() {
         true => "no run changes its class with the tolerances\n".to_string(),
-        false => format!("class changes with tolerances or a torque nudged by 1e-9: runs {}\n", chaotic.join(", ")),
+        false => format!(
+            "class changes with the method, the tolerance or a torque nudged by up to 1e-7: runs {}\n",
+            chaotic.join(", ")
+        ),
     });
     text.push_str(&format!("{}\n", checked(&found.checks)));
     let drifting: Vec<String> = report.near_chaotic.drifting_runs.iter().map(i64::to_string).collect();

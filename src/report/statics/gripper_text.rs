@@ -5,11 +5,8 @@ use super::gripper::{
     GripperStaticsReport, HoldsReport, MotorReport,
 };
 use super::text::closure;
-use crate::wording::figures::{duration, figure, row};
+use crate::wording::figures::{G_M_S2, duration, figure, row};
 use crate::wording::sheet::{Sheet, table};
-
-/// An acceleration of one g, m/s².
-pub const G_M_S2: f64 = 9.81;
 
 /// The whole report, with a line end.
 pub fn gripper_statics_text(report: &GripperStaticsReport) -> Sheet {

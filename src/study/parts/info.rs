@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::error::PartError;
-use crate::study::sweep::{Shard, Study, columns, range};
+use crate::study::sweep::{MOST_SHARDED_RUNS, Shard, Study, columns, range};
 use crate::table::{Groups, TableError};
 
 /// What is in the metadata of a part, each under the name of its field with `phalanx.` before it; `shard` as `3/7`.
@@ -122,7 +122,8 @@ pub(super) fn open(path: &Path) -> Result<(PartInfo, Groups), PartError> {
     let Some(info) = read() else {
         return Err(not("it does not say of which study it is a part, as what --shard writes does".to_string()));
     };
-    let agrees = range(info.runs, info.shard.number, info.shard.of) == Some(info.shard);
+    let known = info.runs <= MOST_SHARDED_RUNS;
+    let agrees = known && range(info.runs, info.shard.number, info.shard.of) == Some(info.shard);
     if !agrees || groups.rows() != info.shard.runs() {
         return Err(PartError::Damaged {
             file: path.display().to_string(),
@@ -136,10 +137,14 @@ pub(super) fn open(path: &Path) -> Result<(PartInfo, Groups), PartError> {
 ///
 /// # Errors
 /// They are not, or cannot be read.
-pub(super) fn sound(path: &Path, study: &Study, groups: &Groups) -> Result<(), PartError> {
+pub(super) fn sound(path: &Path, study: &Study, (info, groups): (&PartInfo, &Groups)) -> Result<(), PartError> {
     let file = || path.display().to_string();
     if groups.columns() != columns(study) {
         return Err(PartError::Damaged { file: file(), reason: "it has other columns than the study".to_string() });
+    }
+    if info.runs != study.runs() {
+        let reason = format!("it says that the study has {} runs, and it has {}", info.runs, study.runs());
+        return Err(PartError::Damaged { file: file(), reason });
     }
     match groups.sound() {
         Ok(true) => Ok(()),

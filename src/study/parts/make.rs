@@ -119,7 +119,7 @@ fn there(study: &Study, part: &PartInfo, out: &Path, restart: bool) -> Result<Op
         let Shard { number, of, .. } = found.shard;
         return Err(taken(format!("is another part of this study, shard {number}/{of}"), help));
     }
-    sound(out, study, &groups)?;
+    sound(out, study, (&found, &groups))?;
     summary_of(out, groups).map(Some)
 }
 

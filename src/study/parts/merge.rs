@@ -170,10 +170,11 @@ impl Joined {
         each: &mut dyn FnMut(u64),
     ) -> io::Result<Result<(), PartError>> {
         let damaged = |reason: String| Ok(Err(PartError::Damaged { file: path.display().to_string(), reason }));
-        let mut groups = match open(path).and_then(|(_, groups)| sound(path, study, &groups).map(|()| groups)) {
-            Ok(groups) => groups,
-            Err(error) => return Ok(Err(error)),
-        };
+        let mut groups =
+            match open(path).and_then(|(info, groups)| sound(path, study, (&info, &groups)).map(|()| groups)) {
+                Ok(groups) => groups,
+                Err(error) => return Ok(Err(error)),
+            };
         let mut next = shard.first;
         loop {
             if !go_on() {

@@ -1,15 +1,18 @@
-//! Which of the simulations are near-chaotic: their class depends on tolerances and on torques a billionth apart.
+//! Which of the simulations are near-chaotic: their class depends on tolerances and on torques a little apart.
 //!
 //! A rebound multiplies small differences. After a few of them two runs that began alike can come to rest at other times, or
-//! one of them not at all; then the class is not a property of the design alone.
+//! one of them not at all; then the class is not a property of the design alone. The runs that a check makes anyway say what
+//! another method, finer, and a torque that is pushed make of it.
 
+use super::checks::{Checks, tell};
 use super::{ReproduceError, STOPPED};
-use crate::check::pushed;
-use crate::criteria::{Class, Tracker, at_rest};
-use crate::scene::{Preset, Scene};
+use crate::check::{Check, PUSH, check_heard, pushed};
+use crate::criteria::{AtRest, Class, Tracker, at_rest};
+use crate::scene::Scene;
 use crate::study::pool;
-use crate::study::select::{Candidate, Selection};
-use crate::trace::{self, RunError};
+use crate::study::select::{Candidate, RunStatus, Selection};
+use crate::table::Table;
+use crate::trace::{self, Model, RunError, Sink};
 
 /// How far torques are nudged, relative.
 const NUDGE: f64 = 1e-9;
@@ -20,43 +23,31 @@ pub const DRIFT_S: f64 = 1e-5;
 /// A run that should be the same as the study's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variation {
-    /// All tolerances a tenth.
-    Tighter,
-    /// The reference preset: another method, and the tightest tolerances.
-    Reference,
-    /// The motor torque a billionth larger, and smaller.
-    Stronger,
-    Weaker,
+    /// The run that the study's is checked against: another method, at a hundredth of the tolerance.
+    Finer,
+    /// The same with a motor torque that is larger by [`PUSH`] of itself.
+    Pushed,
+    /// As the study runs, with a torque a billionth larger.
+    Nudged,
 }
 
 impl Variation {
-    pub const ALL: [Variation; 4] = [Variation::Tighter, Variation::Reference, Variation::Stronger, Variation::Weaker];
+    pub const ALL: [Variation; 3] = [Variation::Finer, Variation::Pushed, Variation::Nudged];
 
     pub fn name(self) -> &'static str {
         match self {
-            Variation::Tighter => "tolerances a tenth",
-            Variation::Reference => "reference preset",
-            Variation::Stronger => "torque + 1e-9",
-            Variation::Weaker => "torque − 1e-9",
-        }
-    }
-
-    fn apply(self, scene: &Scene) -> Scene {
-        let own = &scene.integrator;
-        match self {
-            Variation::Tighter => Scene { integrator: own.with_rtol(0.1 * own.rtol), ..scene.clone() },
-            Variation::Reference => Scene { integrator: own.with_preset(Preset::Reference), ..scene.clone() },
-            Variation::Stronger => pushed(scene, NUDGE),
-            Variation::Weaker => pushed(scene, -NUDGE),
+            Variation::Finer => "another method, finer",
+            Variation::Pushed => "the same, torque + 1e-7",
+            Variation::Nudged => "torque + 1e-9",
         }
     }
 }
+
+const _: () = assert!(PUSH == 1e-7, "as it is named");
 
 /// Classes by variation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chaos {
-    /// Which were tried.
-    pub variations: Vec<Variation>,
     /// Runs whose class is not the same in all of them.
     pub flips: Vec<Flip>,
     /// Runs whose time to stability moves by more than [`DRIFT_S`], or which have one in some variations only.
@@ -79,37 +70,43 @@ pub struct Flip {
     pub classes: Vec<Class>,
 }
 
-/// Runs every statically stable run of the study again, in each variation; others are unstable whatever they do.
+/// Checks every completed run of the study, writes into its row what that found, and runs every statically stable one again in each
+/// variation; others are unstable whatever they do.
 pub fn chaos(
     scenes: &[Scene],
+    results: &mut Table,
     selection: &Selection,
-    quick: bool,
     threads: usize,
     go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Chaos, ReproduceError> {
-    let variations: Vec<Variation> =
-        Variation::ALL.into_iter().filter(|&of| !(quick && of == Variation::Reference)).collect();
-    let jobs: Vec<(usize, usize)> = (0..variations.len())
-        .flat_map(|variation| (0..selection.runs.len()).map(move |run| (variation, run)))
-        .filter(|&(_, run)| selection.runs[run].force_positive == Some(true))
-        .collect();
-    let found = ends(scenes, &jobs, &variations, threads, go_on)?;
+) -> Result<(Checks, Chaos), ReproduceError> {
+    let jobs: Vec<usize> =
+        (0..selection.runs.len()).filter(|&run| selection.runs[run].status == RunStatus::Completed).collect();
+    let work = |&run: &usize, _: &_| again(&scenes[run], selection.runs[run].force_positive == Some(true), go_on);
+    let found: Vec<Again> = pool::map(threads, &jobs, work, |()| ()).into_iter().collect::<Result<_, _>>()?;
+    let mut checks = Checks::default();
+    for (&run, again) in jobs.iter().zip(&found) {
+        checks.add(selection.runs[run].run, &again.check);
+        tell(results, selection.runs[run].row, &again.check);
+    }
     let class = |run: &Candidate| run.class.unwrap_or(Class::Unstable);
+    let moves = |own: Option<f64>, other: Option<f64>| match (own, other) {
+        (Some(own_s), Some(other_s)) => (own_s - other_s).abs() > DRIFT_S,
+        (None, None) => false,
+        _ => true,
+    };
     let mut drifting: Vec<i64> = jobs
         .iter()
         .zip(&found)
-        .filter(|((_, run), end)| match (selection.runs[*run].tts_s, end.1) {
-            (Some(tts_s), Some(other_s)) => (tts_s - other_s).abs() > DRIFT_S,
-            (None, None) => false,
-            _ => true,
-        })
-        .map(|((_, run), _)| selection.runs[*run].run)
+        .filter(|(run, again)| again.ends.iter().flatten().any(|end| moves(selection.runs[**run].tts_s, end.1)))
+        .map(|(run, _)| selection.runs[*run].run)
         .collect();
     drifting.sort_unstable();
-    drifting.dedup();
-    let mut all: Vec<Vec<Class>> = selection.runs.iter().map(|run| vec![class(run); variations.len()]).collect();
-    for (&(variation, run), (of, _)) in jobs.iter().zip(found) {
-        all[run][variation] = of;
+    let own = |run: &Candidate| [class(run); Variation::ALL.len()];
+    let mut all: Vec<[Class; Variation::ALL.len()]> = selection.runs.iter().map(own).collect();
+    for (&run, again) in jobs.iter().zip(found) {
+        if let Some(ends) = again.ends {
+            all[run] = ends.map(|(class, _)| class);
+        }
     }
     let flips = selection.runs.iter().zip(&all).filter(|(run, of)| of.iter().any(|of| *of != class(run)));
     let flips = flips
@@ -118,21 +115,21 @@ pub fn chaos(
             design: run.design,
             condition: run.condition,
             class: class(run),
-            classes: of.clone(),
+            classes: of.to_vec(),
         })
         .collect();
     let good = |class: Class| matches!(class, Class::Stable | Class::SemiStable);
     let count = |condition: usize, test: &dyn Fn(Class, &[Class]) -> bool| {
         let runs = selection.runs.iter().zip(&all).filter(|(run, _)| run.condition == condition);
-        runs.filter(|(run, of)| test(class(run), of)).count()
+        runs.filter(|(run, of)| test(class(run), &of[..])).count()
     };
     let conditions = 0..selection.conditions.len();
     let by_variation = |condition: usize| {
         let own = count(condition, &|class, _| good(class));
-        let others = (0..variations.len()).map(|index| count(condition, &|_, of| good(of[index])));
+        let others = (0..Variation::ALL.len()).map(|index| count(condition, &|_, of| good(of[index])));
         std::iter::once(own).chain(others).collect()
     };
-    Ok(Chaos {
+    let chaos = Chaos {
         flips,
         drifting,
         stable: conditions.clone().map(by_variation).collect(),
@@ -143,40 +140,49 @@ pub fn chaos(
         ever: conditions
             .map(|condition| count(condition, &|class, of| good(class) || of.iter().any(|of| good(*of))))
             .collect(),
-        variations,
-    })
+    };
+    Ok((checks, chaos))
 }
 
 /// How a run ends: its class and its time to stability.
 type End = (Class, Option<f64>);
 
-/// The end of every job (variation, run), on many threads.
-fn ends(
-    scenes: &[Scene],
-    jobs: &[(usize, usize)],
-    variations: &[Variation],
-    threads: usize,
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Vec<End>, ReproduceError> {
-    let work = |&(variation, run): &(usize, usize), _: &_| match go_on() {
-        true => end(&variations[variation].apply(&scenes[run])),
-        false => Err(ReproduceError::of("a variation")(&STOPPED)),
-    };
-    pool::map(threads, jobs, work, |()| ()).into_iter().collect()
+/// What running a simulation again came to.
+struct Again {
+    check: Check,
+    /// In the order of the variations, where they are asked for.
+    ends: Option<[End; Variation::ALL.len()]>,
 }
 
-/// The end of one run. One that breaks off is unstable.
-fn end(scene: &Scene) -> Result<End, ReproduceError> {
+/// Checks a run, and looks how it ends otherwise.
+fn again(scene: &Scene, varied: bool, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Again, ReproduceError> {
     let error = ReproduceError::of("a variation");
     let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
     let rest = at_rest(scene, object).map_err(|reason| error(&reason))?;
+    let tracker = || Tracker::new(rest.angles());
+    let (mut finer, mut pushed) = (tracker(), tracker());
+    let heard: [&mut dyn Sink; 2] = if varied { [&mut finer, &mut pushed] } else { [&mut (), &mut ()] };
+    let check = check_heard(Model::Analytic, scene, heard, go_on);
+    let ends = match varied {
+        true => Some([end(&finer, &rest), end(&pushed, &rest), nudged(scene, &rest)?]),
+        false => None,
+    };
+    // What was broken off says nothing.
+    if go_on() { Ok(Again { check, ends }) } else { Err(error(&STOPPED)) }
+}
+
+fn end(tracker: &Tracker, rest: &AtRest) -> End {
+    let criteria = tracker.criteria(rest.is_stable());
+    (criteria.class, criteria.tts_s)
+}
+
+/// The end of the run with another torque. One that breaks off is unstable.
+fn nudged(scene: &Scene, rest: &AtRest) -> Result<End, ReproduceError> {
+    let scene = Scene { log: scene.log.without_grid(scene.duration_s), ..pushed(scene, NUDGE) };
     let mut tracker = Tracker::new(rest.angles());
-    match trace::run_analytic(scene, &mut tracker) {
-        Ok(_) => {
-            let criteria = tracker.criteria(rest.is_stable());
-            Ok((criteria.class, criteria.tts_s))
-        }
+    match trace::run_analytic(&scene, &mut tracker) {
+        Ok(_) => Ok(end(&tracker, rest)),
         Err(RunError::Simulation { .. }) => Ok((Class::Unstable, None)),
-        Err(RunError::Sink(reason)) => Err(error(&reason)),
+        Err(RunError::Sink(reason)) => Err(ReproduceError::of("a variation")(&reason)),
     }
 }

@@ -1,8 +1,7 @@
 //! What the checks of the 384 simulations found.
 
-use super::ReproduceError;
-use crate::check::Verdict;
-use crate::table::{Table, TableError};
+use crate::check::{Check, Verdict};
+use crate::table::{Table, Value};
 
 /// Runs by what their check says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,51 +16,64 @@ pub struct Checks {
     pub worst_rad: f64,
 }
 
-/// Reads them off the results of the study.
-pub fn checks(results: &Table) -> Result<Checks, ReproduceError> {
-    read(results).map_err(|error| ReproduceError::of("the checks")(&error))
-}
-
-fn read(results: &Table) -> Result<Checks, TableError> {
-    let mut found = Checks::default();
-    let columns = (results.integers("run")?, results.texts("check")?, results.numbers("check_error_rad")?);
-    for ((run, verdict), error_rad) in columns.0.into_iter().zip(columns.1).zip(columns.2) {
-        let (Some(run), Some(verdict)) = (run, verdict) else { continue };
-        found.runs += 1;
-        let is = |of: Verdict| verdict == of.name();
-        if is(Verdict::Uncertain) {
-            found.uncertain.push(run);
-        } else if is(Verdict::Chaotic) {
-            found.chaotic.push(run);
-        } else if is(Verdict::Unknown) {
-            found.unknown.push(run);
-        } else {
-            found.worst_rad = found.worst_rad.max(error_rad.unwrap_or(0.0));
+impl Checks {
+    /// Counts the check of a run.
+    pub fn add(&mut self, run: i64, check: &Check) {
+        self.runs += 1;
+        match check.verdict {
+            Verdict::Uncertain => self.uncertain.push(run),
+            Verdict::Chaotic => self.chaotic.push(run),
+            Verdict::Unknown => self.unknown.push(run),
+            Verdict::Sure => self.worst_rad = self.worst_rad.max(check.errors.path),
         }
     }
-    Ok(found)
+}
+
+/// Writes what the check of a run found into its row, as a sweep with `--check` does.
+pub fn tell(results: &mut Table, row: usize, check: &Check) {
+    let cells = [("check", Value::from(check.verdict.name())), ("check_error_rad", Value::Number(check.errors.path))];
+    for (name, value) in cells {
+        if let Some(at) = results.columns.iter().position(|column| column.name == name) {
+            results.rows[row][at] =
+                if matches!(value, Value::Number(x) if !x.is_finite()) { Value::Missing } else { value };
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Column, Kind, Value};
+    use crate::table::{Column, Kind};
 
     #[test]
     fn runs_are_sorted_by_their_verdict() {
-        let columns = [("run", Kind::Integer), ("check", Kind::Text), ("check_error_rad", Kind::Number)];
-        let line = |run: i64, verdict: &str, error: f64| vec![run.into(), verdict.into(), error.into()];
-        let failed = vec![6.into(), Value::Missing, Value::Missing];
-        let rows = vec![
-            line(1, "sure", 2e-9),
-            line(2, "sure", 7e-8),
-            line(3, "uncertain", 1e-3),
-            line(4, "chaotic", 1.0),
-            line(5, "unknown", 0.0),
-            failed,
+        let check = |verdict, path| Check {
+            verdict,
+            errors: crate::check::Errors { path, ..Default::default() },
+            sensitivity: 0.0,
+            bar: 1e-5,
+            against: String::new(),
+            reason: None,
+        };
+        let all = [
+            (1, Verdict::Sure, 2e-9),
+            (2, Verdict::Sure, 7e-8),
+            (3, Verdict::Uncertain, 1e-3),
+            (4, Verdict::Chaotic, f64::INFINITY),
+            (5, Verdict::Unknown, 0.0),
         ];
-        let table = Table::new(columns.map(|(name, kind)| Column::new(name, kind)).to_vec(), rows);
+        let columns = [("run", Kind::Integer), ("check", Kind::Text), ("check_error_rad", Kind::Number)];
+        let rows = (1..=6).map(|run: i64| vec![run.into(), Value::Missing, Value::Missing]).collect();
+        let mut table = Table::new(columns.map(|(name, kind)| Column::new(name, kind)).to_vec(), rows);
+        let mut checks = Checks::default();
+        for (run, verdict, error) in all {
+            checks.add(run, &check(verdict, error));
+            tell(&mut table, run as usize - 1, &check(verdict, error));
+        }
         let expected = Checks { runs: 5, uncertain: vec![3], chaotic: vec![4], unknown: vec![5], worst_rad: 7e-8 };
-        assert_eq!(checks(&table), Ok(expected));
+        assert_eq!(checks, expected);
+        assert_eq!(table.rows[1], [2.into(), "sure".into(), 7e-8.into()]);
+        assert_eq!(table.rows[3], [4.into(), "chaotic".into(), Value::Missing], "what is no number is not there");
+        assert_eq!(table.rows[5], [6.into(), Value::Missing, Value::Missing], "not checked");
     }
 }

@@ -7,8 +7,8 @@
 //! | `sizing` | spring and motor of design 95; places and types of the spring over all designs |
 //! | `designs` | masses, trajectories and statics of the 192 designs, also by other sizings |
 //! | `grids` | volumes with points elsewhere and by other torques |
-//! | `chaos` | which of the simulations change their class with the tolerances |
-//! | `checks` | what the checks of the simulations found |
+//! | `chaos` | the simulations again: their checks, and which of them change their class with method, tolerance or torque |
+//! | `checks` | what the checks found |
 //! | `chosen` | design 95 as printed, and its CAD model |
 //! | `measured` | everything found, by the keys of the figures |
 //!
@@ -50,7 +50,7 @@ pub const QUICK_RESOLUTION: usize = 10;
 /// Everything that was found.
 #[derive(Clone, Debug)]
 pub struct Reproduction {
-    /// Coarser volumes, and no runs at the reference preset.
+    /// Coarser volumes.
     pub quick: bool,
     pub sizing: SizingFound,
     pub designs: Designs,
@@ -103,10 +103,10 @@ pub fn reproduce(
         if go_on() { Ok(()) } else { Err(ReproduceError::of(name)(&STOPPED)) }
     };
     let mut study = sweep::parse(STUDY, "thesis.toml").map_err(|error| ReproduceError::of("the study")(&error))?;
-    study.checked = true;
+    // Their checks come with the variations, which are runs of the checks.
+    study.checked = false;
     next("the 384 simulations")?;
-    let results = swept(&study, threads, go_on)?;
-    let checks = checks::checks(&results)?;
+    let mut results = swept(&study, threads, go_on)?;
     let scenes = scenes(&study)?;
     let selection =
         select(&results, &SelectionCriteria::default()).map_err(|error| ReproduceError::of("the selection")(&error))?;
@@ -119,7 +119,7 @@ pub fn reproduce(
     let volumes = volumes(quick, threads, go_on)?;
     let grids = grids::grids(&sizing, go_on)?;
     next("runs that are near-chaotic")?;
-    let chaos = chaos::chaos(&scenes, &selection, quick, threads, go_on)?;
+    let (checks, chaos) = chaos::chaos(&scenes, &mut results, &selection, threads, go_on)?;
     next("design 95")?;
     let (chosen, cad) = (chosen::chosen()?, chosen::cad()?);
     Ok(Reproduction { quick, sizing, designs, volumes, grids, results, checks, selection, chaos, chosen, cad })

@@ -84,6 +84,20 @@ impl Range {
         }
     }
 
+    /// Which part of the way a value in SI is.
+    pub fn share(&self, si: f64) -> f64 {
+        let ends = [self.at(0.0, false), self.at(1.0, false)].map(|point| match point.value {
+            Value::Number(number) => number,
+            _ => f64::NAN,
+        });
+        match self.spacing {
+            _ if si == ends[0] => 0.0,
+            _ if si == ends[1] => 1.0,
+            Spacing::Linear => (si - ends[0]) / (ends[1] - ends[0]),
+            Spacing::Log => (si / ends[0]).ln() / (ends[1] / ends[0]).ln(),
+        }
+    }
+
     /// So many values from end to end.
     pub fn grid(&self, count: u64) -> Vec<Vec<Point>> {
         (0..count).map(|index| vec![self.at(index as f64 / (count - 1) as f64, true)]).collect()

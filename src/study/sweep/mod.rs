@@ -10,10 +10,11 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `raw`, `read`, `read_axis`, `base`, `error` | a study file and its scene, checked |
+//! | `raw`, `document`, `read`, `read_axis`, `base`, `error` | a study file and its scene, checked |
 //! | `files` | which files a study needs |
 //! | `field` | fields of a scene: what they hold, their columns |
 //! | `axis`, `sequence` | values of an axis, points of a sample |
+//! | `designs` | studies whose designs are found one after the other |
 //! | `given` | studies of rows that a program has |
 //! | `template` | scene texts |
 //! | `one`, `one_finger`, `one_gripper`, `simulate`, `row` | one run, of a finger or a gripper, and its row |
@@ -24,6 +25,8 @@
 
 mod axis;
 mod base;
+mod designs;
+mod document;
 mod error;
 mod field;
 mod files;
@@ -43,6 +46,14 @@ mod simulate;
 mod summary;
 mod template;
 mod trust;
+
+pub(in crate::study) use axis::{Axis as SweepAxis, Range, Spacing};
+pub(in crate::study) use designs::{Designs, of_designs};
+pub(in crate::study) use document::{Document, document, refused};
+pub(in crate::study) use raw::{Anything, List, RawAxis, RawFilter, swept};
+pub(in crate::study) use read::{filter_of, stem, text_of};
+pub(in crate::study) use read_axis::{axes, between, field, read};
+pub(in crate::study) use row::found;
 
 pub use error::StudyError;
 pub use field::{Field, Holds, Point};

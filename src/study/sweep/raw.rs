@@ -155,7 +155,7 @@ pub fn schema() -> String {
 }
 
 /// The kinds of scenes that a study takes.
-fn swept() -> [Json; 2] {
+pub(in crate::study) fn swept() -> [Json; 2] {
     [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
         let mut schema = schema_of(kind).clone();
         schema.as_object_mut().map(|map| map.remove("$schema"));

@@ -4,14 +4,10 @@ use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::Path;
 
-use serde::Deserialize;
-use toml::de::{DeTable, DeValue, Deserializer};
-use toml::{Spanned, Table};
-
 use super::axis::{Axis, Points};
-use super::base::{self, Base};
+use super::document::{Document, document, refused};
 use super::error::StudyError;
-use super::raw::{RawSample, RawStudy, schema_json};
+use super::raw::{RawFilter, RawSample, RawStudy, schema_json};
 use super::read_axis;
 use super::sequence::{MOST_HALTON, Method, Sequence};
 use super::template::Template;
@@ -22,10 +18,7 @@ use crate::scene::check::Checker;
 use crate::scene::entry::Section;
 use crate::scene::error::line_column;
 use crate::scene::file::too_large;
-use crate::scene::kinds::{Kind, Text};
-use crate::scene::text::syntax;
 use crate::scene::words::SceneKind;
-use crate::scene::{SceneError, keys};
 use crate::trace::Model;
 
 /// Reads and checks a study file and the base scene it names.
@@ -33,7 +26,12 @@ use crate::trace::Model;
 /// # Errors
 /// What is wrong with either, with file, line and column.
 pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
-    let path = path.as_ref();
+    let (text, file) = text_of(path.as_ref())?;
+    parse(&text, &file)
+}
+
+/// The text of a study file, and its name for messages.
+pub(in crate::study) fn text_of(path: &Path) -> Result<(String, String), StudyError> {
     let file = path.display().to_string();
     let unreadable = |reason: String| StudyError::Read { file: file.clone(), reason };
     if path.is_dir() {
@@ -49,7 +47,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
         let (line, column) = line_column(&before, before.len());
         unreadable(format!("it is not UTF-8 text at {line}:{column}; save it as UTF-8, a study is a TOML file"))
     })?;
-    parse(&text, &file)
+    Ok((text, file))
 }
 
 /// Checks the text of a study; `file_name` appears in messages, gives the default name, and the directory from which a
@@ -58,52 +56,15 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
 /// # Errors
 /// What is wrong with the study or its base scene.
 pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
-    let refuse = |problems| {
-        StudyError::Invalid(SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems })
-    };
-    let mut document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
-    let inline = take(document.get_mut(), "scene");
-    let set = take(document.get_mut(), "set");
-    let schema = schema_json();
-    let allowed = keys::Allowed { kind: "study", schema: &schema, others: Vec::new() };
-    let mut problems = keys::weed(document.get_mut(), &allowed);
-    let raw = RawStudy::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
-    let has_scene = inline.is_some();
-    // What the axes and [set] may say depends on the kind of scene, so its file is looked at first; what is wrong there is said last.
-    let named = raw.scene.given.as_ref().and_then(|given| Text::read("scene", given).ok());
-    let base = named.map(|scene| base::load(&scene, file_name, raw.scene.span()));
-    let kind = match (&inline, &base) {
-        (Some(inline), _) => base::kind_of(inline.get_ref()),
-        (None, Some(Ok(base))) => base.kind,
-        (None, _) => SceneKind::Finger,
-    };
-    let mut part = |table: Option<Spanned<DeTable<'_>>>, path: &str| {
-        table.map_or(Table::new(), |table| base::check(table, path, kind, &mut problems))
-    };
-    let (inline, set) = (part(inline, "scene"), part(set, "set"));
-
+    let Document { raw, kind, problems, scene } =
+        document(text, file_name, &schema_json(), |raw: &RawStudy| &raw.scene)?;
+    let refuse = |problems| refused(text, file_name, problems);
     let mut c = Checker::new(text, problems);
-    let scene = c.get("scene", &raw.scene);
-    if scene.is_none() && !has_scene && !raw.scene.is_given() {
-        let help = "say which scene is the base: scene = \"experiment-95.toml\", or give it here as a table [scene]";
-        c.push(None, "`scene` is missing", "", help);
-    }
+    scene.check(&mut c, &raw.scene);
     let axes = read_axis::axes(&mut c, &raw.axes, kind);
     let range = raw.axes.iter().find(|axis| axis.from.is_given() && axis.to.is_given() && !axis.count.is_given());
     let sequence = sample(&mut c, &raw.sample, &axes, raw.axes.len(), range.map(|axis| axis.from.span()));
-    let filter = Filter {
-        force_positive: c.get("filter.force_positive", &raw.filter.force_positive),
-        palm_force_positive: c.get("filter.palm_force_positive", &raw.filter.palm_force_positive),
-        form_closed: c.get("filter.form_closed", &raw.filter.form_closed),
-    };
-    if kind == SceneKind::Gripper && raw.filter.is_given() {
-        c.push(
-            raw.filter.span.clone(),
-            "[filter] is about the statics of one finger, but the base scene is a gripper",
-            "has no effect",
-            "remove it: the results say of every run what became of the grasp and whether it is form-closed",
-        );
-    }
+    let filter = filter_of(&mut c, &raw.filter, kind);
     let name = c.get("name", &raw.name).unwrap_or_else(|| stem(file_name));
     let description = c.get("description", &raw.description).unwrap_or_default();
     let model = c.or("model", &raw.model, Model::Analytic);
@@ -119,14 +80,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         return Err(refuse(c.into_problems()));
     }
 
-    let Base { mut table, text: base, .. } = match base {
-        Some(base) => base.map_err(|error| match error {
-            base::Refusal::Study(problem) => refuse(vec![problem]),
-            base::Refusal::Scene(error) => StudyError::Invalid(error),
-        })?,
-        None => Base { table: inline, kind, text: String::new() },
-    };
-    super::template::merge(&mut table, set);
+    let (table, base) = scene.put_together(text, file_name)?;
     let fields: Vec<&str> = axes.iter().flat_map(|axis| &axis.fields).map(|field| field.path.as_str()).collect();
     let broken = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
     let template = Template::new(table, &fields).map_err(broken)?;
@@ -147,14 +101,20 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     })
 }
 
-/// Takes a table out of the document; anything else of that name stays, to be complained about.
-fn take<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTable<'a>>> {
-    document.get(key).filter(|value| matches!(value.get_ref(), DeValue::Table(_)))?;
-    let value = document.remove(key)?;
-    let span = value.span();
-    match value.into_inner() {
-        DeValue::Table(table) => Some(Spanned::new(span, table)),
-        _ => None,
+/// Which designs are simulated; notes where that cannot be said.
+pub(in crate::study) fn filter_of(c: &mut Checker<'_>, raw: &Section<RawFilter>, kind: SceneKind) -> Filter {
+    if kind == SceneKind::Gripper && raw.is_given() {
+        c.push(
+            raw.span.clone(),
+            "[filter] is about the statics of one finger, but the base scene is a gripper",
+            "has no effect",
+            "remove it: the results say of every run what became of the grasp and whether it is form-closed",
+        );
+    }
+    Filter {
+        force_positive: c.get("filter.force_positive", &raw.force_positive),
+        palm_force_positive: c.get("filter.palm_force_positive", &raw.palm_force_positive),
+        form_closed: c.get("filter.form_closed", &raw.form_closed),
     }
 }
 
@@ -214,7 +174,7 @@ fn total(axes: &[Axis], sequence: Option<&Sequence>) -> Option<u64> {
 }
 
 /// The file's name without its extension.
-fn stem(file_name: &str) -> String {
+pub(in crate::study) fn stem(file_name: &str) -> String {
     let stem = Path::new(file_name).file_stem().unwrap_or_default().to_string_lossy();
     if stem.trim().is_empty() { "study".into() } else { stem.into_owned() }
 }

@@ -6,16 +6,17 @@ use toml::Spanned;
 
 use super::axis::{Axis, Points, Range, Spacing};
 use super::field::{Field, Point};
-use super::raw::RawAxis;
+use super::raw::{Anything, RawAxis};
 use crate::scene::any::Any;
 use crate::scene::check::Checker;
-use crate::scene::entry::Section;
+use crate::scene::entry::{Entry, Section};
+use crate::scene::kinds::Choice;
 use crate::scene::schema::schema_of;
 use crate::scene::words::SceneKind;
 use crate::table::Value;
 
 /// All axes that can be made out; what is wrong is noted. A study without axes runs its scene once.
-pub fn axes(c: &mut Checker<'_>, raw: &[Section<RawAxis>], kind: SceneKind) -> Vec<Axis> {
+pub(in crate::study) fn axes(c: &mut Checker<'_>, raw: &[Section<RawAxis>], kind: SceneKind) -> Vec<Axis> {
     let mut found: Vec<Axis> = Vec::new();
     for axis in raw {
         let span = axis.field.span().or(axis.fields.span());
@@ -87,33 +88,7 @@ fn single(c: &mut Checker<'_>, raw: &Section<RawAxis>, again: bool, kind: SceneK
 }
 
 fn range(c: &mut Checker<'_>, raw: &Section<RawAxis>, field: Field, again: bool) -> Option<Axis> {
-    for (key, given) in [("from", raw.from.is_given()), ("to", raw.to.is_given())] {
-        if !given {
-            c.missing(key, raw, "a range has both ends: from and to");
-            return None;
-        }
-    }
-    let ends = [("from", &raw.from), ("to", &raw.to)].map(|(key, entry)| {
-        let value = c.get(key, entry)?;
-        read(c, &field, &value)
-    });
-    let [Some(from), Some(to)] = ends else { return None };
-    let spacing = c.or("spacing", &raw.spacing, Spacing::Linear);
-    let Some(range) = Range::between(&field, &from, &to, spacing) else {
-        let message = format!("`{}` has no range: between two of its values there are no others", field.path);
-        c.push(raw.from.span(), message, "not a quantity, not a number", "list its values: values = [..]");
-        return None;
-    };
-    if range.from == range.to {
-        let message = format!("the range of `{}` ends where it begins", field.path);
-        c.push(raw.to.span(), message, "the same again", "give another end, or a single value: values = [..]");
-        return None;
-    }
-    if spacing == Spacing::Log && !(range.from > 0.0 && range.to > 0.0) {
-        let message = format!("the range of `{}` is not above 0, which spacing = \"log\" needs", field.path);
-        c.push(raw.spacing.span(), message, "needs values above 0", "change the range, or use spacing = \"linear\"");
-        return None;
-    }
+    let range = between(c, raw, &field, [&raw.from, &raw.to], &raw.spacing)?;
     if !raw.count.is_given() {
         if again {
             let message = format!("the sample of `{}` cannot run the same designs again", field.path);
@@ -130,6 +105,44 @@ fn range(c: &mut Checker<'_>, raw: &Section<RawAxis>, field: Field, again: bool)
             None
         }
     }
+}
+
+/// The range of a field between two ends that stand in a section.
+pub(in crate::study) fn between<T>(
+    c: &mut Checker<'_>,
+    section: &Section<T>,
+    field: &Field,
+    [first, last]: [&Entry<Anything>; 2],
+    spacing: &Entry<Choice<Spacing>>,
+) -> Option<Range> {
+    for (key, given) in [("from", first.is_given()), ("to", last.is_given())] {
+        if !given {
+            c.missing(key, section, "a range has both ends: from and to");
+            return None;
+        }
+    }
+    let ends = [("from", first), ("to", last)].map(|(key, entry)| {
+        let value = c.get(key, entry)?;
+        read(c, field, &value)
+    });
+    let [Some(from), Some(to)] = ends else { return None };
+    let how = c.or("spacing", spacing, Spacing::Linear);
+    let Some(range) = Range::between(field, &from, &to, how) else {
+        let message = format!("`{}` has no range: between two of its values there are no others", field.path);
+        c.push(first.span(), message, "not a quantity, not a number", "list its values: values = [..]");
+        return None;
+    };
+    if range.from == range.to {
+        let message = format!("the range of `{}` ends where it begins", field.path);
+        c.push(last.span(), message, "the same again", "give another end, or a single value: values = [..]");
+        return None;
+    }
+    if how == Spacing::Log && !(range.from > 0.0 && range.to > 0.0) {
+        let message = format!("the range of `{}` is not above 0, which spacing = \"log\" needs", field.path);
+        c.push(spacing.span(), message, "needs values above 0", "change the range, or use spacing = \"linear\"");
+        return None;
+    }
+    Some(range)
 }
 
 /// An axis of several fields by rows of values.
@@ -184,12 +197,19 @@ fn values(c: &mut Checker<'_>, fields: &[Field], row: &Spanned<Any>) -> Option<V
     }
 }
 
-fn field(c: &mut Checker<'_>, path: &str, span: Option<Span<usize>>, kind: SceneKind) -> Option<Field> {
+/// The field of a path; notes if there is none.
+pub(in crate::study) fn field(
+    c: &mut Checker<'_>,
+    path: &str,
+    span: Option<Span<usize>>,
+    kind: SceneKind,
+) -> Option<Field> {
     let found = Field::find(path, schema_of(kind));
     found.map_err(|(message, label, help)| c.push(span, message, label, help)).ok()
 }
 
-fn read(c: &mut Checker<'_>, field: &Field, value: &Spanned<Any>) -> Option<Point> {
+/// A value of a field; notes what is wrong with it.
+pub(in crate::study) fn read(c: &mut Checker<'_>, field: &Field, value: &Spanned<Any>) -> Option<Point> {
     match field.read(value) {
         Ok(point) if matches!(&point.value, Value::Text(text) if text.contains(['\n', '\r'])) => {
             let message = format!("a value of `{}` has more than one line", field.path);

@@ -43,7 +43,7 @@ pub struct Row {
 }
 
 /// Columns after those of the axes, in order.
-fn found(kind: SceneKind) -> &'static [(&'static str, Kind)] {
+pub(in crate::study) fn found(kind: SceneKind) -> &'static [(&'static str, Kind)] {
     if kind == SceneKind::Gripper { &OF_GRIPPER } else { &OF_FINGER }
 }
 

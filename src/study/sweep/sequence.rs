@@ -8,6 +8,8 @@
 //!
 //! The libraries of such sequences either give `f32` or bring an algebra of their own along; these are short.
 
+use crate::study::random::{scramble, unit};
+
 /// The first primes: bases of the axes of a Halton sequence. Beyond these the points of two axes go hand in hand for too long.
 const PRIMES: [u64; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
 
@@ -74,19 +76,6 @@ fn inverse(mut index: u64, base: u64) -> f64 {
         index /= base;
     }
     value
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
-fn scramble(state: u64) -> u64 {
-    let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// 53 bits as a number within [0, 1).
-fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// 0 … count − 1 in random order (Fisher and Yates).

@@ -22,7 +22,7 @@ pub struct Shard {
 impl Shard {
     /// How many runs it has.
     pub fn runs(&self) -> u64 {
-        (self.last + 1).saturating_sub(self.first)
+        if self.last < self.first { 0 } else { (self.last - self.first).saturating_add(1) }
     }
 }
 

@@ -149,7 +149,7 @@ impl FingerModel {
 }
 
 /// Passive joint angles and rates; q13 is the absolute orientation of l22.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Passive {
     pub q12: f64,
     pub q22: f64,

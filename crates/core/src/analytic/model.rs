@@ -6,7 +6,7 @@
 use super::contact::Geometry;
 use super::finger::{FingerModel, Passive};
 use super::mode::SiteState;
-use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass};
+use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -220,8 +220,27 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 
     /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
     pub fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &Mode) -> Snapshot {
-        let terms = self.finger.terms(own(&q));
-        let sites = Site::ALL.map(|site| self.reading_at(&terms.pose, &terms.rates, &v, site, mode[site as usize]));
+        self.snapshot_of(q, v, mode, (true, true))
+    }
+
+    /// The same, of which the passive joints and the energies may be left out: they are zeros then.
+    pub(crate) fn snapshot_of(
+        &self,
+        q: [f64; N],
+        v: [f64; N],
+        mode: &Mode,
+        (passive, energies): (bool, bool),
+    ) -> Snapshot {
+        let (pose, rates) = self.finger.place(own(&q));
+        let sites = Site::ALL.map(|site| self.reading_at(&pose, &rates, &v, site, mode[site as usize]));
+        let joints = || self.finger.passive(&pose, &rates, own(&q), own(&v));
+        let passive = if passive { joints() } else { Passive::default() };
+        let energies = if energies { self.energies(v, &pose, &sites) } else { Energies::default() };
+        Snapshot { passive, sites, energies }
+    }
+
+    /// Energies of a state whose contacts are read.
+    fn energies(&self, v: [f64; N], pose: &Directions<f64>, sites: &[Option<SiteReading>; 3]) -> Energies {
         let springs = Site::ALL.map(|site| match (self.finger.normal_law(site), &sites[site as usize]) {
             (Some(law), Some(reading)) => elastic_energy(law, reading.delta),
             _ => 0.0,
@@ -230,9 +249,9 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if Self::HOLDS {
             elastic += self.bristles().map(|(memory, bristle)| bristle.energy(v[memory])).sum::<f64>();
         }
-        let [gravity, spring] = self.finger.potential(&terms.pose);
-        let energies = Energies { kinetic: kinetic_energy(&terms.mass, own(&v)), gravity, spring, elastic };
-        Snapshot { passive: self.finger.passive(&terms.pose, &terms.rates, own(&q), own(&v)), sites, energies }
+        let [gravity, spring] = self.finger.potential(pose);
+        let kinetic = kinetic_energy(&terms(&self.finger.dynamics, *pose).mass, own(&v));
+        Energies { kinetic, gravity, spring, elastic }
     }
 
     /// Motor torque at time `t`, in N·m.

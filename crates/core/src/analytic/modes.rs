@@ -169,8 +169,22 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMo
 
     #[inline(always)]
     fn values(&self, q: &[f64; N], v: &[f64; N], mode: &Mode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
-        let place = self.finger.place(own(q));
-        std::array::from_fn(|guard| if wanted[guard] { self.guard(&place, v, mode, guard).value } else { f64::NAN })
+        const SITES: usize = Site::ALL.len();
+        let (pose, rates) = self.finger.place(own(q));
+        let mut values = [f64::NAN; GUARDS];
+        for site in Site::ALL {
+            let guards = [site as usize, site as usize + SITES, site as usize + 2 * SITES];
+            if guards.iter().all(|guard| !wanted[*guard]) {
+                continue;
+            }
+            let at = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site));
+            let laws = |law| (law, self.finger.friction_law(site));
+            for guard in guards.into_iter().filter(|guard| wanted[*guard]) {
+                let quiet = Guard::<N>::QUIET;
+                values[guard] = at.map_or(quiet, |(at, law)| mode.guard(guard, laws(law), &LANDING, &at)).value;
+            }
+        }
+        values
     }
 
     fn landing_tolerance(&self, guard: usize, mode: &Mode) -> f64 {

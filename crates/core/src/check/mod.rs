@@ -16,11 +16,11 @@ mod runs;
 
 use path::Path;
 pub use path::{Errors, LENGTH_M};
-use runs::{Way, is_comparable, run, words};
+use runs::{Way, is_comparable, run, run_heard, words};
 pub use runs::{pushed, pushed_bodies, pushed_gripper};
 
 use crate::integrator::Reason;
-use crate::trace::{Model, Simulated};
+use crate::trace::{Model, Simulated, Sink};
 
 /// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
 pub const PUSH: f64 = 1e-7;
@@ -84,21 +84,33 @@ pub struct Check {
 
 /// Checks a run by one of the models, as the scene says, while `go_on` says so.
 pub fn check<'a>(model: Model, scene: impl Into<Simulated<'a>>, go_on: &dyn Fn() -> bool) -> Check {
+    check_heard(model, scene, [&mut (), &mut ()], go_on)
+}
+
+/// The same, whose finer runs others hear too: the one that the run is held to, and the one that is pushed. They have no energies and
+/// peaks. What takes an engine where the analytic model does not get to the end is heard as well, behind what that said.
+pub fn check_heard<'a>(
+    model: Model,
+    scene: impl Into<Simulated<'a>>,
+    [held_to, pushed]: [&mut dyn Sink; 2],
+    go_on: &dyn Fn() -> bool,
+) -> Check {
     let scene = scene.into();
     let way = Way { finer: false, push: 0.0, budget: u64::MAX, go_on };
     let own = run(scene, model, &way);
     let budget = Way { budget: STEPS_PER_STEP * own.steps + BESIDE, ..way };
     let finer = Way { finer: true, ..budget };
-    let analytic = (model == Model::Analytic || is_comparable(scene)).then(|| run(scene, Model::Analytic, &finer));
+    let analytic =
+        (model == Model::Analytic || is_comparable(scene)).then(|| run_heard(scene, Model::Analytic, &finer, held_to));
     // The analytic model speaks for the engine as far as it gets; beyond, the engine itself does.
     let as_far =
         if model == Model::Engine { analytic.as_ref().map_or(0.0, |path| path::difference(&own, path)) } else { 0.0 };
     let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none() || own.failure.is_some();
     let (second, judge) = match analytic.filter(speaks) {
         Some(analytic) => (analytic, Model::Analytic),
-        None => (run(scene, Model::Engine, &finer), Model::Engine),
+        None => (run_heard(scene, Model::Engine, &finer, held_to), Model::Engine),
     };
-    let pushed = run(scene, judge, &Way { push: PUSH, ..finer });
+    let pushed = run_heard(scene, judge, &Way { push: PUSH, ..finer }, pushed);
     let bar = match model {
         Model::Engine => ENGINE_BAR,
         Model::Analytic if own.events > MANY_EVENTS => MANY_EVENTS_BAR,

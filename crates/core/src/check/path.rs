@@ -2,7 +2,7 @@
 
 use crate::integrator::Reason;
 use crate::numeric::plane::near_turn;
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, Layout, Sample, Sink, SinkError, Wants};
 
 /// Points of the grid: errors come and go within a hundredth of a run.
 pub const POINTS: f64 = 256.0;
@@ -42,10 +42,10 @@ impl<'a> Keep<'a> {
     }
 
     /// Samples also come at short steps, between the points.
-    fn take(&mut self, time_s: f64, values: impl FnOnce(Option<&Vec<f64>>) -> Vec<f64>) {
+    fn take(&mut self, sample: &Sample) {
         let next = self.points.len() as f64 * self.interval_s;
-        if (time_s - next).abs() <= 1e-9 * self.interval_s {
-            self.points.push(values(self.points.last()));
+        if (sample.time_s - next).abs() <= 1e-9 * self.interval_s {
+            self.points.push(coordinates(sample, self.points.last()));
         }
     }
 }
@@ -60,18 +60,29 @@ pub fn coordinates(sample: &Sample, before: Option<&Vec<f64>>) -> Vec<f64> {
     angles.enumerate().map(follow).chain(centres).collect()
 }
 
-impl Sink for Keep<'_> {
+/// Somebody else who hears what is kept.
+pub struct Heard<'a, 'b> {
+    pub keep: &'a mut Keep<'b>,
+    pub sink: &'a mut dyn Sink,
+}
+
+impl Sink for Heard<'_, '_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.take(sample.time_s, |before| coordinates(sample, before));
-        Ok(())
+        self.keep.take(sample);
+        self.sink.sample(sample)
     }
 
-    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
-        Ok(())
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.sink.event(event)
+    }
+
+    /// Coordinates of points, and how the run ends.
+    fn wants(&self) -> Wants {
+        Wants { energies: false, passive: true, peaks: false }
     }
 
     fn proceed(&self) -> bool {
-        (self.go_on)()
+        (self.keep.go_on)() && self.sink.proceed()
     }
 }
 

@@ -1,11 +1,11 @@
 //! The runs that a check compares.
 
-use super::path::{Keep, POINTS, Path, coordinates, units};
+use super::path::{Heard, Keep, POINTS, Path, coordinates, units};
 use crate::analytic::discs::moving_discs;
 use crate::scene::{
     AnyScene, BodiesScene, DiscMotion, Engine, GripperScene, Integrator, Method, Scene, Stepping, Words, scaled,
 };
-use crate::trace::{self, Model, Numerics, Outcome, RunError, Simulated};
+use crate::trace::{self, Model, Numerics, Outcome, RunError, Simulated, Sink};
 
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
 const FINER: f64 = 1e-2;
@@ -117,13 +117,19 @@ fn changed(scene: Simulated<'_>, way: &Way<'_>) -> AnyScene {
 
 /// Runs the scene, and keeps its path.
 pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
+    run_heard(scene, model, way, &mut ())
+}
+
+/// The same with somebody else who hears it.
+pub fn run_heard(scene: Simulated<'_>, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
     let layout = scene.layout();
     let surfaces: Vec<usize> = layout.surfaces().collect();
     let mut keep = Keep::new(scene.duration_s(), way.go_on);
-    let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut keep) {
+    let mut heard = Heard { keep: &mut keep, sink: heard };
+    let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut heard) {
         Ok(outcome) => (outcome, None),
         Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure.reason)),
-        // It takes whatever comes.
+        // A path takes whatever comes; who cannot hear it to its end has not.
         Err(RunError::Sink(_)) => (Outcome::default(), None),
     };
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));

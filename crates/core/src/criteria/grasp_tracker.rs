@@ -6,7 +6,7 @@ use super::history::{History, Onset, Pose};
 use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
 use crate::scene::{Cycle, GripperScene, Place};
-use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError};
+use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError, Wants};
 
 const PLACES: usize = Place::ALL.len();
 
@@ -242,6 +242,10 @@ impl GraspTracker {
 }
 
 impl Sink for GraspTracker {
+    fn wants(&self) -> Wants {
+        Wants { energies: false, passive: false, peaks: true }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.pieces.sample(sample, &mut self.found);
         Ok(())

@@ -3,7 +3,7 @@
 use super::hermite::Hermite;
 use super::pieces::{Judge, Piece, Pieces};
 use super::{Class, Criteria, EPSILON_RAD, rebound_percent};
-use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::trace::{Event, Sample, Sink, SinkError, Wants};
 
 /// The two angles of the geometric final configuration, in which both phalanges touch the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +96,10 @@ impl Judge<2> for Found {
 }
 
 impl Sink for Tracker {
+    fn wants(&self) -> Wants {
+        Wants { energies: false, passive: false, peaks: true }
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.pieces.sample(sample, &mut self.found);
         Ok(())

@@ -1,6 +1,6 @@
 //! A run of a gripper ends where its object has been thrown out: nothing of it comes back.
 
-use super::{BodyState, Event, Outcome, RunError, Sample, Sink, SinkError};
+use super::{BodyState, Event, Outcome, RunError, Sample, Sink, SinkError, Wants};
 use crate::scene::GripperScene;
 
 /// How far from the palm's middle an object has left the gripper, in its radii.
@@ -57,6 +57,10 @@ impl Sink for Watch<'_> {
     fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.look(sample);
         self.sink.extreme(sample)
+    }
+
+    fn wants(&self) -> Wants {
+        self.sink.wants()
     }
 
     fn proceed(&self) -> bool {

@@ -49,6 +49,6 @@ pub use outcome::{ContactSummary, Outcome, Work};
 pub use recording::{Recording, record};
 pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
 pub use simulated::{Numerics, Simulated};
-pub use sink::{Sink, SinkError};
+pub use sink::{Sink, SinkError, Wants};
 pub use slipping::MOST_FRICTION_EVENTS;
 pub use thin::{Thin, Thinned};

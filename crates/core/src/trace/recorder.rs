@@ -4,7 +4,7 @@ use super::grid::{Grid, Span};
 use super::reading::Reader;
 use super::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
 use super::slipping::Slipping;
-use super::{ContactSummary, Energy, Event, EventKind, Outcome, Sample, Sink, SinkError, Work};
+use super::{ContactSummary, Energy, Event, EventKind, Outcome, Sample, Sink, SinkError, Wants, Work};
 use crate::analytic::SiteState;
 use crate::integrator::{Observer, State, Step, StepTools};
 
@@ -20,13 +20,16 @@ struct Place {
 pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> {
     reader: &'a R,
     sink: &'a mut dyn Sink,
+    wants: Wants,
     grid: Grid,
     end_s: f64,
     mode: R::Mode,
     start_energy: Energy,
     places: Vec<Place>,
-    /// Everything at the end of the last step.
+    /// What is wanted at the end of the last step, and the state and mode it is read of.
     last: Sample,
+    last_state: State<N, Z>,
+    last_mode: R::Mode,
     /// Room for the end of the step at hand, and for a sample within it.
     end: Sample,
     within: Sample,
@@ -39,11 +42,12 @@ pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> 
 impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> {
     pub fn new(reader: &'a R, mode: R::Mode, start: &State<N, Z>, span: Span, sink: &'a mut dyn Sink) -> Self {
         let mut last = Sample::default();
-        reader.read(0.0, start, &mode, &Energy::default(), &mut last);
+        reader.read(0.0, start, &mode, &Energy::default(), Wants::ALL, &mut last);
         let start_energy = last.energy;
-        reader.read(0.0, start, &mode, &start_energy, &mut last);
+        reader.read(0.0, start, &mode, &start_energy, Wants::ALL, &mut last);
         Self {
             reader,
+            wants: sink.wants(),
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
@@ -51,6 +55,8 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             start_energy,
             places: vec![Place::default(); last.contacts.len()],
             last,
+            last_state: *start,
+            last_mode: mode,
             end: Sample::default(),
             within: Sample::default(),
             emitted_s: 0.0,
@@ -84,6 +90,10 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         }
         if self.emitted_s < self.last.time_s {
             self.sink.sample(&self.last)?;
+        }
+        if self.wants != Wants::ALL {
+            let (state, mode) = (&self.last_state, &self.last_mode);
+            self.reader.read(self.last.time_s, state, mode, &self.start_energy, Wants::ALL, &mut self.last);
         }
         let summary = |(index, place): (usize, &Place)| ContactSummary { impulse_n_s: end.z[index], ..place.summary };
         let contacts = self.places.iter().enumerate().map(summary).collect();
@@ -150,12 +160,18 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     }
 
     fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
-        self.reader.read(t, state, mode, &self.start_energy, &mut self.within);
+        self.reader.read(t, state, mode, &self.start_energy, self.wants, &mut self.within);
     }
 
     /// By rounding, a sample can be above the peaks that were searched for.
     fn take_within(&mut self) {
         let places = self.places.iter_mut().zip(&self.within.contacts);
+        places.for_each(|(place, contact)| place.summary.take(contact.pressed()));
+    }
+
+    /// The forces and depths at the end of a step that nobody wants the peaks of.
+    fn take_end(&mut self) {
+        let places = self.places.iter_mut().zip(&self.end.contacts);
         places.for_each(|(place, contact)| place.summary.take(contact.pressed()));
     }
 
@@ -206,12 +222,17 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         self.mode = *mode;
+        (self.last_state, self.last_mode) = (*step.end, *mode);
         if let Err(error) = self.note_slips(step.t0, mode) {
             self.error = Some(error);
             return false;
         }
-        self.reader.read(step.t1, step.end, mode, &self.start_energy, &mut self.end);
-        self.search_peaks(mode, tools);
+        self.reader.read(step.t1, step.end, mode, &self.start_energy, self.wants, &mut self.end);
+        if self.wants.peaks {
+            self.search_peaks(mode, tools);
+        } else {
+            self.take_end();
+        }
         std::mem::swap(&mut self.last, &mut self.end);
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);

@@ -11,6 +11,22 @@ pub struct SinkError {
     pub source: std::io::Error,
 }
 
+/// What a sink looks at. A run of the analytic model leaves out what nobody does: of 384 simulations of a sweep that is a tenth of the
+/// time. The last sample of an outcome has everything, and the engine leaves out nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wants {
+    /// Energies of samples, 0 otherwise.
+    pub energies: bool,
+    /// Passive joints of fingers and the torques of their motors, 0 otherwise.
+    pub passive: bool,
+    /// Largest forces and depths within steps, in the outcome and as [`Sink::extreme`] samples; otherwise those at the ends of steps.
+    pub peaks: bool,
+}
+
+impl Wants {
+    pub const ALL: Self = Self { energies: true, passive: true, peaks: true };
+}
+
 /// Takes the samples and events of a run in order of time.
 pub trait Sink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError>;
@@ -22,6 +38,11 @@ pub trait Sink {
     /// a run step by step, and no use for it.
     fn extreme(&mut self, _sample: &Sample) -> Result<(), SinkError> {
         Ok(())
+    }
+
+    /// What it looks at, asked once before a run.
+    fn wants(&self) -> Wants {
+        Wants::ALL
     }
 
     /// Whether the run may go on: asked at least once a step of either model, because samples can be far apart. After a
@@ -54,6 +75,10 @@ impl<T: Sink> Sink for Option<T> {
 
     fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.as_mut().map_or(Ok(()), |sink| sink.extreme(sample))
+    }
+
+    fn wants(&self) -> Wants {
+        self.as_ref().map_or(Wants::ALL, Sink::wants)
     }
 
     fn proceed(&self) -> bool {

@@ -4,7 +4,7 @@ use super::{Reader, refill};
 use crate::analytic::discs::{DiscMode, Discs, PAIRS, PairReading, QUADRATURES};
 use crate::integrator::State;
 use crate::scene::BodiesScene;
-use crate::trace::{BodyState, ContactSample, Energy, Sample};
+use crate::trace::{BodyState, ContactSample, Energy, Sample, Wants};
 
 /// A model, and the scene that has the discs which do not move too.
 pub struct DiscsReader<'a, const N: usize, const M: usize> {
@@ -15,7 +15,15 @@ pub struct DiscsReader<'a, const N: usize, const M: usize> {
 impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, N, M> {
     type Mode = DiscMode;
 
-    fn read(&self, t: f64, state: &State<N, QUADRATURES>, mode: &DiscMode, start: &Energy, sample: &mut Sample) {
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, QUADRATURES>,
+        mode: &DiscMode,
+        start: &Energy,
+        _: Wants,
+        sample: &mut Sample,
+    ) {
         let mut moving = state.q.chunks_exact(3).zip(state.v.chunks_exact(3));
         let discs = self.scene.discs.iter().map(|disc| {
             let coordinates = if disc.motion.moves() { moving.next() } else { None };

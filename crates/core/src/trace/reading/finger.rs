@@ -3,13 +3,21 @@
 use super::{Reader, contact_sample, refill, stored};
 use crate::analytic::{FingerMotion, Mode, QUADRATURES};
 use crate::integrator::State;
-use crate::trace::{ContactSample, Energy, FingerState, Sample, Site};
+use crate::trace::{ContactSample, Energy, FingerState, Sample, Site, Wants};
 
 impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, W> {
     type Mode = Mode;
 
-    fn read(&self, t: f64, state: &State<N, QUADRATURES>, mode: &Mode, start: &Energy, sample: &mut Sample) {
-        let snapshot = self.snapshot(state.q, state.v, mode);
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, QUADRATURES>,
+        mode: &Mode,
+        start: &Energy,
+        wants: Wants,
+        sample: &mut Sample,
+    ) {
+        let snapshot = self.snapshot_of(state.q, state.v, mode, (wants.passive, wants.energies));
         let (passive, energies) = (&snapshot.passive, &snapshot.energies);
         let at = |site: Site| contact_sample(snapshot.sites[site as usize], state.z[site as usize]);
         let [.., contact_work, motor_work] = state.z;
@@ -23,12 +31,13 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             qd21_rad_s: state.v[1],
             qd12_rad_s: passive.qd12,
             qd22_rad_s: passive.qd22,
-            motor_torque_n_m: self.motor_torque(t),
+            motor_torque_n_m: if wants.passive { self.motor_torque(t) } else { 0.0 },
         };
         sample.time_s = t;
         refill(&mut sample.fingers, std::iter::once(finger));
         refill(&mut sample.contacts, Site::ALL.into_iter().map(at));
-        sample.energy = stored(energies).since(start, contact_work, motor_work);
+        sample.energy =
+            if wants.energies { stored(energies).since(start, contact_work, motor_work) } else { Energy::default() };
     }
 
     fn slips(&self, index: usize, mode: &Mode) -> Option<bool> {

@@ -1,18 +1,27 @@
 //! A gripper in a state of the analytic model.
 
 use super::{Reader, contact_sample, refill, stored};
+use crate::analytic::Passive;
 use crate::analytic::gripper::{GripperMode, GripperModel, PLACES, QUADRATURES};
 use crate::integrator::State;
 use crate::scene::{Place, Side};
-use crate::trace::{BodyState, ContactSample, Energy, FingerState, Sample};
+use crate::trace::{BodyState, ContactSample, Energy, FingerState, Sample, Wants};
 
 impl<const N: usize> Reader<N, QUADRATURES> for GripperModel<N> {
     type Mode = GripperMode;
 
-    fn read(&self, t: f64, state: &State<N, QUADRATURES>, mode: &GripperMode, start: &Energy, sample: &mut Sample) {
-        let torques = self.motor_torques(t, &state.v);
+    fn read(
+        &self,
+        t: f64,
+        state: &State<N, QUADRATURES>,
+        mode: &GripperMode,
+        start: &Energy,
+        wants: Wants,
+        sample: &mut Sample,
+    ) {
+        let torques = if wants.passive { self.motor_torques(t, &state.v) } else { [0.0; 2] };
         let finger = |side: Side| {
-            let passive = self.passive(side, &state.q, &state.v);
+            let passive = if wants.passive { self.passive(side, &state.q, &state.v) } else { Passive::default() };
             let first = 2 * side as usize;
             FingerState {
                 q11_rad: state.q[first],
@@ -33,7 +42,11 @@ impl<const N: usize> Reader<N, QUADRATURES> for GripperModel<N> {
         refill(&mut sample.fingers, Side::BOTH.into_iter().map(finger));
         refill(&mut sample.bodies, std::iter::once(object));
         refill(&mut sample.contacts, (0..PLACES).map(|place| self.contact(state, place, mode)));
-        sample.energy = stored(&self.energies(&state.q, &state.v)).since(start, state.z[PLACES], state.z[PLACES + 1]);
+        sample.energy = if wants.energies {
+            stored(&self.energies(&state.q, &state.v)).since(start, state.z[PLACES], state.z[PLACES + 1])
+        } else {
+            Energy::default()
+        };
     }
 
     fn slips(&self, index: usize, mode: &GripperMode) -> Option<bool> {

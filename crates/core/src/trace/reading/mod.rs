@@ -8,7 +8,7 @@ use std::ops::Index;
 
 pub(super) use discs::DiscsReader;
 
-use super::{ContactSample, Energy, Sample};
+use super::{ContactSample, Energy, Sample, Wants};
 use crate::analytic::{Energies, SiteReading, SiteState};
 use crate::integrator::State;
 
@@ -17,8 +17,8 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
     /// Branches of the laws of all contacts.
     type Mode: Copy + Index<usize, Output = SiteState>;
 
-    /// Everything about one state; `start` has the energies at the start of the run, from which works and losses count.
-    fn read(&self, t: f64, state: &State<N, Z>, mode: &Self::Mode, start: &Energy, sample: &mut Sample);
+    /// What is wanted of one state; `start` has the energies at the start of the run, from which works and losses count.
+    fn read(&self, t: f64, state: &State<N, Z>, mode: &Self::Mode, start: &Energy, wants: Wants, sample: &mut Sample);
 
     /// Whether friction that holds slips at a contact: `None` where it is lost or has no bristle, and where the mode does not say.
     fn slips(&self, index: usize, mode: &Self::Mode) -> Option<bool>;

@@ -1,0 +1,285 @@
+//! `phalanx optimize`: the best designs over ranges of fields.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+
+use super::folder::write_all;
+use super::interrupt::Interrupt;
+use super::output::{note, print, show};
+use super::own::{Form, writable};
+use super::progress::Count;
+use super::saved::{broken, save};
+use super::sweep_store::{Found as Stored, Store, open};
+use super::volume_args::threads_or_all;
+use super::words::ModelArg;
+use super::{Failure, Status};
+use crate::plot;
+use crate::report::{
+    OptimisationReport, SweepWork, optimisation_json, optimisation_list, optimisation_paper, optimisation_text,
+    paper_html,
+};
+use crate::study::optimize::{self, Design, Found, Listener, Optimisation, Optimised};
+use crate::study::sweep::Row;
+use crate::table;
+
+/// Search for the best designs: variables within bounds, objectives and constraints on what simulations come to.
+///
+/// The file (TOML) names a base scene, the fields that may change with their bounds, the conditions under which every design runs (friction,
+/// offsets, tolerances), what is to be made small or large, and what has to hold; scenes/studies/optimize-95.toml is one to copy. NSGA-II
+/// finds the front of several objectives, CMA-ES the best by one. The start of the search is the base scene, and all is compared with it.
+///
+/// Every design is a row of OUT, with its generation and whether it is on the front. Its runs are rows of a table beside it (OUT with
+/// `.runs` before its ending), in the columns of `phalanx sweep`; they are on the disk as soon as they end, and the same command again goes
+/// on where an earlier one was ended, to the same bytes. The seed decides, not the number of threads.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx optimize scenes/studies/optimize-95.toml --out front.csv --html front.html\n  phalanx optimize \
+                  my-study.toml --out front.parquet --scenes front --json\n  phalanx optimize my-study.toml --list\n  phalanx optimize \
+                  --schema > optimisation.schema.json\n\nExit status: 0 done; 1 no design meets all constraints; 2 bad input; 3 interrupted \
+                  (the same command goes on), or files could not be written."
+)]
+pub struct OptimizeArgs {
+    /// What is searched (TOML); `phalanx optimize --schema` describes it
+    #[arg(required_unless_present = "schema")]
+    study: Option<PathBuf>,
+
+    /// All designs, as CSV or Parquet by the name
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["schema", "list"])]
+    out: Option<PathBuf>,
+
+    /// Which of the two models simulates, instead of the study's
+    #[arg(long, value_enum)]
+    model: Option<ModelArg>,
+
+    /// Threads, 0 for one on each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads_or_all)]
+    threads: usize,
+
+    /// Write a picture of the designs and the front
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+
+    /// Write a page: the picture, the tables, and a scene at a click on a point of the front
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+
+    /// Write each design of the front as a scene there, design-N.toml, and start.toml; the directory is made if need be
+    #[arg(long, value_name = "DIR")]
+    scenes: Option<PathBuf>,
+
+    /// How many designs of the front to print, from end to end
+    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = count)]
+    best: usize,
+
+    /// Begin anew, whatever is there of an earlier search
+    #[arg(long)]
+    restart: bool,
+
+    /// Show what would be searched, and run nothing
+    #[arg(long)]
+    list: bool,
+
+    /// Print the JSON Schema of these files, for editors
+    #[arg(long, conflicts_with_all = ["study", "out", "list"])]
+    schema: bool,
+
+    /// Print one JSON document with SI units in its keys instead of tables
+    #[arg(long, conflicts_with = "list")]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &OptimizeArgs) -> Result<Status, Failure> {
+    let Some(file) = &args.study else {
+        print(&optimize::schema())?;
+        return Ok(Status::Done);
+    };
+    let mut of = optimize::load(file)?;
+    if let Some(model) = args.model {
+        of.simulate_with(model.into());
+    }
+    let (Some(out), false) = (&args.out, args.list) else {
+        show(&optimisation_list(&of))?;
+        return Ok(Status::Done);
+    };
+    table::format(out).map_err(Failure::bad_input)?;
+    writable(out, Form::Designs)?;
+    for (path, form) in [(&args.plot, Form::Picture), (&args.html, Form::Page)] {
+        path.as_ref().map_or(Ok(()), |path| writable(path, form))?;
+    }
+    search(args, &of, out)
+}
+
+/// Makes the runs that are not there yet, and says what was found.
+fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, Failure> {
+    let place = runs_beside(out);
+    let (store, known) = match open(of.study(), &place, u64::MAX, args.restart)? {
+        Stored::Complete(table) => {
+            note(&format!(
+                "{} has all runs of this search already: nothing was run. --restart runs them again.",
+                place.display()
+            ));
+            (None, table.rows)
+        }
+        Stored::Begun(store) => {
+            let rows = store.rows().to_vec();
+            (Some(store), rows)
+        }
+    };
+    let interrupt = Interrupt::listen()?;
+    let mut heard = Heard::new(of, store, known.len() as u64);
+    let run = optimize::run(of, args.threads, known, &|| interrupt.signal().is_none(), &mut heard);
+    heard.count.clear();
+    let Optimised { found, runs, simulations, threads, wall_s } = run.map_err(|error| {
+        Failure::bad_input(format!(
+            "{}: {error}; its results are not those of this search, --restart begins anew and gives them up",
+            place.display()
+        ))
+    })?;
+    let goes_on = match &heard.store {
+        Some(store) => {
+            format!("{} runs are in {}: the same command goes on from there", heard.done, store.partial().display())
+        }
+        None => String::new(),
+    };
+    if let Some(error) = heard.broken {
+        return Err(Failure::incomplete(format!("cannot write the runs: {error}; {goes_on}")));
+    }
+    let Some(found) = found else {
+        let signal = interrupt.signal().unwrap_or("a signal");
+        return Err(Failure::incomplete(format!("the search was interrupted by {signal}; {goes_on}")));
+    };
+    if let Some(store) = heard.store {
+        store.finish(of.study())?;
+    }
+    table::write(out, &optimize::table(of, &found)).map_err(Failure::incomplete)?;
+    let report = OptimisationReport::new(of, &found, SweepWork::new(runs, simulations, threads, wall_s));
+    write_others(args, of, &found, &report)?;
+    match args.json {
+        true => print(&optimisation_json(&report)),
+        false => show(&optimisation_text(of, &found, &report, args.best)),
+    }?;
+    Ok(if found.front.is_empty() { Status::CheckFailed } else { Status::Done })
+}
+
+/// Picture, page and scenes.
+fn write_others(
+    args: &OptimizeArgs,
+    of: &Optimisation,
+    found: &Found,
+    report: &OptimisationReport,
+) -> Result<(), Failure> {
+    let scenes: Vec<(u64, String)> = found
+        .front
+        .iter()
+        .map(|&index| &found.designs[index])
+        .map(|design| (design.number, scene(of, design)))
+        .collect();
+    if args.plot.is_some() || args.html.is_some() {
+        let place = args.plot.as_ref().or(args.html.as_ref()).map_or(Path::new(""), PathBuf::as_path);
+        let drawn = plot::optimisation(of, found).map_err(|error| broken(place, error))?;
+        if let Some(path) = &args.plot {
+            save(path, &drawn.svg)?;
+        }
+        if let Some(path) = &args.html {
+            let paper = optimisation_paper(of, found, report, with_links(&drawn), &scenes);
+            save(path, &paper_html(&paper))?;
+        }
+    }
+    if let Some(directory) = &args.scenes {
+        let start = ("start.toml".to_string(), scene(of, found.start()));
+        let files = scenes.into_iter().map(|(number, text)| (format!("design-{number}.toml"), text));
+        let files: Vec<(String, String)> = std::iter::once(start).chain(files).collect();
+        let files: Vec<(&str, String)> = files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
+        write_all(directory, &files)?;
+    }
+    Ok(())
+}
+
+/// A design as a scene file, with what it came to in its head.
+fn scene(of: &Optimisation, design: &Design) -> String {
+    let mut text = format!("# Design {} of the search \"{}\"", design.number, of.name().escape_debug());
+    let first = if of.conditions() > 1 { ", under the first of its conditions" } else { "" };
+    let _ = write!(text, "{first}:");
+    for (objective, value) in of.objectives.iter().zip(&design.judged.values) {
+        let value = value.map_or("none".to_string(), |value| format!("{value:?}"));
+        let _ = write!(text, " {} {value},", objective.figure.name.escape_debug());
+    }
+    let _ = writeln!(text, " {}.", if design.is_feasible() { "meets all constraints" } else { "misses a constraint" });
+    text + &of.scene_text(&design.points)
+}
+
+/// The picture with a link on each point of the front.
+fn with_links(drawn: &plot::Designs) -> String {
+    let mut links = String::new();
+    for (number, (x, y)) in &drawn.places {
+        let _ = writeln!(
+            links,
+            "<a href=\"#design-{number}\"><circle cx=\"{x}\" cy=\"{y}\" r=\"9\" fill=\"transparent\"><title>design \
+             {number}</title></circle></a>"
+        );
+    }
+    match drawn.svg.rsplit_once("</svg>") {
+        Some((before, after)) => format!("{before}{links}</svg>{after}"),
+        None => drawn.svg.clone(),
+    }
+}
+
+/// Where the runs are: `front.runs.csv` beside `front.csv`.
+fn runs_beside(out: &Path) -> PathBuf {
+    let ending = out.extension().unwrap_or_default().to_string_lossy().into_owned();
+    out.with_extension(format!("runs.{ending}"))
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|count| *count > 0).ok_or("expected a number from 1".to_string())
+}
+
+/// Keeps runs, and says how far the search has come.
+struct Heard {
+    count: Count,
+    store: Option<Store>,
+    broken: Option<std::io::Error>,
+    total: u64,
+    done: u64,
+    /// Of the last generation.
+    words: String,
+    start: Instant,
+    next: Duration,
+}
+
+impl Heard {
+    /// With so many runs there before.
+    fn new(of: &Optimisation, store: Option<Store>, done: u64) -> Self {
+        let (mut count, total) = (Count::new(), of.most_runs());
+        count.show(done as usize, total as usize, "");
+        let (words, start, next) = (String::new(), Instant::now(), Duration::ZERO);
+        Heard { count, store, broken: None, total, done, words, start, next }
+    }
+}
+
+impl Listener for Heard {
+    fn row(&mut self, row: &Row) -> bool {
+        // Nothing may follow what could not be written.
+        if let (Some(store), None) = (&mut self.store, &self.broken) {
+            self.broken = store.add(row.cells.clone()).err();
+        }
+        self.done += 1;
+        let elapsed = self.start.elapsed();
+        // Texts are made only as often as somebody can read them.
+        if elapsed >= self.next {
+            self.next = elapsed + Duration::from_millis(100);
+            self.count.show(self.done as usize, self.total as usize, &self.words);
+        }
+        self.broken.is_none()
+    }
+
+    fn generation(&mut self, designs: &[Design]) {
+        let feasible = designs.iter().filter(|design| design.is_feasible()).count();
+        let generation = designs.last().map_or(0, |design| design.generation);
+        self.words = format!("generation {generation}, {feasible} of {} designs meet all", designs.len());
+    }
+}

@@ -1,0 +1,15 @@
+//! What an optimisation found.
+//!
+//! | file | job |
+//! |---|---|
+//! | `document` | one document of plain figures |
+//! | `text` | tables for people |
+//! | `paper` | a paper: the picture, the tables, and the scenes of the front |
+
+mod document;
+mod paper;
+mod text;
+
+pub use document::{DesignReport, GainReport, OptimisationReport, is_designs, optimisation_json};
+pub use paper::optimisation_paper;
+pub use text::{optimisation_list, optimisation_text};
