@@ -2,8 +2,8 @@
 
     PHALANX=target/release/phalanx python python/bench/ray_scaling.py [--runs 20000] [--rounds 3]     (from the root)
 
-Prints the rate of `phalanx sweep` and of `phalanx.ray.sweep` in turn, and of one more during which a worker and then a node are
-killed; every result has to have the same bytes. With --evaluate also the rate of 1,000 designs through `phalanx.evaluate` beside
+Prints the rate of `phalanx sweep` and of `phalanx.ray.sweep` in turn, by the clock and by the time of processors (which others on the
+machine change little), and of one more during which a worker and then a node are killed; every result has to have the same bytes. With --evaluate also the rate of 1,000 designs through `phalanx.evaluate` beside
 that of `phalanx sweep`.
 """
 
@@ -61,13 +61,30 @@ count = {runs}
 """
 
 
-def plain(study: Path, out: Path) -> float:
-    """Seconds of the program."""
+def cpu_s(nodes: list[Node]) -> float:
+    """Processor time of a cluster so far, all its processes together, those that serve it among them."""
+    ticks = 0
+    for pid in {pid for node in nodes for pid in node.processes()}:
+        try:
+            fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        # Its own, and those of children that it has waited for.
+        ticks += sum(int(field) for field in fields[11:15])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def plain(study: Path, out: Path) -> tuple[float, float]:
+    """Seconds of the program, by the clock and of processors. In a session of its own, as the nodes are: a kernel that shares
+    processors out by sessions gives it no less than each of them."""
     for old in out.parent.glob(out.name + "*"):
         old.unlink()
-    start = time.monotonic()
-    subprocess.run([os.environ["PHALANX"], "sweep", study, "--out", out, "--threads", "2", "--quiet"], check=True, capture_output=True)
-    return time.monotonic() - start
+    start, before = time.monotonic(), os.times()
+    call = [os.environ["PHALANX"], "sweep", study, "--out", out, "--threads", "2", "--quiet"]
+    subprocess.run(call, check=True, capture_output=True, start_new_session=True)
+    after = os.times()
+    used = after.children_user + after.children_system - before.children_user - before.children_system
+    return time.monotonic() - start, used
 
 
 def through_ray(study: Path, out: Path) -> phalanx.ray.Swept:
@@ -144,18 +161,26 @@ def main() -> None:
                 wait_for_nodes(ray, 2)
                 ours: list[float] = []
                 theirs: list[float] = []
+                our_cpu: list[float] = []
+                their_cpu: list[float] = []
                 shards = 0
                 for round_ in range(args.rounds):
-                    theirs.append(plain(study, directory / "plain.parquet"))
+                    wall_s, used_s = plain(study, directory / "plain.parquet")
+                    theirs.append(wall_s)
+                    their_cpu.append(used_s)
+                    before_s = cpu_s([head, second]) + sum(os.times()[:2])
                     swept = through_ray(study, directory / "ray.parquet")
                     ours.append(swept.wall_s)
+                    our_cpu.append(cpu_s([head, second]) + sum(os.times()[:2]) - before_s)
                     shards = swept.shards
                     same = (directory / "plain.parquet").read_bytes() == swept.out.read_bytes()
-                    print(f"round {round_ + 1}: plain {theirs[-1]:.2f} s, Ray {ours[-1]:.2f} s in {shards} parts, same bytes: {same}")
+                    words = f"plain {theirs[-1]:.2f} s ({their_cpu[-1]:.2f} of processors), Ray {ours[-1]:.2f} s ({our_cpu[-1]:.2f})"
+                    print(f"round {round_ + 1}: {words} in {shards} parts, same bytes: {same}")
                     if not same:
                         raise SystemExit("the bytes differ")
-                share = statistics.median(theirs) / statistics.median(ours)
-                print(f"{args.runs} designs: plain {args.runs / statistics.median(theirs):.0f} a second, Ray {args.runs / statistics.median(ours):.0f}: {share:.1%}")
+                for what, of, by in (("by the clock", theirs, ours), ("of processors", their_cpu, our_cpu)):
+                    rates = [args.runs / statistics.median(times) for times in (of, by)]
+                    print(f"{args.runs} designs a second {what}: plain {rates[0]:.0f}, Ray {rates[1]:.0f}: {rates[1] / rates[0]:.1%}")
                 over = threading.Event()
                 out = directory / "killed.parquet"
                 thread = threading.Thread(target=disturb, args=(Path(f"{out}.parts"), head, second, shards, over))

@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> None:
     met = values < PENALTY_MS / 10
     axes.plot(np.flatnonzero(met), values[met], ".", color="0.7", label="trials that meet the criteria")
     axes.plot(np.minimum.accumulate(values), label="best so far")
-    axes.set_ylim(values.min() - 0.1, 20)
+    axes.set_ylim(values.min() - 0.05, values[0] + 0.5)
     axes.set_xlabel("trial")
     axes.set_ylabel("time to stability, ms")
     axes.legend(frameon=False)
