@@ -12,6 +12,8 @@ use crate::wording::Quantity;
 
 const HEAD: u32 = 40;
 const PANEL: u32 = 480;
+/// Pixels between marks of designs that are not on the front.
+const APART: i32 = 5;
 
 /// A picture and where members of the front are on it.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,12 +76,15 @@ fn draw(
     let y = axis(&labels[1], shown().map(|at| at.1), all.iter().map(|at| at.1), true);
     let within = |at: &(f64, f64)| (x.from..=x.to).contains(&at.0) && (y.from..=y.to).contains(&at.1);
     let mut chart = frame(left, &x, &y, true)?;
-    // One mark a pixel is all that can be seen of thousands.
+    // Of thousands no more can be seen than one mark on so many pixels, which is less than a mark is wide.
     let mut marked = HashSet::new();
-    let fresh: Vec<&(f64, f64)> =
-        all.iter().filter(|at| within(at)).filter(|at| marked.insert(pixel(&chart, **at))).collect();
+    let mut is_fresh = |at: (f64, f64)| {
+        let (x, y) = pixel(&chart, at);
+        marked.insert((x / APART, y / APART))
+    };
+    let fresh: Vec<&(f64, f64)> = all.iter().filter(|at| within(at) && is_fresh(**at)).collect();
     for &at in fresh {
-        point(&mut chart, at, if all.len() > 5000 { Mark::Speck } else { Mark::SmallDot }, GREY)?;
+        point(&mut chart, at, Mark::SmallDot, GREY)?;
     }
     if several {
         let mut path: Vec<(f64, f64)> = front.iter().filter_map(|design| place(design)).collect();
