@@ -63,7 +63,7 @@ fn of_kind(column: &Column, at: usize, rows: &[Vec<Value>]) -> (Field, ArrayRef)
             (DataType::Boolean, Arc::new(cells.map(of).collect::<BooleanArray>()))
         }
         Kind::Text => {
-            let of = |cell| if let &Value::Text(ref text) = cell { Some(text.as_str()) } else { None };
+            let of = |cell| if let Value::Text(text) = cell { Some(text.as_str()) } else { None };
             (DataType::Utf8, Arc::new(cells.map(of).collect::<StringArray>()))
         }
     };
