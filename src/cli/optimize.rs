@@ -12,7 +12,6 @@ use super::output::{note, print, show};
 use super::own::{Form, writable};
 use super::progress::Count;
 use super::saved::{broken, save};
-use super::sweep_store::{Found as Stored, Store, open};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -22,8 +21,9 @@ use crate::report::{
     paper_html,
 };
 use crate::study::optimize::{self, Design, Found, Listener, Optimisation, Optimised};
-use crate::study::sweep::Row;
-use crate::table;
+use crate::study::store::{Found as Stored, Store, open};
+use crate::study::sweep::{Row, summary};
+use crate::table::{self, Table};
 
 /// Search for the best designs: variables within bounds, objectives and constraints on what simulations come to.
 ///
@@ -116,19 +116,20 @@ pub fn run(args: &OptimizeArgs) -> Result<Status, Failure> {
 /// Makes the runs that are not there yet, and says what was found.
 fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, Failure> {
     let place = runs_beside(out);
-    let (store, known) = match open(of.study(), &place, u64::MAX, args.restart)? {
+    let (store, mut runs_table) = match open(of.study(), &place, u64::MAX, args.restart)? {
         Stored::Complete(table) => {
             note(&format!(
                 "{} has all runs of this search already: nothing was run. --restart runs them again.",
                 place.display()
             ));
-            (None, table.rows)
+            (None, table)
         }
         Stored::Begun(store) => {
-            let rows = store.rows().to_vec();
+            let rows = Table { rows: store.rows().to_vec(), ..Table::default() };
             (Some(store), rows)
         }
     };
+    let known = if store.is_some() { std::mem::take(&mut runs_table.rows) } else { runs_table.rows.clone() };
     let interrupt = Interrupt::listen()?;
     let mut heard = Heard::new(of, store, known.len() as u64);
     let run = optimize::run(of, args.threads, known, &|| interrupt.signal().is_none(), &mut heard);
@@ -153,10 +154,11 @@ fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, 
         return Err(Failure::incomplete(format!("the search was interrupted by {signal}; {goes_on}")));
     };
     if let Some(store) = heard.store {
-        store.finish(of.study())?;
+        runs_table = store.finish(of.study())?;
     }
+    let reasons = summary(&runs_table).map_err(Failure::incomplete)?.reasons;
     table::write(out, &optimize::table(of, &found)).map_err(Failure::incomplete)?;
-    let report = OptimisationReport::new(of, &found, SweepWork::new(runs, simulations, threads, wall_s));
+    let report = OptimisationReport::new(of, &found, reasons, SweepWork::new(runs, simulations, threads, wall_s));
     write_others(args, of, &found, &report)?;
     match args.json {
         true => print(&optimisation_json(&report)),

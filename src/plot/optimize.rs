@@ -1,5 +1,7 @@
 //! The designs of an optimisation by their objectives, and the best of them.
 
+use std::collections::HashSet;
+
 use super::axis::Axis;
 use super::canvas::{
     BLACK, BLUE, DrawError, Entry, Frame, GREEN, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture,
@@ -72,7 +74,11 @@ fn draw(
     let y = axis(&labels[1], shown().map(|at| at.1), all.iter().map(|at| at.1), true);
     let within = |at: &(f64, f64)| (x.from..=x.to).contains(&at.0) && (y.from..=y.to).contains(&at.1);
     let mut chart = frame(left, &x, &y, true)?;
-    for &at in all.iter().filter(|at| within(at)) {
+    // One mark a pixel is all that can be seen of thousands.
+    let mut marked = HashSet::new();
+    let fresh: Vec<&(f64, f64)> =
+        all.iter().filter(|at| within(at)).filter(|at| marked.insert(pixel(&chart, **at))).collect();
+    for &at in fresh {
         point(&mut chart, at, if all.len() > 5000 { Mark::Speck } else { Mark::SmallDot }, GREY)?;
     }
     if several {

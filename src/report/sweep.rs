@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::document_text;
-use crate::study::sweep::{Shard, Study, Summary};
+use crate::study::sweep::{Reason, Shard, Study, Summary};
 use crate::table::Value;
 use crate::wording::figures::figure;
 use crate::wording::sheet::{Sheet, list, table};
@@ -82,15 +82,7 @@ pub fn sweep_text(report: &SweepReport) -> Sheet {
         text.push_str("\nof the completed ones\n");
         text.push(list(&found.by_class.iter().map(line).collect::<Vec<_>>()));
     }
-    if !found.reasons.is_empty() {
-        text.push_str("\nreasons (numbers are those of the first run)\n");
-        for reason in &found.reasons {
-            text.push_str(&format!(
-                "{:>7} {}, first run {}: {}\n",
-                reason.runs, reason.status, reason.first_run, reason.reason
-            ));
-        }
-    }
+    text.push_str(&reasons(&found.reasons));
     let mut done = String::new();
     if let Some(parts) = parts {
         done.push_str(&format!("Joined from {parts} {}.", if *parts == 1 { "part" } else { "parts" }));
@@ -109,6 +101,21 @@ pub fn sweep_text(report: &SweepReport) -> Sheet {
     }
     if !done.is_empty() {
         text.push(format!("\n{}\n", done.trim_end()));
+    }
+    text
+}
+
+/// Why runs were not completed, a line each; nothing if all were.
+pub(super) fn reasons(of: &[Reason]) -> String {
+    if of.is_empty() {
+        return String::new();
+    }
+    let mut text = "\nreasons (numbers are those of the first run)\n".to_string();
+    for reason in of {
+        text.push_str(&format!(
+            "{:>7} {}, first run {}: {}\n",
+            reason.runs, reason.status, reason.first_run, reason.reason
+        ));
     }
     text
 }

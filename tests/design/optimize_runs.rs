@@ -16,7 +16,12 @@ use phalanx::table::{self, Value};
 
 /// Design 95 by two objectives, few and short generations.
 fn small(directory: &Path, population: usize, generations: usize) -> String {
-    let text = fs::read_to_string("scenes/studies/optimize-95.toml").expect("ships");
+    shortened("optimize-95", directory, population, generations)
+}
+
+/// A shipped search with few and short generations.
+fn shortened(name: &str, directory: &Path, population: usize, generations: usize) -> String {
+    let text = fs::read_to_string(format!("scenes/studies/{name}.toml")).expect("ships");
     let (before, _) = text.split_once("[method]").expect("a method");
     write(
         directory,
@@ -58,7 +63,7 @@ fn all(of: &Optimisation, threads: usize) -> optimize::Found {
 #[test]
 fn a_short_search_beats_design_95_under_its_own_criteria() {
     let directory = directory("optimize_gain");
-    let of = load(small(&directory, 32, 30)).unwrap_or_else(|error| panic!("{error}"));
+    let of = load(shortened("optimize-95-wide", &directory, 32, 20)).unwrap_or_else(|error| panic!("{error}"));
     let found = all(&of, 2);
     let start = found.start();
     assert!(start.is_feasible(), "design 95 meets its criteria: {:?}", start.judged);
@@ -66,10 +71,10 @@ fn a_short_search_beats_design_95_under_its_own_criteria() {
     let tts = |design: &Design| design.judged.values[0].expect("it comes to rest");
     assert!((tts(start) - 6.54e-3).abs() < 0.02e-3, "{}", tts(start));
     let best = &found.designs[found.best(0).expect("a front")];
-    assert!(tts(best) < 0.93 * tts(start), "{} against {}", tts(best), tts(start));
+    assert!(tts(best) < 0.85 * tts(start), "{} against {}", tts(best), tts(start));
     let pressed = |design: &Design| design.judged.values[1].expect("a palm force");
     let hardest = &found.designs[found.best(1).expect("a front")];
-    assert!(pressed(hardest) > 1.1 * pressed(start), "{} against {}", pressed(hardest), pressed(start));
+    assert!(pressed(hardest) > pressed(start), "{} against {}", pressed(hardest), pressed(start));
     // The front is one: nobody on it beats another, and nobody beside it beats one on it.
     let compared = |a: &Design, b: &Design| tts(a) <= tts(b) && pressed(a) >= pressed(b);
     for &index in &found.front {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::report::{SweepWork, document_text};
 use crate::study::optimize::{Design, Found, Goal, Limit, Optimisation, Over, gain};
 use crate::study::select::CLASSES;
-use crate::study::sweep::Status;
+use crate::study::sweep::{Reason, Status};
 use crate::table::{Column, Value};
 use crate::trace::Model;
 
@@ -29,6 +29,8 @@ pub struct OptimisationReport {
     pub runs: u64,
     /// Runs by how they ended.
     pub by_status: BTreeMap<&'static str, u64>,
+    /// Why runs were not completed.
+    pub reasons: Vec<Reason>,
     pub variables: Vec<VariableReport>,
     pub objectives: Vec<ObjectiveReport>,
     pub constraints: Vec<ConstraintReport>,
@@ -95,7 +97,7 @@ pub struct GainReport {
 }
 
 impl OptimisationReport {
-    pub fn new(of: &Optimisation, found: &Found, now: SweepWork) -> Self {
+    pub fn new(of: &Optimisation, found: &Found, reasons: Vec<Reason>, now: SweepWork) -> Self {
         let design = |index: usize| DesignReport::new(of, &found.designs[index]);
         let chosen: Vec<(String, usize)> = chosen(of, found);
         let by_status = Status::ALL.map(Status::name).into_iter().zip(found.by_status()).collect();
@@ -112,6 +114,7 @@ impl OptimisationReport {
             feasible_designs: found.feasible(),
             runs: found.by_status().iter().sum(),
             by_status,
+            reasons,
             variables: of.variables.iter().map(VariableReport::from).collect(),
             objectives: of.objectives.iter().map(ObjectiveReport::from).collect(),
             constraints: of.constraints.iter().map(ConstraintReport::from).collect(),

@@ -1,6 +1,7 @@
 //! Tables for people.
 
 use super::document::{OptimisationReport, chosen};
+use crate::report::sweep::reasons;
 use crate::study::optimize::{Design, Found, Goal, Limit, Objective, Optimisation, gain};
 use crate::study::select::CLASSES;
 use crate::study::sweep::Status;
@@ -19,6 +20,7 @@ pub fn optimisation_text(of: &Optimisation, found: &Found, report: &Optimisation
         text.push('\n');
         text.push(front(of, found, most));
     }
+    text.push_str(&reasons(&report.reasons));
     text.push(Sheet::paragraph(&format!("\n{}\n", counts(found, report))));
     text
 }

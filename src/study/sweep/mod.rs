@@ -64,7 +64,7 @@ pub use read::{load, parse};
 pub use row::{Row, Status, columns, sorted, table};
 pub use run::{Ran, run, run_range, run_while};
 pub use shard::{Shard, ShardError, in_one_piece, range, shard};
-pub use summary::{Summary, summary};
+pub use summary::{Reason, Summary, summary};
 
 use axis::{Axis, Points};
 use sequence::Sequence;
