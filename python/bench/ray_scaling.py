@@ -111,7 +111,8 @@ def disturb(parts: Path, head: Node, second: Node, shards: int, over: threading.
 
 
 def evaluated(rounds: int, directory: Path) -> None:
-    """1,000 designs as arrays, beside the same as a study, in turn; processes are started and files written for the second."""
+    """1,000 designs as arrays, beside the same as a study, in turn. The clock of the second is its own, of the runs alone; its processor
+    time is that of the whole process, a tenth of a percent of which is its start."""
     study, out = directory / "thousand.toml", directory / "thousand.parquet"
     study.write_text(STUDY.format(runs=1000))
     table = phalanx.sweep(study)
@@ -124,20 +125,24 @@ def evaluated(rounds: int, directory: Path) -> None:
     scene = {"sizing": "rigid", "contact": {"friction": {"mu_static": 0.8}}}
     scene["design"] = {"base": "15.5 mm", "l21_fraction": 1.0, "phi22": "120 deg", "arm_ratio": 0.5}
     base = phalanx.Scene.from_dict(scene)
-    ours: list[float] = []
-    theirs: list[float] = []
+    ours: list[tuple[float, float]] = []
+    theirs: list[tuple[float, float]] = []
     for _ in range(rounds):
-        start = time.perf_counter()
+        start, used = time.perf_counter(), time.process_time()
         found = phalanx.evaluate(base, fields, threads=2)
-        ours.append(time.perf_counter() - start)
+        ours.append((time.perf_counter() - start, time.process_time() - used))
         for old in directory.glob("thousand.parquet*"):
             old.unlink()
         call = [os.environ["PHALANX"], "sweep", study, "--out", out, "--threads", "2", "--json"]
+        before = os.times()
         shown = subprocess.run(call, check=True, capture_output=True, text=True)
-        theirs.append(json.loads(shown.stdout)["now"]["wall_s"])
+        after = os.times()
+        used = after.children_user + after.children_system - before.children_user - before.children_system
+        theirs.append((json.loads(shown.stdout)["now"]["wall_s"], used))
     np.testing.assert_allclose(found["tts_s"], table["tts_s"], rtol=1e-9)
-    rates = [1000 / statistics.median(of) for of in (ours, theirs)]
-    print(f"1,000 designs: evaluate {rates[0]:.0f} a second, sweep {rates[1]:.0f} a second (its own wall_s): {rates[0] / rates[1]:.1%}")
+    for at, what in enumerate(("by the clock", "of processors")):
+        rates = [1000 / statistics.median(times[at] for times in of) for of in (theirs, ours)]
+        print(f"1,000 designs a second {what}: sweep {rates[0]:.0f}, evaluate {rates[1]:.0f}: {rates[1] / rates[0]:.1%}")
 
 
 def main() -> None:

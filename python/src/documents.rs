@@ -219,7 +219,7 @@ pub fn capture<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let wrong = |error: String| errors::argument(py, error);
-    if !(3..=1001).contains(&places) || places % 2 == 0 {
+    if !(3..=1001).contains(&places) || places.is_multiple_of(2) {
         return Err(wrong(format!("places is {places}; expected an odd number from 3 to 1001, such as 15")));
     }
     let plan = Places {

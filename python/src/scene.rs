@@ -1,6 +1,6 @@
 //! Scenes: texts, what is set besides, and what both come to.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use phalanx::scene::{self, AnyScene, Layer, SceneError, Words, parse_any, parse_layers};
 use phalanx::trace::Simulated;
@@ -9,6 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::{errors, words};
+
+/// Names and contents of files.
+type Texts = Vec<(String, String)>;
 
 /// What errors call a field that is set by `with_`.
 const SET: &str = "with_";
@@ -33,7 +36,7 @@ impl Scene {
         read.map_err(|error| errors::scene(py, &error))
     }
 
-    pub fn load_from(py: Python<'_>, path: &PathBuf) -> PyResult<Self> {
+    pub fn load_from(py: Python<'_>, path: &Path) -> PyResult<Self> {
         Scene::of(py, scene::layers(path), Vec::new())
     }
 
@@ -168,15 +171,15 @@ impl Scene {
     }
 
     /// For copies in other processes.
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (Vec<(String, String)>, Vec<(String, String)>))> {
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (Texts, Texts))> {
         let texts = |layers: &[Layer]| layers.iter().map(|of| (of.file.clone(), of.text.clone())).collect();
         let make = py.get_type::<Scene>().getattr("_of_texts")?.unbind();
         Ok((make, (texts(&self.layers), texts(&self.settings))))
     }
 
     #[staticmethod]
-    fn _of_texts(py: Python<'_>, layers: Vec<(String, String)>, settings: Vec<(String, String)>) -> PyResult<Self> {
-        let of = |texts: Vec<(String, String)>| texts.into_iter().map(|(file, text)| Layer { file, text }).collect();
+    fn _of_texts(py: Python<'_>, layers: Texts, settings: Texts) -> PyResult<Self> {
+        let of = |texts: Texts| texts.into_iter().map(|(file, text)| Layer { file, text }).collect();
         Scene::of(py, Ok(of(layers)), of(settings))
     }
 }

@@ -62,12 +62,13 @@ fn of_kind(column: &Column, at: usize, rows: &[Vec<Value>]) -> (Field, ArrayRef)
             let of = |cell: &Value| if let Value::Flag(flag) = cell { Some(*flag) } else { None };
             (DataType::Boolean, Arc::new(cells.map(of).collect::<BooleanArray>()))
         }
-        Kind::Text => {
-            let of = |cell| if let &Value::Text(ref text) = cell { Some(text.as_str()) } else { None };
-            (DataType::Utf8, Arc::new(cells.map(of).collect::<StringArray>()))
-        }
+        Kind::Text => (DataType::Utf8, Arc::new(cells.map(text).collect::<StringArray>())),
     };
     (Field::new(&column.name, kind, true), array)
+}
+
+fn text(cell: &Value) -> Option<&str> {
+    if let Value::Text(text) = cell { Some(text) } else { None }
 }
 
 /// The same as a table of phalanx, to be written.

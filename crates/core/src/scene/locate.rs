@@ -91,11 +91,12 @@ mod tests {
 
     #[test]
     fn a_problem_has_its_line_column_and_field() {
-        let wrong = "[design]\nbase = \"12 s\"\n";
+        // What lacks nothing by its place alone: the first problem is that of the first line.
+        let wrong = "[design]\nbase = \"12 s\"\nbsae = 1\n";
         assert_eq!(place(wrong), (Some(2), Some(8), Some("design.base".to_string())));
         assert_eq!(place("[design]\nbsae = \"12 mm\"\n"), (Some(2), Some(1), Some("design.bsae".to_string())));
         // Dotted keys, and what is not TOML at all.
-        assert_eq!(place("design.base = \"12 s\"\n"), (Some(1), Some(15), Some("design.base".to_string())));
+        assert_eq!(place("design.base = \"12 s\"\ndesign.bsae = 1\n"), (Some(1), Some(15), Some("design.base".to_string())));
         let (line, _, field) = place("a = \n");
         assert_eq!((line, field), (Some(1), None));
     }
