@@ -3,9 +3,9 @@
 //! code), so that children never leave the cube and gather on its faces no more than they should.
 //!
 //! Our own, because what is wanted is a search that is asked for a whole generation and told what came of it: the generation is then
-//! simulated on all cores, is on the disk before the next begins, and is read from there when the search is taken up again. Of the
-//! crates there are (looked at in 2026: moors, heuropt, optirustic, genevo) all call an evaluation back and run to their end; moors
-//! brings some hundred crates along, heuropt had ten releases within ten days and none since, genevo knows no constraints.
+//! simulated on all cores, is on the disk before the next begins, and is read from there when the search is taken up again. The
+//! crates looked at in 2026 call an evaluation back and run to their end; moors brings some hundred crates along, heuropt had ten
+//! releases within ten days and none since.
 
 use super::score::{Score, crowding, fronts};
 use crate::study::random::Random;

@@ -46,7 +46,6 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
         let is_fed = |m: usize| N <= FEW || lin.g_q[m].iter().chain(&lin.g_v[m]).any(|slope| *slope != 0.0);
         let fed: [bool; Z] = std::array::from_fn(is_fed);
         let k = &mut self.k;
-        let per_step = 1.0 / h;
         let mut stage = *from;
         for i in 0..STAGES {
             // Quadratures feed nothing back: their stage values are never needed, only their increments.
@@ -69,7 +68,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
             let rates = if i == 0 { lin.rates } else { system.rates(time, &stage.q, &stage.v, mode) };
             let (mut r_q, mut r_v, mut r_z) = (stage.v, rates.a, rates.g);
             for (j, increment) in k.iter().enumerate().take(i) {
-                let weight = C[i][j] * per_step;
+                let weight = C[i][j] / h;
                 for n in 0..N {
                     r_q[n] += weight * increment.q[n];
                     r_v[n] += weight * increment.v[n];

@@ -48,10 +48,10 @@ pub trait Real:
         self * self
     }
 
-    /// (sin, cos): in Rust, not those of the system, which took 1.6 times as long and differ from one system to the next.
+    /// (sin, cos).
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = libm::sincos(self.value());
+        let (sin, cos) = self.value().sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
 }

@@ -96,7 +96,10 @@ mod tests {
         assert_eq!(place(wrong), (Some(2), Some(8), Some("design.base".to_string())));
         assert_eq!(place("[design]\nbsae = \"12 mm\"\n"), (Some(2), Some(1), Some("design.bsae".to_string())));
         // Dotted keys, and what is not TOML at all.
-        assert_eq!(place("design.base = \"12 s\"\ndesign.bsae = 1\n"), (Some(1), Some(15), Some("design.base".to_string())));
+        assert_eq!(
+            place("design.base = \"12 s\"\ndesign.bsae = 1\n"),
+            (Some(1), Some(15), Some("design.base".to_string()))
+        );
         let (line, _, field) = place("a = \n");
         assert_eq!((line, field), (Some(1), None));
     }
