@@ -56,7 +56,7 @@ function choices(app) {
   const contacts = [...stage.camera.deepest.keys()];
   for (const id of ["previous", "next", "window-event"]) byId(id).disabled = film.events.length === 0;
   // Elements that are there stay, for someone may have them open.
-  const form = JSON.stringify([contacts, film.runs.map((run) => run.label)]);
+  const form = JSON.stringify([contacts, film.runs.map((run) => [run.label, run.kept])]);
   if (form === app.chosenFrom) return;
   app.chosenFrom = form;
   byId("letters").hidden = !film.runs.some((run) => run.bodies.some((body) => body.name.endsWith("l22")));
@@ -68,7 +68,7 @@ function choices(app) {
     const box = element("input", { type: "checkbox", checked: "", "aria-label": `Show ${run.label}` });
     box.addEventListener("change", () => app.show(run.index, box.checked));
     const name = element("span", { class: "name", title: run.label }, run.label);
-    return element("label", {}, box, strokeSample(run.index), name);
+    return element("label", {}, box, strokeSample(run), name);
   }));
 }
 

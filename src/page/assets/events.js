@@ -15,7 +15,7 @@ class Events {
       const row = element(
         "button",
         { type: "button", class: "event" },
-        strokeSample(event.run.index),
+        strokeSample(event.run),
         element("span", {}, timeText(event.time_s, film.unit)),
         element("span", { class: "what" }, `${event.place}: ${event.kind}`),
         element("span", { class: "figure soft" }, figure),

@@ -47,17 +47,19 @@ class Fields {
       const count = element("span", { class: "count soft" });
       const box = element("details", { class: "group" }, element("summary", {}, element("span", {}, titled(name)), count));
       box.open = index === 0 || open.has(name);
-      const rows = members.map((field) => this.row(field));
+      // Among design variables there are two torques.
+      const rows = members.map((field) => this.row(field, index === 0 ? calledShort(field.path) : field.key));
       box.append(...rows.map((row) => row.box));
       this.holder.append(box);
       return { name, box, count, rows };
     });
   }
 
-  row(field) {
+  // `called` is how the field is called where it stands.
+  row(field, called) {
     const { path, key, about } = field;
     const id = `field-${path}`;
-    const name = element("label", { for: id, title: `${path}${about ? `: ${about}` : ""}` }, key);
+    const name = element("label", { for: id, title: `${path}${about ? `: ${about}` : ""}` }, called);
     const what = element("span", { class: "about soft" }, about ?? "");
     const reset = element("button", { type: "button", class: "reset", "aria-label": `${path} as in the scene`, title: "As in the scene" }, "↺");
     const problem = element("p", { class: "problem", id: `${id}-problem`, hidden: "" });
@@ -65,10 +67,6 @@ class Fields {
     row.entry = this.entry(row, field, id);
     row.entry.setAttribute("aria-describedby", problem.id);
     row.box = element("div", { class: "field", "data-path": path }, element("div", { class: "name" }, name, what), row.entry, reset);
-    if (isNumeric(field)) {
-      row.slider = this.slider(row);
-      row.box.append(row.slider);
-    }
     row.box.append(problem);
     reset.addEventListener("click", () => {
       this.ranges.delete(path);
@@ -98,7 +96,7 @@ class Fields {
       box.addEventListener("change", () => put(String(box.checked)));
       return box;
     }
-    const input = element("input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go" });
+    const input = element("input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
     const apply = () => {
       const text = input.value.trim();
       if (text === "" || text === row.text) {
@@ -158,8 +156,12 @@ class Fields {
     if (field.kind === "flag") row.entry.checked = value === 1 || value === true || field.text === "true";
     else if (field.kind === "word") choose(row.entry, field.text);
     else if (document.activeElement !== row.entry) row.entry.value = row.text;
-    row.slider?.toggleAttribute("disabled", !isNumeric(field));
-    if (!row.slider || !isNumeric(field)) return;
+    if (row.slider) row.slider.hidden = !isNumeric(field);
+    if (!isNumeric(field)) return;
+    if (!row.slider) {
+      row.slider = this.slider(row);
+      row.problem.before(row.slider);
+    }
     const range = this.ranges.get(path);
     if (!range || range.unit !== unit || value < range.from || value > range.to) {
       const about = base && base.unit === unit && Number.isFinite(base.value) ? rangeOf(field, base.value) : null;
@@ -212,6 +214,9 @@ function choose(select, word) {
   if (word !== undefined && ![...select.options].some((option) => option.value === word)) select.append(element("option", { value: word }, word));
   select.value = word;
 }
+
+// "design.base" → "base", "motor.torque" → "motor torque", "contact.friction.mu_static" → "friction mu_static".
+const calledShort = (path) => path.replace(/^design\./, "").split(".").slice(-2).join(" ");
 
 // "contact.friction" → "Contact: friction".
 function titled(section) {

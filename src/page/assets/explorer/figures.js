@@ -26,7 +26,7 @@ class Figures {
         if (cells.apart) text(cells.apart, apart);
       }
       const cell = this.cells[index];
-      if (cell && figure.unit === undefined && figure.value === null) cell.now.className = `word c${categoryOf(figure.text)}`;
+      if (cell && isWord(figure)) cell.now.className = `word c${categoryOf(figure.text)}`;
     });
   }
 
@@ -48,6 +48,9 @@ class Figures {
   }
 }
 
+// What is said of a run in a word, as its class.
+const isWord = ({ value, text }) => !Number.isFinite(value) && text !== "–";
+
 function text(cell, words) {
   if (cell.textContent === words) return;
   cell.textContent = words;
@@ -56,11 +59,13 @@ function text(cell, words) {
 
 // How much a figure has grown: in its unit, and in per cent where that says something.
 function difference({ value, text: now, unit }, { value: before, text: then }) {
-  if (!Number.isFinite(value) || !Number.isFinite(before)) return now === then ? "=" : "≠";
+  if (!Number.isFinite(value) || !Number.isFinite(before)) return now === then ? "=" : `A: ${then}`;
   const apart = value - before;
   if (apart === 0) return "=";
   const part = before !== 0 && Math.abs(apart / before) < 10 ? ` (${signed(100 * apart / Math.abs(before), 1)}\u202f%)` : "";
-  return `${apart > 0 ? "+" : ""}${withUnit(apart, unit ?? "", 3)}${part}`;
+  // Counts and shares have no prefixes.
+  const size = unit && unit !== "%" ? withUnit(apart, unit, 3) : `${plain(apart, 3)}${unit === "%" ? "\u202f%" : ""}`;
+  return `${apart > 0 ? "+" : ""}${size}${part}`;
 }
 
 const signed = (value, decimals) => (value > 0 ? "+" : "") + minus(value.toFixed(Math.abs(value) >= 100 ? 0 : decimals));

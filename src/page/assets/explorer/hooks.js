@@ -2,7 +2,7 @@
 
 function explorerForTests(lab) {
   const { app, setting } = lab;
-  const settled = () => (lab.settledStamp === lab.stamp ? Promise.resolve() : new Promise((resolve) => lab.waiting.push({ resolve })));
+  const settled = () => (lab.doneStamp === lab.stamp ? Promise.resolve() : new Promise((resolve) => lab.waiting.push({ resolve })));
   const after = (action) => async (...args) => {
     if (action(...args) === false) return;
     await new Promise((resolve) => lab.waiting.push({ resolve }));
@@ -20,7 +20,7 @@ function explorerForTests(lab) {
       samples: lab.run.samples,
       verdict: lab.verdict,
       problems: lab.wrong,
-      busy: lab.settledStamp !== lab.stamp,
+      busy: lab.doneStamp !== lab.stamp,
       ms: lab.ms,
       firstPicture_ms: lab.firstPicture_ms,
     }),

@@ -14,7 +14,7 @@ async function explorer() {
   module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
   const opened = await stateOf(location.hash, presets);
   const setting = new Setting(opened.scene ?? page.start);
-  const lab = { page, presets, lines, setting, app: null, run: null, figures: [], kept: null, verdict: null, stamp: 0, shownStamp: -1, settledStamp: -1, ms: null, pictures: [], waiting: [] };
+  const lab = { page, presets, lines, setting, app: null, run: null, figures: [], kept: null, verdict: null, stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] };
 
   chooser(lab);
   lab.put = (path, text) => {
@@ -170,7 +170,7 @@ async function rested(lab, stamp) {
   lab.rests = null;
   const { setting, lines } = lab;
   setting.settle();
-  if (!lab.app) return settledNow(lab);
+  if (!lab.app) return done(lab, stamp);
   lines.patient ??= new Line(lines.live.module);
   if (!lab.fields) furnish(lab);
   lab.app.events.renew();
@@ -188,7 +188,7 @@ async function rested(lab, stamp) {
   }
   buttons(lab);
   if (lab.opened.kept) await keptAgain(lab);
-  settledNow(lab);
+  done(lab, stamp);
   if (lab.held) lab.resuming = setTimeout(() => lab.held && lab.app.clock.play(), RESUMED_MS);
   if (lab.wrong.length > 0) return undefined;
   seen(lab);
@@ -203,7 +203,9 @@ async function rested(lab, stamp) {
   return undefined;
 }
 
-function settledNow(lab) {
+// Whoever waits for the page to be up to date hears that it is.
+function done(lab, stamp) {
+  lab.doneStamp = stamp;
   lab.waiting = lab.waiting.filter((each) => {
     if (!each.verdict) each.resolve();
     return each.verdict;

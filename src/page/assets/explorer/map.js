@@ -38,12 +38,15 @@ class DesignMap {
   criteria() {
     const names = [...(this.grid?.words ?? []), ...(this.grid?.columns ?? [])];
     if (names.length === 0) return;
-    if (!names.includes(this.criterion)) this.criterion = names.includes("tts_s") ? "tts_s" : names[0];
+    // In the order of the figures, which has the most telling first.
+    const rank = new Map(this.figures().map(({ key }, index) => [key, index]));
+    names.sort((a, b) => (rank.get(a) ?? 1e3) - (rank.get(b) ?? 1e3));
+    if (!names.includes(this.criterion)) this.criterion = names.find((name) => name.endsWith("tts_s")) ?? names[0];
     options(byId("map-criterion"), names.map((name) => [name, this.figureOf(name)?.label ?? name.replaceAll("_", " ")]), this.criterion);
   }
 
   figureOf(name) {
-    return this.figures().find(({ key }) => key === name || key.endsWith(`.${name}`));
+    return this.figures().find(({ key }) => key === name);
   }
 
   // What all points share: all that is set but the two axes.

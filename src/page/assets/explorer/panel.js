@@ -25,7 +25,9 @@ function chooser(lab) {
 // What is wrong, at the top and beside the field that was moved last; the last good picture stays.
 function wrong(lab, problems) {
   lab.wrong = problems;
-  lab.fields?.wrong(problems.length > 0 ? lab.last : null, problems[0] ?? {});
+  // A problem that says where it is shows there.
+  const found = problems.find(({ field }) => field && lab.fields?.rows.has(field));
+  lab.fields?.wrong(problems.length > 0 ? found?.field ?? lab.last : null, found ?? problems[0] ?? {});
   warn(problems);
 }
 

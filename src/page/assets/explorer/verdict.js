@@ -13,11 +13,14 @@ function showVerdict(verdict) {
   const badge = byId("verdict");
   badge.dataset.kind = kind;
   put("verdict", verdict ? VERDICTS[kind] ?? kind : "…");
-  badge.title = verdict?.text ?? "The check of this run is under way.";
+  badge.title = verdict ? verdictWords(verdict) : "The check of this run is under way.";
   const doubtful = kind === "uncertain" || kind === "chaotic";
   byId("doubt").hidden = !doubtful;
-  if (doubtful) put("doubt", `This run is ${kind}. ${verdict.text}`);
+  if (doubtful) put("doubt", `This run is ${kind}: ${verdictWords(verdict)}`);
 }
+
+// What the check says, without the head of its table.
+const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/\s*\n\s*/g, "; ").replace(/;;/g, ";");
 
 // The time up to which a run is what it says, `undefined` where all of it is.
 function trustedUntil(verdict, start) {
