@@ -11,8 +11,9 @@ class Grid {
   constructor(line, setting, x, y, changed) {
     Object.assign(this, { line, setting, x, y, changed });
     this.points = new Map();
-    this.columns = null;
-    this.words = [];
+    // Names of numbers and of words, as far as any point has them: where nothing holds there is nothing to tell.
+    this.columns = new Set();
+    this.words = new Set();
     this.failed = null;
     this.stopped = false;
     this.done = 0;
@@ -61,23 +62,32 @@ class Grid {
       this.changed();
       return false;
     }
-    this.columns = answer.columns;
-    this.words = Object.keys(answer.words ?? {});
+    const { columns, words = {}, refused = [] } = answer;
+    columns.forEach((name) => this.columns.add(name));
+    Object.keys(words).forEach((name) => this.words.add(name));
     piece.forEach(([i, j], row) => {
-      const numbers = data.subarray(row * answer.columns.length, (row + 1) * answer.columns.length);
-      const words = Object.fromEntries(this.words.map((name) => [name, answer.words[name][row]]));
-      this.points.set(j * (FINEST + 1) + i, { numbers, words });
+      const found = new Map(columns.map((name, k) => [name, data[row * columns.length + k]]));
+      for (const name of Object.keys(words)) found.set(name, words[name][row]);
+      this.points.set(j * (FINEST + 1) + i, { found, refused: refused[row] ?? null });
     });
     this.done = this.points.size;
     return true;
   }
 
-  // A criterion at a point: a number, a word, or `undefined` while it is not known.
+  point(i, j) {
+    return this.points.get(j * (FINEST + 1) + i);
+  }
+
+  // A criterion at a point: a number, a word, `null` where there is none, `undefined` while it is not known.
   value(criterion, i, j) {
-    const point = this.points.get(j * (FINEST + 1) + i);
+    const point = this.point(i, j);
     if (!point) return undefined;
-    if (this.words.includes(criterion)) return point.words[criterion] ?? null;
-    const column = this.columns.indexOf(criterion);
-    return column < 0 ? undefined : point.numbers[column];
+    const value = point.found.get(criterion);
+    return value === undefined || Number.isNaN(value) ? null : value;
+  }
+
+  // All values of a criterion.
+  values(criterion) {
+    return [...this.points.values()].map(({ found }) => found.get(criterion)).filter((value) => value !== undefined && value !== null);
   }
 }

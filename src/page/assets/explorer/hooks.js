@@ -47,7 +47,7 @@ function explorerForTests(lab) {
       lab.map.renew();
       await lab.map.ready;
       const { grid } = lab.map;
-      return { failed: grid.failed, columns: grid.columns, points: grid.points.size };
+      return { failed: grid.failed, columns: [...grid.columns, ...grid.words], points: grid.points.size };
     },
     mapAt: (i, j) => {
       const { grid, criterion } = lab.map;

@@ -31,12 +31,12 @@ class DesignMap {
     const paths = variables.map(({ path }) => path);
     if (!paths.includes(this.axes.x)) this.axes.x = paths.find((path) => path !== this.axes.y);
     if (!paths.includes(this.axes.y) || this.axes.y === this.axes.x) this.axes.y = paths.find((path) => path !== this.axes.x);
-    for (const id of ["x", "y"]) options(byId(`map-${id}`), paths.map((path) => [path, path]), this.axes[id]);
+    for (const id of ["x", "y"]) options(byId(`map-${id}`), paths.map((path) => [path, calledShort(path)]), this.axes[id]);
     return true;
   }
 
   criteria() {
-    const names = [...(this.grid?.words ?? []), ...(this.grid?.columns ?? [])];
+    const names = [...this.grid.words, ...this.grid.columns];
     if (names.length === 0) return;
     // In the order of the figures, which has the most telling first.
     const rank = new Map(this.figures().map(({ key }, index) => [key, index]));
@@ -109,17 +109,13 @@ class DesignMap {
   // What the values look like: a colour for each, and the legend.
   paint() {
     const { grid, criterion } = this;
-    if (grid.words.includes(criterion)) {
-      const seen = [...new Set([...grid.points.values()].map(({ words }) => words[criterion]).filter(Boolean))].sort();
+    if (grid.words.has(criterion)) {
+      const seen = [...new Set(grid.values(criterion))].sort();
       return { colour: (word) => colour(seriesColour(categoryOf(word))), words: seen };
     }
-    const column = grid.columns?.indexOf(criterion) ?? -1;
     let [low, high] = [Infinity, -Infinity];
-    if (column >= 0) {
-      for (const { numbers } of grid.points.values()) {
-        const value = numbers[column];
-        if (Number.isFinite(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
-      }
+    for (const value of grid.values(criterion)) {
+      if (Number.isFinite(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
     }
     const logarithmic = low > 0 && high > 300 * low;
     const scale = (value) => (high > low ? (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low)) : 0.5);
@@ -143,7 +139,7 @@ class DesignMap {
     put("map-state", grid.failed ?? (grid.stopped ? "another variable has changed" : share < 100 ? `${share} %` : `${grid.total} closings`));
   }
 
-  // Points as cells as wide as their neighbours are apart; what has no value stays hatched.
+  // Points as cells as wide as their neighbours are apart; what has no value has no colour.
   cells(ctx, { x, y }, paint, stride) {
     const { grid, criterion } = this;
     const half = stride / 2;
@@ -153,8 +149,7 @@ class DesignMap {
         if (value === undefined) continue;
         const [left, right] = [x(Math.max(i - half, 0)), x(Math.min(i + half, FINEST))];
         const [top, bottom] = [y(Math.min(j + half, FINEST)), y(Math.max(j - half, 0))];
-        const none = value === null || Number.isNaN(value);
-        ctx.fillStyle = none ? colour("faint") : paint.colour(value);
+        ctx.fillStyle = value === null ? colour("faint") : paint.colour(value);
         ctx.fillRect(left, top, right - left + 0.5, bottom - top + 0.5);
       }
     }
@@ -240,7 +235,7 @@ class DesignMap {
     const { grid, criterion } = this;
     const value = grid.value(criterion, i, j);
     const figure = this.figureOf(criterion);
-    const found = value === undefined ? "not computed yet" : typeof value === "string" ? value : value === null || Number.isNaN(value) ? "none" : withUnit(value, figure?.unit ?? "", 4);
+    const found = value === undefined ? "not computed yet" : typeof value === "string" ? value : value === null ? `none. ${grid.point(i, j).refused ?? ""}` : withUnit(value, figure?.unit ?? "", 4);
     return `${grid.x.path} ${grid.textAt(grid.x, i)}, ${grid.y.path} ${grid.textAt(grid.y, j)}: ${figure?.label ?? criterion} ${found}`;
   }
 
