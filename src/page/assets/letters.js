@@ -77,7 +77,8 @@ function lettersOf(m, view, forces) {
     const side = Math.sign((at[0] - inside[0]) * nx + (at[1] - inside[1]) * ny) || 1;
     name(text, "ink", at, [side * nx, side * ny]);
   }
-  const edge = (part) => [part * Math.cos(m.q21) * Math.hypot(...m.a22), part * Math.sin(m.q21) * Math.hypot(...m.a22)];
+  const l21 = Math.hypot(m.a22[0] - m.o[0], m.a22[1] - m.o[1]);
+  const edge = (part) => [m.o[0] + part * Math.cos(m.q21) * l21, m.o[1] + part * Math.sin(m.q21) * l21];
   const out = [Math.sin(m.q21), -Math.cos(m.q21)];
   const [centre, rim] = [edge(0.8), edge(0.8).map((k, i) => k + m.w * out[i])];
   lines.push({ kind: "dimension", points: [view.to(centre), view.to(rim)] });

@@ -19,6 +19,8 @@ function explorerForTests(lab) {
       kept: lab.kept?.figures ?? null,
       samples: lab.run.samples,
       verdict: lab.verdict,
+      cloud: lab.run.cloud?.length ?? 0,
+      trusted_s: lab.run.trusted_s ?? null,
       problems: lab.wrong,
       busy: lab.doneStamp !== lab.stamp,
       ms: lab.ms,

@@ -108,7 +108,6 @@ function filmNow(lab) {
   run.kept = kept ? false : undefined;
   const film = filmOf(kept ? [run, kept.run] : [run]);
   film.unit.decimals = Math.min(film.unit.decimals, 4);
-  run.trusted_s = trustedUntil(lab.verdict, film.start);
   return film;
 }
 
@@ -183,8 +182,6 @@ async function rested(lab, stamp) {
     lab.fields.show(heard.answer, base, setting.set);
     lab.known = heard.answer;
     title(lab, heard.answer);
-    // Sliders whose fields are back as they were are told apart by what is set.
-    lab.map.choices();
   }
   buttons(lab);
   if (lab.opened.kept) await keptAgain(lab);
@@ -198,9 +195,21 @@ async function rested(lab, stamp) {
     showVerdict(lab.verdict);
     lab.run.trusted_s = trustedUntil(lab.verdict, lab.app.film.start);
     lab.app.changed();
-    lab.waiting.splice(0).forEach(({ verdict, resolve }) => verdict && resolve());
+    lab.waiting = lab.waiting.filter(({ verdict, resolve }) => !verdict || resolve());
+    await clouded(lab, still);
   }
   return undefined;
+}
+
+// Of a run that cannot be trusted, its neighbours, and from when on they part.
+async function clouded(lab, still) {
+  const { verdict, run, of, lines, known, app } = lab;
+  if (!known || run.trusted_s === undefined) return;
+  const cloud = await cloudOf(lines.patient, of, known.fields, still);
+  if (!cloud || !still()) return;
+  run.cloud = cloud;
+  run.trusted_s = verdict.from_s ?? parting(run, cloud, verdict.error ?? 0) ?? app.film.start;
+  app.changed();
 }
 
 // Whoever waits for the page to be up to date hears that it is.

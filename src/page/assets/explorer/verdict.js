@@ -19,8 +19,8 @@ function showVerdict(verdict) {
   if (doubtful) put("doubt", `This run is ${kind}: ${verdictWords(verdict)}`);
 }
 
-// What the check says, without the head of its table.
-const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/\s*\n\s*/g, "; ").replace(/;;/g, ";");
+// What the check says, without the head of its table and what it advises to do at a terminal.
+const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; ask for .*$/, "");
 
 // The time up to which a run is what it says, `undefined` where all of it is.
 function trustedUntil(verdict, start) {
