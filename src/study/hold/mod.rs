@@ -40,7 +40,8 @@ use std::sync::mpsc::Sender;
 
 use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Axis, GripperScene};
-use crate::study::{pool, simulate};
+use crate::grasp::run;
+use crate::study::pool;
 use crate::trace::Sample;
 
 use prepared::Prepared;
@@ -221,7 +222,7 @@ fn unloaded(prepared: &Prepared, plan: &Plan, cases: &[Case], go_on: GoOn<'_>) -
 fn beginning(prepared: &Prepared, plan: &Plan, go_on: GoOn<'_>) -> Result<Option<Sample>, HoldError> {
     let (motion, duration_s) = (prepared.stage.before.clone(), prepared.stage.begins_s);
     let scene = GripperScene { palm_motion: Some(motion), duration_s, ..prepared.scene.clone() };
-    match simulate::run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
+    match run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
         None => Ok(None),
         Some(Err(reason)) => Err(HoldError::Scene { reason }),
         Some(Ok(outcome)) => Ok(Some(outcome.last)),

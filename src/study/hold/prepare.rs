@@ -8,7 +8,7 @@ use super::prepared::{Prepared, Since};
 use super::rest::Rest;
 use crate::criteria::{Fate, GraspTracker};
 use crate::scene::{Actuation, Axis, Cycle, GripperScene, Motor, Move, ObjectMotion, PalmMotion, torque};
-use crate::study::simulate::run;
+use crate::grasp::run;
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
 fn standard_cycle() -> PalmMotion {

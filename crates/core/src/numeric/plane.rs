@@ -77,6 +77,11 @@ pub fn near_turn(angle: f64, other: f64) -> f64 {
     angle + TAU * ((other - angle) / TAU).round()
 }
 
+/// An angle without its whole turns, from −π to π.
+pub fn turned(angle_rad: f64) -> f64 {
+    angle_rad - TAU * (angle_rad / TAU).round()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

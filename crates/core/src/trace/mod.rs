@@ -9,6 +9,7 @@
 //! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
 //! | `between`, `grid` | a sample between two others; the even grid of times |
 //! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
+//! | `gate` | runs that end when they are told to |
 //! | `ejection` | the end of a run whose object is thrown out of the gripper |
 //! | `engine`, `engine_recorder`, `moments`, `tracked`, `engine_reading` | runs of the engine, and how its nodes are read |
 
@@ -21,6 +22,7 @@ mod engine_reading;
 mod engine_recorder;
 mod error;
 mod follow;
+mod gate;
 mod grid;
 mod layout;
 mod model;
@@ -43,6 +45,7 @@ pub use between::between;
 pub use ejection::EJECTED_RADII;
 pub use engine::run_engine;
 pub use error::RunError;
+pub use gate::{GoOn, While};
 pub use layout::{Layout, Place};
 pub use model::{Model, run};
 pub use outcome::{ContactSummary, Outcome, Work};

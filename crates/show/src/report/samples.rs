@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::super::csv::line;
+use super::csv::line;
 use crate::trace::Sample;
 use crate::trace::columns::{self, Column};
 

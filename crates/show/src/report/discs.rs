@@ -21,7 +21,7 @@ pub struct DiscReport {
 }
 
 /// Discs that have these names, in order, or the object of a gripper; how they move is `unknown` without a scene that has them.
-pub(super) fn discs(
+pub fn discs(
     names: &[String],
     scene: Option<Simulated<'_>>,
     states: &[BodyState],

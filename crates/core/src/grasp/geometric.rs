@@ -7,7 +7,7 @@ use crate::scene::{GripperScene, Side};
 ///
 /// # Errors
 /// The first finger that does not reach around it, and why.
-pub(super) fn geometric(scene: &GripperScene) -> Result<[[f64; 2]; 2], (Side, GraspError)> {
+pub fn geometric(scene: &GripperScene) -> Result<[[f64; 2]; 2], (Side, GraspError)> {
     let [x, y] = scene.object.centre_m;
     let mut angles_rad = [[0.0; 2]; 2];
     for side in Side::BOTH {

@@ -1,21 +1,22 @@
-//! Films → JSON. Columns of numbers are base64 of little-endian `f64`, each kept once; one that does not change is one
-//! number long. A column is named by its index in the run's table.
+//! Films → JSON. Each column of numbers is kept once; one that does not change is one number long. A column is named by its index
+//! in the run's table. Within a document columns are base64 of little-endian `f64`; beside one they are numbers in a row.
 
 use std::collections::HashMap;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 
-use super::film::{Body, Film, Mark, Panel, Scale, Series, Touch};
+use super::develop::{Body, Film, Mark, Panel, Scale, Series, Touch};
 use crate::drawing::Shape;
 
 #[derive(Serialize)]
 struct Document<'a> {
-    runs: Vec<Run<'a>>,
+    runs: Vec<Run<'a, String>>,
 }
 
+/// A run whose columns are `C`.
 #[derive(Serialize)]
-struct Run<'a> {
+pub struct Run<'a, C> {
     label: &'a str,
     /// Samples here, and of the run before it was thinned out.
     samples: usize,
@@ -28,7 +29,7 @@ struct Run<'a> {
     arrow_m_per_n: f64,
     longest_arrow_m: f64,
     extent_m: [[f64; 2]; 2],
-    columns: Vec<String>,
+    columns: Vec<C>,
 }
 
 #[derive(Serialize)]
@@ -95,8 +96,8 @@ struct Event<'a> {
 /// The columns of a run; each is there once.
 #[derive(Default)]
 struct Table {
-    columns: Vec<String>,
-    known: HashMap<String, usize>,
+    columns: Vec<Vec<f64>>,
+    known: HashMap<Vec<u64>, usize>,
 }
 
 impl Table {
@@ -104,23 +105,36 @@ impl Table {
         let first = values.first().map(|value| value.to_bits());
         let constant = values.iter().all(|value| Some(value.to_bits()) == first);
         let written = if constant { &values[..values.len().min(1)] } else { values };
-        let bytes: Vec<u8> = written.iter().flat_map(|value| value.to_le_bytes()).collect();
-        let text = BASE64_STANDARD.encode(bytes);
-        *self.known.entry(text).or_insert_with_key(|text| {
-            self.columns.push(text.clone());
+        let bits = written.iter().map(|value| value.to_bits()).collect();
+        *self.known.entry(bits).or_insert_with(|| {
+            self.columns.push(written.to_vec());
             self.columns.len() - 1
         })
     }
 }
 
-/// The JSON document of all runs.
-pub(super) fn json(films: &[Film]) -> String {
-    let document = Document { runs: films.iter().map(run).collect() };
+/// The JSON document of all runs, with everything in it.
+pub fn json(films: &[Film]) -> String {
+    let runs = films.iter().map(|film| run(film, |columns| columns.iter().map(|column| base64(column)).collect()));
     // Every key is a text and every number that may be infinite is in a column.
-    serde_json::to_string(&document).expect("films can be written")
+    serde_json::to_string(&Document { runs: runs.collect() }).expect("films can be written")
 }
 
-fn run(film: &Film) -> Run<'_> {
+/// One run whose columns are put behind each other into `data`; it has where each begins there, and how long it is.
+pub fn beside<'a>(film: &'a Film, data: &mut Vec<f64>) -> Run<'a, [usize; 2]> {
+    let mut put = |column: Vec<f64>| {
+        data.extend(&column);
+        [data.len() - column.len(), column.len()]
+    };
+    run(film, |columns| columns.into_iter().map(&mut put).collect())
+}
+
+fn base64(values: &[f64]) -> String {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    BASE64_STANDARD.encode(bytes)
+}
+
+fn run<C>(film: &Film, kept: impl FnOnce(Vec<Vec<f64>>) -> Vec<C>) -> Run<'_, C> {
     let mut table = Table::default();
     Run {
         label: &film.label,
@@ -134,7 +148,7 @@ fn run(film: &Film) -> Run<'_> {
         arrow_m_per_n: film.arrow_m_per_n,
         longest_arrow_m: film.longest_arrow_m,
         extent_m: film.extent_m,
-        columns: table.columns,
+        columns: kept(table.columns),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::wording::duration;
 use crate::wording::figures::{figure, row};
 use crate::wording::sheet::{Sheet, table};
 
-pub(super) fn final_state(last: &Final, end_s: f64) -> Sheet {
+pub fn final_state(last: &Final, end_s: f64) -> Sheet {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
@@ -21,7 +21,7 @@ pub(super) fn final_state(last: &Final, end_s: f64) -> Sheet {
 }
 
 /// Of both fingers of a gripper.
-pub(super) fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
+pub fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "q11, deg", "q21, deg", "q22, deg", "qd11, rad/s", "qd21, rad/s"])];
@@ -39,11 +39,11 @@ pub(super) fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
 }
 
 /// What a gripper grasps.
-pub(super) fn object(object: &DiscReport, end_s: f64) -> Sheet {
+pub fn object(object: &DiscReport, end_s: f64) -> Sheet {
     discs(&BTreeMap::from([("object".to_string(), *object)]), end_s)
 }
 
-pub(super) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
+pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
     for (name, disc) in discs {
@@ -62,7 +62,7 @@ pub(super) fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
 }
 
 /// `None` where nothing can touch.
-pub(super) fn contacts(contacts: &Contacts) -> Option<Sheet> {
+pub fn contacts(contacts: &Contacts) -> Option<Sheet> {
     match contacts {
         Contacts::Finger(FingerContacts { proximal, distal, limit }) => {
             Some(places(&[("proximal", proximal), ("distal", distal)], &[("joint limit", limit)]))
@@ -159,7 +159,7 @@ fn pairs(pairs: &BTreeMap<String, PairReport>) -> Sheet {
 }
 
 /// Of a finger, whose `motor` works against its spring, or of what is driven.
-pub(super) fn energies(energy: &Energies, motor: bool) -> Sheet {
+pub fn energies(energy: &Energies, motor: bool) -> Sheet {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     let spring = |cell: &str| motor.then(|| cell.to_string());
     let line = |first: &str, [kinetic, gravity, spring_of, rest @ ..]: [&str; 7]| {
@@ -184,7 +184,7 @@ pub(super) fn energies(energy: &Energies, motor: bool) -> Sheet {
     ])
 }
 
-pub(super) fn dynamics(criteria: &Dynamics) -> Sheet {
+pub fn dynamics(criteria: &Dynamics) -> Sheet {
     let rebound = match criteria.rebound_percent {
         Some(percent) => format!("{} %", figure(percent, 4)),
         None => "–".to_string(),
@@ -200,7 +200,7 @@ pub(super) fn dynamics(criteria: &Dynamics) -> Sheet {
 }
 
 /// What became of the object of a gripper.
-pub(super) fn grasp(report: &GraspReport) -> Sheet {
+pub fn grasp(report: &GraspReport) -> Sheet {
     let closed = match report.form_closed {
         Some(true) => "yes",
         Some(false) => "no",
@@ -278,6 +278,6 @@ fn carried(cycle: &CycleReport) -> String {
     text
 }
 
-pub(super) fn milliseconds(time_s: Option<f64>) -> String {
+pub fn milliseconds(time_s: Option<f64>) -> String {
     time_s.map_or("–".to_string(), |time_s| format!("{:.6}", time_s * 1e3))
 }

@@ -15,7 +15,7 @@ use crate::criteria::Driven;
 use crate::drawing::{Drawing, Part, Shape, poses};
 use crate::scene::GripperScene;
 use crate::statics::{Balance, Balanced};
-use crate::study::gripper_grasp::{GripperGrasp, Holds};
+use crate::grasp::gripper::{GripperGrasp, Holds};
 use crate::wording::figures::G_M_S2;
 
 /// Side of the polar plot, and room for the words around it.

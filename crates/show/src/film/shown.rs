@@ -1,6 +1,6 @@
 //! What of a scene's samples is shown.
 
-use super::film::{Film, Shown, develop, mark};
+use super::develop::{Film, Shown, develop, mark};
 use super::{panels, panels_gripper};
 use crate::drawing::{self, Drawing};
 use crate::trace::{Event, Sample, Simulated};

@@ -1,7 +1,7 @@
 //! A free motion in words.
 
 use super::motion::{FingerMotionReport, MotionReport};
-use crate::study::grasp::Palm;
+use crate::grasp::finger::Palm;
 use crate::wording::figures::figure;
 
 /// One sentence for the object, one for each finger (one for both if they move alike), one for contacts.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::closure::ClosureReport;
 use crate::gripper::{Placement, Site, SpringKind};
 use crate::statics::{Ejection, Equilibrium, GripperRow};
-use crate::study::grasp::{Contact, Drive, Forces, Grasp};
+use crate::grasp::finger::{Contact, Drive, Forces, Grasp};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticsReport {

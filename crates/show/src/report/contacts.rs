@@ -92,7 +92,7 @@ impl Contacts {
 }
 
 /// Pairs by name, in order.
-pub(super) fn pairs(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> BTreeMap<String, PairReport> {
+pub fn pairs(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> BTreeMap<String, PairReport> {
     let pairs = layout.contacts.iter().zip(&outcome.contacts).zip(&outcome.last.contacts).enumerate();
     pairs
         .map(|(index, ((place, summary), last))| {

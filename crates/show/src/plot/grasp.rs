@@ -12,7 +12,7 @@ use crate::drawing::{Body, Drawing, Part, finger_poses_at};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
 use crate::statics::{Certificate, FormClosure, Unknown};
-use crate::study::grasp::{Forces, Grasp, Palm};
+use crate::grasp::finger::{Forces, Grasp, Palm};
 
 /// Width of the legend.
 const BESIDE: u32 = 330;

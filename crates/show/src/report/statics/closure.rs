@@ -6,7 +6,7 @@ use super::motion::{FingerMotionReport, MotionReport, RateReport};
 use super::words::{motion_words, palm};
 use crate::gripper::Site;
 use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Kind, Row, Unknown};
-use crate::study::grasp::Palm;
+use crate::grasp::finger::Palm;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosureReport {

@@ -1,10 +1,10 @@
 //! The plots of a gripper.
 
-use super::film::{Curve, Plan, Scale, plan};
+use super::develop::{Curve, Plan, Scale, plan};
 use super::panels::{energies, gaps, of_contacts};
+use crate::numeric::plane::turned;
 use crate::scene::{GripperScene, ObjectMotion, Place, Side};
 use crate::trace::{BodyState, FingerState, Sample, Site};
-use crate::validate::turned;
 
 /// A quantity of a finger, by its name.
 type OfFinger = (&'static str, fn(&FingerState) -> f64, Option<fn(&FingerState) -> f64>);

@@ -12,7 +12,6 @@ use super::discs::{DiscReport, discs};
 use super::grasp::GraspReport;
 use super::named::Named;
 use crate::criteria::{Criteria, GraspCriteria, Rebound};
-use crate::log::{construction_name, law_name, method_name, preset_name, stepping_name};
 use crate::scene::words::SceneKind;
 use crate::scene::{Engine, Integrator, Stepping, Words};
 use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Simulated, Work};
@@ -203,13 +202,13 @@ impl RunReport {
     }
 
     /// Whether the scene has joints to speak of.
-    pub(super) fn has_joints(&self) -> bool {
+    pub fn has_joints(&self) -> bool {
         self.kind != SceneKind::Bodies.word()
     }
 }
 
 /// The fingers at the end, by their names.
-pub(super) fn finals(layout: &Layout, outcome: &Outcome) -> Named<Final> {
+pub fn finals(layout: &Layout, outcome: &Outcome) -> Named<Final> {
     let fingers = layout.fingers.iter().cloned().zip(&outcome.last.fingers);
     fingers.map(|(name, finger)| (name, Final::from(finger))).collect()
 }
@@ -271,8 +270,8 @@ impl From<&Work> for WorkReport {
 impl From<&Integrator> for IntegratorUsed {
     fn from(integrator: &Integrator) -> Self {
         IntegratorUsed {
-            preset: preset_name(integrator.preset),
-            method: method_name(integrator.method),
+            preset: integrator.preset.word(),
+            method: integrator.method.word(),
             rtol: integrator.rtol,
             atol_angle_rad: integrator.atol_angle_rad,
             atol_rate_rad_s: integrator.atol_rate_rad_s,
@@ -288,9 +287,9 @@ impl From<&Engine> for EngineUsed {
             Stepping::Adaptive { tolerance_m, max_step_s } => (None, Some(tolerance_m), Some(max_step_s)),
         };
         EngineUsed {
-            construction: construction_name(engine.construction),
-            law: law_name(engine.response),
-            stepping: stepping_name(engine.stepping),
+            construction: engine.construction.word(),
+            law: engine.response.word(),
+            stepping: engine.stepping.word(),
             step_s,
             tolerance_m,
             max_step_s,

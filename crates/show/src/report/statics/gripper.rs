@@ -11,8 +11,8 @@ use crate::statics::{
     Balance, Balanced, Blocked, Drive, FormClosure, GripperRow, HandMotion, Held, Limit, MetAt, Spot, StaticsError,
     Yields,
 };
-use crate::study::grasp::Palm;
-use crate::study::gripper_grasp::{GripperGrasp, Holds, Source, Touching};
+use crate::grasp::finger::Palm;
+use crate::grasp::gripper::{GripperGrasp, Holds, Source, Touching};
 use crate::trace::FingerState;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -61,11 +61,11 @@ fn heading(report: &RunReport) -> Sheet {
     text
 }
 
-pub(super) fn integrator(used: &IntegratorUsed) -> String {
+pub fn integrator(used: &IntegratorUsed) -> String {
     format!(", {} (rtol {:e}, {} preset)", used.method, used.rtol, used.preset)
 }
 
-pub(super) fn engine(used: &EngineUsed, joints: bool) -> String {
+pub fn engine(used: &EngineUsed, joints: bool) -> String {
     let stepping = match (used.step_s, used.tolerance_m, used.max_step_s) {
         (Some(step_s), ..) => format!("steps of {}", duration(step_s)),
         (None, Some(tolerance_m), Some(max_step_s)) => {

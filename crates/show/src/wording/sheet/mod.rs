@@ -125,7 +125,7 @@ impl Sheet {
     }
 
     /// Elements of a page; tables scroll within boxes of their own, which the reader is told are about `title`.
-    pub(crate) fn html(&self, title: &str) -> String {
+    pub fn html(&self, title: &str) -> String {
         html::parts(&self.parts, title)
     }
 }

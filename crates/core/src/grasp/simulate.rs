@@ -2,10 +2,10 @@
 
 use crate::scene::GripperScene;
 use crate::trace::{self, Model, Outcome, RunError, Sink};
-use crate::validate::While;
+use crate::trace::While;
 
 /// Runs a scene into a sink that follows its steps; `None` if it was told to stop, and otherwise what it came to, or why it did not.
-pub(super) fn run(
+pub fn run(
     model: Model,
     scene: &GripperScene,
     sink: &mut impl Sink,

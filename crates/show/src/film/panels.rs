@@ -1,9 +1,9 @@
 //! The plots of a scene.
 
-use super::film::{Curve, Plan, Scale, plan};
+use super::develop::{Curve, Plan, Scale, plan};
+use crate::numeric::plane::turned;
 use crate::scene::{BodiesScene, Scene};
 use crate::trace::{BodyState, ContactSample, FingerState, Sample, Site};
-use crate::validate::turned;
 
 /// A quantity of a disc, by its name, and its rate.
 type OfDisc = (&'static str, fn(&BodyState) -> f64, Option<fn(&BodyState) -> f64>);
