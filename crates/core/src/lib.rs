@@ -8,6 +8,7 @@ pub mod analytic;
 pub mod check;
 pub mod criteria;
 pub mod drawing;
+#[cfg(feature = "engine")]
 pub mod engine;
 pub mod fivebar;
 pub mod grasp;

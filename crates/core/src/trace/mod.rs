@@ -17,15 +17,20 @@ mod analytic;
 mod between;
 pub mod columns;
 mod ejection;
+#[cfg(feature = "engine")]
 mod engine;
+#[cfg(feature = "engine")]
 mod engine_reading;
+#[cfg(feature = "engine")]
 mod engine_recorder;
 mod error;
+#[cfg(feature = "engine")]
 mod follow;
 mod gate;
 mod grid;
 mod layout;
 mod model;
+#[cfg(feature = "engine")]
 mod moments;
 mod outcome;
 pub mod overrides;
@@ -38,11 +43,13 @@ mod simulated;
 mod sink;
 mod slipping;
 mod thin;
+#[cfg(feature = "engine")]
 mod tracked;
 
 pub use analytic::run_analytic;
 pub use between::between;
 pub use ejection::EJECTED_RADII;
+#[cfg(feature = "engine")]
 pub use engine::run_engine;
 pub use error::RunError;
 pub use gate::{GoOn, While};

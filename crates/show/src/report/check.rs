@@ -57,7 +57,7 @@ impl RunCheckReport {
 }
 
 /// A line for the summary of a run of so many steps; nothing for a short run that was not to be checked.
-pub(in crate::report) fn line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<Sheet> {
+pub fn line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<Sheet> {
     match report {
         Some(report) => Some(found(report)),
         None if steps? > MOST_STEPS => {
