@@ -14,7 +14,7 @@ const STYLES: [&str; 4] = [
     include_str!("assets/pictures.css"),
 ];
 /// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 20] = [
+const SCRIPTS: [&str; 22] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
     include_str!("assets/reading.js"),
@@ -34,6 +34,8 @@ const SCRIPTS: [&str; 20] = [
     include_str!("assets/controls.js"),
     include_str!("assets/help.js"),
     include_str!("assets/keys.js"),
+    include_str!("assets/viewer.js"),
+    include_str!("assets/hooks.js"),
     include_str!("assets/main.js"),
 ];
 

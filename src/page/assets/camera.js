@@ -13,16 +13,32 @@ class Camera {
     this.canvas = canvas;
     this.follow = null;
     this.zoom = 1;
-    this.whole = wholeOf(film.runs);
-    this.deepest = new Map();
-    for (const name of new Set(film.runs.flatMap((run) => run.contacts.map((contact) => contact.name)))) {
-      this.deepest.set(name, deepestOf(film.runs, name));
-    }
+    this.renew();
     this.fit();
+  }
+
+  // Takes the film as it is now and keeps the view: while it shows everything it may widen, so that nothing leaves it.
+  renew() {
+    const { runs } = this.film;
+    const whole = wholeOf(runs);
+    if (this.wholeInView) this.widen(whole);
+    else this.whole = whole;
+    this.deepest = new Map();
+    for (const name of new Set(runs.flatMap((run) => run.contacts.map((contact) => contact.name)))) {
+      this.deepest.set(name, deepestOf(runs, name));
+    }
+    if (this.follow && !this.deepest.has(this.follow)) this.fit();
+  }
+
+  widen([low, high]) {
+    const [l, h] = this.whole;
+    this.whole = [[0, 1].map((k) => Math.min(l[k], low[k])), [0, 1].map((k) => Math.max(h[k], high[k]))];
+    this.span = [0, 1].map((k) => this.whole[1][k] - this.whole[0][k]);
   }
 
   // Everything in view.
   fit() {
+    this.whole = wholeOf(this.film.runs);
     const [[x0, y0], [x1, y1]] = this.whole;
     this.follow = null;
     this.zoom = 1;

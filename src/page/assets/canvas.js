@@ -68,8 +68,9 @@ function label(ctx, text, x, y, ink = "ink", align = "left", baseline = "middle"
   ctx.fillText(text, x, y);
 }
 
-// A small sample of how a run is drawn: 0 solid and wide, 1 dashed.
-function strokeSample(index, name = "ink") {
+// A small sample of how a run is drawn: the first solid and wide, the second dashed; one that is held against what was kept, solid.
+function strokeSample({ index, kept }, name = "ink") {
+  const wide = index === 0 && kept === undefined;
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   const line = document.createElementNS("http://www.w3.org/2000/svg", "path");
   svg.setAttribute("viewBox", "0 0 26 12");
@@ -77,9 +78,9 @@ function strokeSample(index, name = "ink") {
   line.setAttribute("d", "M1 6H25");
   line.setAttribute("fill", "none");
   line.setAttribute("stroke", `var(--${name})`);
-  line.setAttribute("stroke-width", index === 0 ? "6" : "2");
-  if (index === 0) line.setAttribute("stroke-opacity", "0.45");
-  else line.setAttribute("stroke-dasharray", "5 3");
+  line.setAttribute("stroke-width", wide ? "6" : "2");
+  if (wide) line.setAttribute("stroke-opacity", "0.45");
+  else if (index > 0) line.setAttribute("stroke-dasharray", "5 3");
   svg.append(line);
   return svg;
 }

@@ -4,6 +4,8 @@ const SLOWEST = 1e-5;
 // Seconds of the reader's in which the whole run passes where nothing happens, and in which an approach halves.
 const CRUISE_S = 8;
 const APPROACH_S = 0.4;
+// Seconds of the reader's for which a film that starts again shows its end.
+const REST_S = 1.5;
 const MOST_MOMENTS = 8;
 const MANTISSAS = [1, 2, 5];
 
@@ -50,6 +52,17 @@ class Clock {
     this.playing = false;
     this.auto = true;
     this.notch = 8;
+    // Whether the film starts again when it has ended.
+    this.loops = false;
+    this.rested = 0;
+    this.renew();
+  }
+
+  // Takes the film as it is now: the same part of it has passed.
+  renew() {
+    const { film, span } = this;
+    if (span) this.time = Math.min(film.start + (this.time - span[0]) / (span[1] - span[0]) * (film.end - film.start), film.end);
+    this.span = [film.start, film.end];
     this.moments = momentsOf(film.events, film.start + 1e-4 * (film.end - film.start));
     this.cruise = Math.min(1, (film.end - film.start) / CRUISE_S);
   }
@@ -105,8 +118,15 @@ class Clock {
   // So many seconds of the reader's go by.
   pass(seconds) {
     if (!this.playing) return;
+    if (this.loops && this.time >= this.film.end) {
+      // The end is what is looked at most.
+      this.rested += seconds;
+      if (this.rested >= REST_S) this.seek(this.film.start);
+      return;
+    }
+    this.rested = 0;
     const time = this.after(this.time, seconds);
-    if (time >= this.film.end) this.playing = false;
+    if (time >= this.film.end) this.playing = this.loops;
     this.seek(time);
   }
 }

@@ -4,7 +4,7 @@ const byId = (id) => document.getElementById(id);
 
 // Ties the elements of the page to what they do; returns what brings them up to date.
 function controls(app) {
-  const { film, clock, stage } = app;
+  const { film } = app;
   const click = (id, action) => byId(id).addEventListener("click", action);
   click("play", app.toggle);
   click("back", () => app.step(-1));
@@ -15,7 +15,6 @@ function controls(app) {
   click("zoom-out", () => app.zoom(1 / 1.5));
   click("zoom-fit", app.fit);
   click("letters", app.toggleLetters);
-  byId("letters").hidden = !film.runs.some((run) => run.bodies.some((body) => body.name === "l22"));
   click("window-in", () => app.zoomTime(0.5));
   click("window-out", () => app.zoomTime(2));
   click("window-event", app.windowEvent);
@@ -45,20 +44,32 @@ function controls(app) {
     }
   });
   byId("follow").addEventListener("change", (event) => app.follow(event.target.value || null));
-  for (const name of stage.camera.deepest.keys()) byId("follow").append(element("option", { value: name }, `At ${name}`));
-  byId("follow").hidden = stage.camera.deepest.size === 0;
-  byId("arrows-box").hidden = stage.camera.deepest.size === 0;
-  for (const id of ["previous", "next", "window-event"]) byId(id).disabled = film.events.length === 0;
-  byId("runs").hidden = film.runs.length < 2;
-  for (const run of film.runs) {
-    const box = element("input", { type: "checkbox", checked: "", "aria-label": `Show ${run.label}` });
-    box.addEventListener("change", () => app.show(run.index, box.checked));
-    const name = element("span", { class: "name", title: run.label }, run.label);
-    byId("runs").append(element("label", {}, box, strokeSample(run.index), name));
-  }
+  choices(app);
   stagePointers(app);
   overviewPointers(app);
   return () => refresh(app);
+}
+
+// What there is to choose: the contacts and the runs of the film as it is now.
+function choices(app) {
+  const { film, stage } = app;
+  const contacts = [...stage.camera.deepest.keys()];
+  for (const id of ["previous", "next", "window-event"]) byId(id).disabled = film.events.length === 0;
+  // Elements that are there stay, for someone may have them open.
+  const form = JSON.stringify([contacts, film.runs.map((run) => [run.label, run.kept])]);
+  if (form === app.chosenFrom) return;
+  app.chosenFrom = form;
+  byId("letters").hidden = !film.runs.some((run) => run.bodies.some((body) => body.name.endsWith("l22")));
+  byId("follow").replaceChildren(element("option", { value: "" }, "Whole"), ...contacts.map((name) => element("option", { value: name }, `At ${name}`)));
+  byId("follow").hidden = contacts.length === 0;
+  byId("arrows-box").hidden = contacts.length === 0;
+  byId("runs").hidden = film.runs.length < 2;
+  byId("runs").replaceChildren(...film.runs.map((run) => {
+    const box = element("input", { type: "checkbox", checked: "", "aria-label": `Show ${run.label}` });
+    box.addEventListener("change", () => app.show(run.index, box.checked));
+    const name = element("span", { class: "name", title: run.label }, run.label);
+    return element("label", {}, box, strokeSample(run), name);
+  }));
 }
 
 const put = (id, text) => {

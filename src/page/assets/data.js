@@ -7,8 +7,7 @@ function decoded(text) {
 }
 
 // A run with arrays in place of column numbers. A column that is one number long does not change.
-function runOf(raw, index) {
-  const columns = raw.columns.map(decoded);
+function runOf(raw, index, columns = raw.columns.map(decoded)) {
   const column = (number) => {
     const values = columns[number];
     return values.length === raw.samples ? values : new Float64Array(raw.samples).fill(values[0]);
@@ -36,9 +35,14 @@ function runOf(raw, index) {
   };
 }
 
-// Everything the page knows: runs, the span of time they cover together, all events in order.
+// The film in the page.
 function loaded() {
-  const runs = JSON.parse(document.getElementById("data").textContent).runs.map(runOf).filter((run) => run.samples > 0);
+  const { runs } = JSON.parse(document.getElementById("data").textContent);
+  return filmOf(runs.map((raw, index) => runOf(raw, index)).filter((run) => run.samples > 0));
+}
+
+// Everything a page knows: runs, the span of time they cover together, all events in order.
+function filmOf(runs) {
   const start = Math.min(...runs.map((run) => run.time[0]));
   const end = Math.max(...runs.map((run) => run.time[run.samples - 1]));
   const events = runs.flatMap((run) => run.events.map((event) => ({ ...event, run })));

@@ -2,14 +2,20 @@
 
 class Events {
   constructor(film, holder, seek) {
-    this.film = film;
-    this.holder = holder;
+    Object.assign(this, { film, holder, seek });
+    this.renew();
+  }
+
+  // The list of the film as it is now.
+  renew() {
+    const { film, holder, seek } = this;
+    holder.replaceChildren();
     this.rows = film.events.map((event) => {
       const figure = event.figure === null ? "" : withUnit(event.figure, event.unit, 4);
       const row = element(
         "button",
         { type: "button", class: "event" },
-        strokeSample(event.run.index),
+        strokeSample(event.run),
         element("span", {}, timeText(event.time_s, film.unit)),
         element("span", { class: "what" }, `${event.place}: ${event.kind}`),
         element("span", { class: "figure soft" }, figure),

@@ -18,9 +18,10 @@ const KEYS = [
   [["?"], "this help"],
 ];
 
-function keyboard(app) {
+// `more` has keys of a page's own: their lines of the help, and their actions.
+function keyboard(app, more = { keys: [], actions: {} }) {
   const help = byId("help");
-  const open = keyHelp(help, KEYS);
+  const open = keyHelp(help, [...KEYS, ...more.keys]);
 
   const wide = () => {
     const [from, to] = app.range();
@@ -54,6 +55,7 @@ function keyboard(app) {
     2: () => app.film.runs[1] && app.show(1, !app.film.runs[1].visible),
     d: app.toggleTheme,
     "?": open,
+    ...more.actions,
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
@@ -64,6 +66,8 @@ function keyboard(app) {
     if ((tag === "BUTTON" || tag === "INPUT" && target.type === "checkbox") && event.key === " ") return;
     if (target.id === "speed" && event.key.startsWith("Arrow")) return;
     if (target.matches(".grid, .sheet") && event.key.startsWith("Arrow")) return;
+    if (target.matches("textarea, input:not([type='range'], [type='checkbox'])")) return;
+    if (target.matches("[data-keys='own']") && /^(Arrow|Home|End|Page|Enter)/.test(event.key)) return;
     // On many keyboards + and ? are typed with shift.
     const action = (event.shiftKey && actions["shift " + event.key]) || actions[event.key];
     if (!action) return;

@@ -8,19 +8,25 @@ const LETTER_WAYS = 32;
 const LETTER_ROOM = 3;
 // A pointer so near to a link points at it.
 const POINTED_PX = 14;
-const FORCES = new Map([["proximal", "F21"], ["distal", "F22"]]);
+// Of a gripper it is the right finger that is named: it is the one a scene describes, the other mirrors it.
+const FORCES = new Map([["proximal", "F21"], ["distal", "F22"], ["right proximal", "F21"], ["right distal", "F22"]]);
+const SIDES = ["", "right_"];
 
 // The joints of the finger at the poses of its bodies, and the end of its tip; null where a run has no finger.
 function linkageOf(run, bodies) {
-  const pose = (name) => bodies.find((body) => body.name === name);
-  const shapes = (name) => run.bodies.find((body) => body.name === name)?.shapes ?? [];
+  const side = SIDES.find((each) => bodies.some(({ name }) => name === `${each}l22`));
+  if (side === undefined) return null;
+  const pose = (name) => bodies.find((body) => body.name === side + name);
+  const shapes = (name) => run.bodies.find((body) => body.name === side + name)?.shapes ?? [];
   const [l11, l12, l21, l22] = ["l11", "l12", "l21", "l22"].map(pose);
   const capsule = (name) => shapes(name).findLast((shape) => shape.kind === "capsule");
   const bar = shapes("l12").find((shape) => shape.kind === "polygon");
   if (!l11 || !l12 || !l21 || !l22 || !bar || !capsule("l21") || !capsule("l22")) return null;
   const along = bar.corners_m.map((corner) => corner[0]);
   const tip = capsule("l22").to_m;
-  const object = run.bodies.some((body) => body.part === "object") ? pose("object") : null;
+  // A finger's base is counted from its object, a gripper's from the middle of its palm.
+  const middle = run.bodies.findIndex((body) => body.part === (side ? "palm" : "object"));
+  const object = bodies[middle];
   return {
     o: [l11.x_m, l11.y_m],
     a12: [l12.x_m, l12.y_m],
@@ -77,7 +83,7 @@ function lettersOf(m, view, forces) {
   lines.push({ kind: "dimension", points: [view.to(centre), view.to(rim)] });
   name("w", "ink", view.to(rim), [out[0], -out[1]]);
   if (m.object) {
-    const [a, b] = [view.to([m.object[0], 0]), view.to(m.o)].map(([x, y]) => [x, y + 22]);
+    const [a, b] = [view.to([m.object[0], m.o[1]]), view.to(m.o)].map(([x, y]) => [x, y + 22]);
     lines.push({ kind: "dimension", points: [a, b] });
     name("base", "ink", mid(a, b), [0, 1]);
   }

@@ -9,9 +9,36 @@ const PIECE = 1;
 
 class Plots {
   constructor(film, holder, { seek, range, changed }) {
-    this.film = film;
-    this.range = range;
-    this.panels = panelsOf(film).map((panel) => {
+    Object.assign(this, { film, holder, seek, range, changed });
+    this.panels = [];
+    // Whether a canvas has to be drawn.
+    this.wanted = () => true;
+    this.renew();
+  }
+
+  // Takes the film as it is now. Where it has the same curves, the plots stay as they are, and what was switched stays so.
+  renew() {
+    const next = panelsOf(this.film);
+    const form = JSON.stringify([this.film.runs.map((run) => run.label), next.map(({ title, series }) => [title, series.map(({ name }) => name)])]);
+    const before = new Map(this.panels.map((panel) => [panel.title, panel]));
+    for (const panel of next) {
+      const old = before.get(panel.title);
+      if (old) panel.logarithmic = old.logarithmic;
+      for (const series of panel.series) series.visible = old?.series.find(({ name }) => name === series.name)?.visible ?? true;
+    }
+    if (form !== this.form) this.build(next);
+    else next.forEach(({ size, series }, k) => {
+      const panel = this.panels[k];
+      panel.size = size;
+      series.forEach(({ runs, rates }, row) => Object.assign(panel.series[row], { runs, rates }));
+    });
+    this.form = form;
+  }
+
+  build(panels) {
+    const { holder, seek, changed } = this;
+    holder.replaceChildren();
+    this.panels = panels.map((panel) => {
       const canvas = element("canvas", { role: "img", "aria-label": `${panel.title} over time` });
       const scale = element("button", { type: "button", "aria-label": `Logarithmic scale: ${panel.title}` });
       const unit = element("span", { class: "soft" });
@@ -39,7 +66,7 @@ class Plots {
     const cells = panel.series.map((series) => {
       const mark = element("i");
       mark.style.color = `var(--${seriesColour(series.index)})`;
-      const button = element("button", { type: "button", class: "series", "aria-pressed": "true", title: series.name }, mark, element("span", {}, series.name));
+      const button = element("button", { type: "button", class: "series", "aria-pressed": series.visible, title: series.name }, mark, element("span", {}, series.name));
       button.addEventListener("click", () => {
         series.visible = !series.visible;
         button.setAttribute("aria-pressed", series.visible);
@@ -53,7 +80,7 @@ class Plots {
   }
 
   draw(time) {
-    this.panels.forEach((panel) => this.drawPanel(panel, time));
+    for (const panel of this.panels) if (this.wanted(panel.canvas)) this.drawPanel(panel, time);
   }
 
   // Values at the cursor, as they stand in the tables.
@@ -90,6 +117,7 @@ class Plots {
       : linearTicks(low, high, rows, panel.unit);
     panel.place = { x, inner, from, to };
     this.frame(ctx, inner, ticks, x, y, from, to);
+    for (const run of this.film.runs) if (run.visible && run.trusted_s < to) hatched(ctx, inner, Math.max(x(run.trusted_s), inner.left));
     const unit = ticks.unit ? `(${ticks.unit})` : "";
     if (panel.unitText.textContent !== unit) panel.unitText.textContent = unit;
     const name = panel.logarithmic ? "logarithmic" : "linear";
@@ -106,11 +134,17 @@ class Plots {
       for (const series of panel.series) {
         const values = series.runs[run.index];
         if (!series.visible || !values) continue;
+        const { width, alpha, dash } = lineOf(run, both);
         ctx.strokeStyle = colour(seriesColour(series.index));
-        ctx.lineWidth = !both ? 1.75 : run.index === 0 ? 4.5 : 1.5;
-        ctx.globalAlpha = both && run.index === 0 ? 0.45 : 1;
-        ctx.setLineDash(both && run.index === 1 ? [5, 3] : []);
-        curve(ctx, run.time, values, series.rates[run.index], { x, y, from, to, logarithmic });
+        ctx.lineWidth = width;
+        ctx.globalAlpha = alpha;
+        ctx.setLineDash(dash);
+        curve(ctx, run.time, values, series.rates[run.index], { x, y, from, to: Math.min(to, run.trusted_s ?? Infinity), logarithmic });
+        if (run.trusted_s < to) {
+          // What follows is one of many courses: points, no curve.
+          ctx.setLineDash([1.5, 4]);
+          curve(ctx, run.time, values, series.rates[run.index], { x, y, from: Math.max(from, run.trusted_s), to, logarithmic });
+        }
         ctx.globalAlpha = 1;
       }
     }
@@ -218,6 +252,35 @@ class Plots {
       }
     }
   }
+}
+
+// How the curves of a run are drawn. One that was kept to be compared with is dashed and weak; of two runs side by side the
+// first is wide and pale and the second is dashed.
+function lineOf(run, both) {
+  if (run.kept) return { width: 1.5, alpha: 0.7, dash: [5, 3] };
+  if (!both || run.kept === false) return { width: 1.75, alpha: 1, dash: [] };
+  return run.index === 0 ? { width: 4.5, alpha: 0.45, dash: [] } : { width: 1.5, alpha: 1, dash: [5, 3] };
+}
+
+// Hatches a plot from a place on: what is drawn there is not to be trusted.
+function hatched(ctx, { right, top, bottom }, from) {
+  if (from >= right) return;
+  const high = bottom - top;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(from, top, right - from, high);
+  ctx.clip();
+  ctx.beginPath();
+  for (let x = from - high; x < right; x += 9) {
+    ctx.moveTo(x, bottom);
+    ctx.lineTo(x + high, top);
+  }
+  ctx.setLineDash([]);
+  ctx.lineWidth = 1;
+  ctx.globalAlpha = 0.45;
+  ctx.strokeStyle = colour("warn");
+  ctx.stroke();
+  ctx.restore();
 }
 
 // Panels of all runs, series of one name together.

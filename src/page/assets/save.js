@@ -18,7 +18,7 @@ function pictureOf(app) {
   parts.push(words(`${document.title}, ${timeText(clock.time, film.unit)}${how}`, 8, "ink", 600));
   y += 28;
   put(recorded("stage", stage.canvas, () => stage.draw(clock.time)));
-  for (const [index, panel] of plots.panels.entries()) {
+  for (const [index, panel] of plots.panels.filter(({ canvas }) => canvas.clientWidth > 0).entries()) {
     y += 8;
     parts.push(words(`${panel.title} ${panel.unitText.textContent}`, 8, "ink", 600));
     const ruler = new SvgContext("ruler", 0, 0);
@@ -70,8 +70,10 @@ async function pointsOf({ text, width, height }) {
 
 // Saves a kind of file; `tell` hears how much of what takes long is done.
 async function saveAs(app, kind, tell) {
-  const name = document.title.replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^[-.]+/, "") || "run";
-  const blob = kind === "csv" ? new Blob([tableOf(app)], { type: "text/csv" })
+  // Another page may have files of its own.
+  const own = app.files?.[kind];
+  const name = (app.name ?? document.title).replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^[-.]+/, "") || "run";
+  const blob = own ? await own(tell) : kind === "csv" ? new Blob([tableOf(app)], { type: "text/csv" })
     : kind === "svg" ? new Blob([pictureOf(app).text], { type: "image/svg+xml" })
     : kind === "gif" ? await movieOf(app, tell)
     : await pointsOf(pictureOf(app));

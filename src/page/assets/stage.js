@@ -9,18 +9,31 @@ class Stage {
     this.canvas = canvas;
     this.camera = new Camera(film, canvas);
     this.arrowsToScale = false;
-    this.largest = 0;
     // Whether letters were asked for, and where a pointer is.
     this.named = false;
+    // The name of a variable that is under someone's hand: its letter is shown.
+    this.hinted = null;
     this.pointer = null;
     this.letters = [];
-    for (const run of film.runs) {
+    // What was last drawn, for whoever checks it.
+    this.drawn = [];
+    this.measure();
+  }
+
+  // Takes the film as it is now; the view stays.
+  renew() {
+    this.measure();
+    this.camera.renew();
+  }
+
+  // The largest force, of which all arrows are parts.
+  measure() {
+    this.largest = 0;
+    for (const run of this.film.runs) {
       for (const contact of run.contacts) {
         for (const force of contact.normal_n) this.largest = Math.max(this.largest, force);
       }
     }
-    // What was last drawn, for whoever checks it.
-    this.drawn = [];
   }
 
   draw(time) {
@@ -49,7 +62,7 @@ class Stage {
   namedLinkage(view, state) {
     const linkage = state ? linkageOf(state.run, state.bodies) : null;
     this.pointed = Boolean(linkage && this.pointer && pointsAt(linkage, view, this.pointer));
-    return this.named || this.pointed ? linkage : null;
+    return this.named || this.pointed || this.hinted ? linkage : null;
   }
 
   // Everything of a run that is drawn at a place among its samples.
@@ -100,7 +113,7 @@ class Stage {
           ctx.lineWidth = weak ? 0.75 : 1.25;
           ctx.strokeStyle = colour(fixed ? "soft" : "edge");
         } else {
-          ctx.globalAlpha = weak ? 0.55 : 1;
+          ctx.globalAlpha = weak ? 0.55 : run.kept ? 0.7 : 1;
           ctx.setLineDash([6, 4]);
           ctx.lineWidth = weak ? 1 : 1.75;
           ctx.strokeStyle = colour("edge-b");

@@ -1,0 +1,304 @@
+// The explorer: a scene, the fields set on top of it, and everything that follows from them as they move.
+
+// A hand that has not moved for so long has settled; a film that was held goes on so much later.
+const SETTLED_MS = 150;
+const RESUMED_MS = 1600;
+const HEADINGS = { finger: "One finger", gripper: "Gripper", discs: "Discs", hard: "Hard cases" };
+
+async function explorer() {
+  const page = JSON.parse(byId("explorer").textContent);
+  const { presets } = page;
+  const module = moduleOf(page.module);
+  // The first answers the slider, the second everything that may wait.
+  const lines = { live: new Line(module), patient: null };
+  module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
+  const opened = await stateOf(location.hash, presets);
+  const setting = new Setting(opened.scene ?? page.start);
+  const lab = { page, presets, lines, setting, app: null, run: null, figures: [], kept: null, verdict: null, stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] };
+
+  chooser(lab);
+  lab.put = (path, text) => {
+    if (text === null) setting.set.delete(path);
+    else setting.set.set(path, text);
+    lab.last = path;
+    return moved(lab);
+  };
+  lab.take = (scene) => {
+    const other = scene.file !== setting.file || scene.text !== setting.text;
+    setting.take(scene);
+    lab.last = null;
+    if (other) lab.fields?.forget();
+    lab.fit = other;
+    return moved(lab);
+  };
+  lab.preset = (file) => {
+    const preset = presets.find((each) => each.file === file);
+    if (preset) return lab.take({ ...preset, set: [] });
+    return undefined;
+  };
+  lab.undo = () => setting.go(-1) && lab.take(setting.settled);
+  lab.redo = () => setting.go(1) && lab.take(setting.settled);
+  lab.opened = opened;
+  await moved(lab);
+}
+
+// Something has moved: the run of what is set now is asked for, and when the hand rests, the rest.
+async function moved(lab) {
+  const { lines, setting } = lab;
+  const stamp = ++lab.stamp;
+  clearTimeout(lab.resting);
+  clearTimeout(lab.resuming);
+  if (lab.app?.clock.playing) {
+    lab.app.clock.pause();
+    lab.held = true;
+  }
+  lab.map?.drop();
+  document.body.classList.add("busy");
+  lab.resting = setTimeout(() => rested(lab, stamp), SETTLED_MS);
+  const shot = setting.copy();
+  const heard = await lines.live.ask("run", setting.asks("run"));
+  if (!heard) return;
+  lab.shownStamp = stamp;
+  await shown(lab, heard, shot);
+  if (stamp === lab.stamp) {
+    document.body.classList.remove("busy");
+    if (lab.rests === stamp) rested(lab, stamp);
+  }
+}
+
+// Puts the answer of a run on the page.
+async function shown(lab, { answer, data, ms }, shot) {
+  const { film, figures, problems, failed } = answer;
+  if (!film) {
+    wrong(lab, problems ?? [{ message: failed ?? "There is no answer." }]);
+    return;
+  }
+  wrong(lab, []);
+  lab.ms = ms;
+  lab.steps = answer.steps;
+  lab.failed = failed ?? null;
+  const run = runOf(film, 0, film.columns.map(([offset, length]) => data.subarray(offset, offset + length)));
+  run.visible = lab.run?.visible ?? true;
+  lab.run = run;
+  lab.of = shot;
+  lab.figures = figures ?? [];
+  lab.verdict = null;
+  if (lab.app) refilm(lab);
+  else begin(lab);
+  lab.pictures.push(performance.now());
+  if (lab.pictures.length > 30) lab.pictures.shift();
+  lab.strip.show(lab.figures, lab.kept?.figures ?? null);
+  showVerdict(null);
+  byId("ended").hidden = !lab.failed;
+  put("ended", lab.failed ? `The run has ended early: ${lab.failed}` : "");
+  put("speed-of-run", speedWords(lab));
+}
+
+// How fast the last run was, and how often the picture changes under a moving hand.
+function speedWords({ ms, steps, pictures }) {
+  const recent = pictures.filter((time) => time > performance.now() - 1000);
+  const rate = recent.length > 5 ? (recent.length - 1) / (recent.at(-1) - recent[0]) * 1000 : 0;
+  return `simulated in ${ms.toFixed(ms < 10 ? 2 : 0)}\u202fms${steps ? `, ${steps} steps` : ""}${rate > 5 ? `, ${Math.round(rate)}\u202fHz` : ""}`;
+}
+
+// The film of the present run and of what was kept.
+function filmNow(lab) {
+  const { run, kept } = lab;
+  run.label = kept ? "B" : "now";
+  run.kept = kept ? false : undefined;
+  const film = filmOf(kept ? [run, kept.run] : [run]);
+  film.unit.decimals = Math.min(film.unit.decimals, 4);
+  run.trusted_s = trustedUntil(lab.verdict, film.start);
+  return film;
+}
+
+function refilm(lab) {
+  lab.app.replace(filmNow(lab));
+  if (lab.fit) lab.app.fit();
+  lab.fit = false;
+}
+
+// The first run has come: there is something to draw.
+function begin(lab) {
+  byId("film").hidden = false;
+  byId("waiting").hidden = true;
+  const more = { keys: EXPLORER_KEYS, actions: { k: () => keep(lab), "/": () => byId("filter").focus() } };
+  const app = viewer(filmNow(lab), (app) => keyboard(app, more));
+  lab.app = app;
+  app.clock.loops = true;
+  app.pause = () => {
+    lab.held = false;
+    app.clock.pause();
+  };
+  const drawn = (canvas) => {
+    const { top, bottom, height } = canvas.getBoundingClientRect();
+    return height > 0 && bottom > -100 && top < innerHeight + 100;
+  };
+  app.plots.wanted = drawn;
+  addEventListener("scroll", app.changed, { passive: true });
+  lab.strip = new Figures(byId("strip"), byId("table"));
+  lab.tabs = tabs(byId("tabs"), () => {
+    app.changed();
+    seen(lab);
+  });
+  app.drawn.push(() => {
+    lab.firstPicture_ms ??= performance.now();
+    if (lab.map?.canvas.clientWidth !== lab.mapWide) {
+      lab.mapWide = lab.map?.canvas.clientWidth;
+      lab.map?.draw();
+    }
+    linkSoon(lab);
+  });
+  const theme = app.theme;
+  app.theme = (name) => {
+    theme(name);
+    if (lab.map) Object.assign(lab.map, { legendForm: null });
+    lab.map?.draw();
+  };
+  if (lab.opened.time_s !== null) app.seek(lab.opened.time_s);
+  else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.play();
+  else app.seek(app.film.end);
+  app.render();
+  window.phalanx = explorerForTests(lab);
+}
+
+// The hand rests: a step that can be undone, and what takes longer.
+async function rested(lab, stamp) {
+  lab.rests = stamp;
+  if (stamp !== lab.stamp || lab.shownStamp !== stamp || lab.settledStamp === stamp) return;
+  lab.settledStamp = stamp;
+  lab.rests = null;
+  const { setting, lines } = lab;
+  setting.settle();
+  if (!lab.app) return done(lab, stamp);
+  lines.patient ??= new Line(lines.live.module);
+  if (!lab.fields) furnish(lab);
+  lab.app.events.renew();
+  lab.app.changed();
+  const still = () => stamp === lab.stamp;
+  const base = await baseOf(lab);
+  const heard = await lines.live.ask("fields", setting.asks("fields"));
+  if (!still()) return undefined;
+  if (heard?.answer.fields && base) {
+    lab.fields.show(heard.answer, base, setting.set);
+    lab.known = heard.answer;
+    title(lab, heard.answer);
+    // Sliders whose fields are back as they were are told apart by what is set.
+    lab.map.choices();
+  }
+  buttons(lab);
+  if (lab.opened.kept) await keptAgain(lab);
+  done(lab, stamp);
+  if (lab.held) lab.resuming = setTimeout(() => lab.held && lab.app.clock.play(), RESUMED_MS);
+  if (lab.wrong.length > 0) return undefined;
+  seen(lab);
+  const checked = await lines.patient.ask("check", setting.asks("check"), 0);
+  if (checked && still()) {
+    lab.verdict = checked.answer.verdict ? checked.answer : { verdict: "unknown", text: checked.answer.failed ?? checked.answer.problems?.[0]?.message ?? "" };
+    showVerdict(lab.verdict);
+    lab.run.trusted_s = trustedUntil(lab.verdict, lab.app.film.start);
+    lab.app.changed();
+    lab.waiting.splice(0).forEach(({ verdict, resolve }) => verdict && resolve());
+  }
+  return undefined;
+}
+
+// Whoever waits for the page to be up to date hears that it is.
+function done(lab, stamp) {
+  lab.doneStamp = stamp;
+  lab.waiting = lab.waiting.filter((each) => {
+    if (!each.verdict) each.resolve();
+    return each.verdict;
+  });
+}
+
+// What of the setting is shown only if it is looked at.
+function seen(lab) {
+  if (lab.settledStamp !== lab.stamp) return;
+  lab.map?.renew();
+  lab.statics?.renew();
+}
+
+// The fields of the scene alone, once for each.
+async function baseOf(lab) {
+  const { setting, lines } = lab;
+  const { file, text } = setting;
+  if (lab.base?.file === file && lab.base.text === text) return lab.base.answer;
+  const heard = await lines.live.ask("base", { ask: "fields", scene: { file, text }, set: [] });
+  if (!heard?.answer.fields) return null;
+  lab.base = { file, text, answer: heard.answer };
+  return heard.answer;
+}
+
+// What is built when the first picture is there.
+function furnish(lab) {
+  const { app, setting, lines } = lab;
+  lab.fields = new Fields(byId("fields"), {
+    put: lab.put,
+    hint: (key) => {
+      app.stage.hinted = LETTERED.has(key) ? key : null;
+      app.changed();
+    },
+  });
+  lab.map = new DesignMap(lines.patient, {
+    setting: () => setting.copy(),
+    fields: lab.fields,
+    figures: () => lab.figures,
+    go: (pairs) => {
+      for (const [path, text] of pairs) setting.set.set(path, text);
+      lab.last = pairs[0][0];
+      moved(lab);
+    },
+    changed: () => linkSoon(lab),
+    wanted: () => lab.tabs.shown() === "panel-map",
+  });
+  const { map } = lab.opened;
+  if (map) {
+    Object.assign(lab.map.axes, { x: map[0], y: map[1] });
+    lab.map.criterion = map[2] ?? "";
+  }
+  lab.statics = new Statics(lines.patient, byId("panel-statics"), { setting: () => setting, wanted: () => lab.tabs.shown() === "panel-statics" });
+  controlsOf(lab);
+}
+
+// Keeps the present film as the pale one.
+function keep(lab) {
+  if (!lab.run || lab.wrong.length > 0) return;
+  lab.kept = { scene: lab.of, figures: lab.figures, verdict: lab.verdict, run: { ...lab.run, index: 1, label: "A", kept: true, visible: true, trusted_s: lab.run.trusted_s } };
+  compared(lab);
+}
+
+function drop(lab) {
+  lab.kept = null;
+  compared(lab);
+}
+
+function compared(lab) {
+  refilm(lab);
+  lab.app.events.renew();
+  lab.strip.show(lab.figures, lab.kept?.figures ?? null);
+  buttons(lab);
+  linkSoon(lab);
+}
+
+// A becomes what is changed, and what was changed becomes A.
+function swap(lab) {
+  if (!lab.kept) return;
+  const { scene } = lab.kept;
+  keep(lab);
+  lab.take(scene);
+}
+
+// What an address keeps as A is simulated once more.
+async function keptAgain(lab) {
+  const { kept: scene } = lab.opened;
+  lab.opened.kept = null;
+  const heard = await lab.lines.live.ask("kept", { ask: "run", scene: { file: scene.file, text: scene.text }, set: scene.set });
+  const { film, figures } = heard?.answer ?? {};
+  if (!film) return;
+  const run = runOf(film, 1, film.columns.map(([offset, length]) => heard.data.subarray(offset, offset + length)));
+  lab.kept = { scene, figures, verdict: null, run: { ...run, index: 1, label: "A", kept: true, visible: true } };
+  compared(lab);
+}
+
+explorer();

@@ -1,0 +1,137 @@
+// The parts of the explorer's page that are no film: the choice of a scene, buttons, warnings, the title, the address.
+
+// Variables that have a letter in the drawing of the linkage.
+const LETTERED = new Set(["base", "l11", "l12", "l21", "l22", "t22", "phi22", "width", "l21_fraction", "arm_ratio"]);
+const EXPLORER_KEYS = [
+  [["Ctrl z", "Ctrl Shift z"], "undo, redo"],
+  [["k"], "keep this run as A, to compare with"],
+  [["/"], "find a field"],
+  [["←", "→"], "on a slider: a step; with shift ten"],
+];
+
+// The list of scenes that come with the page.
+function chooser(lab) {
+  const select = byId("preset");
+  const groups = new Map();
+  for (const { file, name, title, group } of lab.presets) {
+    if (!groups.has(group)) groups.set(group, element("optgroup", { label: HEADINGS[group] ?? group }));
+    groups.get(group).append(element("option", { value: file, title: title ?? "" }, name));
+  }
+  select.append(...groups.values());
+  choose(select, lab.setting.file);
+  select.addEventListener("change", () => lab.preset(select.value));
+}
+
+// What is wrong, at the top and beside the field that was moved last; the last good picture stays.
+function wrong(lab, problems) {
+  lab.wrong = problems;
+  // A problem that says where it is shows there.
+  const found = problems.find(({ field }) => field && lab.fields?.rows.has(field));
+  lab.fields?.wrong(problems.length > 0 ? found?.field ?? lab.last : null, found ?? problems[0] ?? {});
+  warn(problems);
+}
+
+function warn(problems) {
+  const box = byId("warning");
+  document.body.classList.toggle("wrong", problems.length > 0);
+  box.hidden = problems.length === 0;
+  const said = problems.map(({ message, help, line }) => element("p", {}, element("strong", {}, message), ...(line ? [` (line ${line})`] : []), ...(help ? [` ${help}`] : [])));
+  box.replaceChildren(...said);
+}
+
+function title(lab, { name, description }) {
+  const words = name || lab.setting.file;
+  if (document.title !== words) document.title = words;
+  put("name", words);
+  put("description", description ?? "");
+  choose(byId("preset"), lab.setting.file);
+  lab.app.name = words;
+}
+
+// Brings the buttons up to date.
+function buttons(lab) {
+  const { setting, kept } = lab;
+  byId("undo").disabled = setting.past.length === 0;
+  byId("redo").disabled = setting.future.length === 0;
+  byId("reset-all").disabled = setting.set.size === 0;
+  for (const id of ["swap", "drop"]) byId(id).disabled = !kept;
+  put("kept-note", kept ? keptWords(lab) : "Keep a run as A: what is changed afterwards is B, drawn over it.");
+}
+
+// What B differs in from A.
+function keptWords({ setting, kept }) {
+  if (kept.scene.text !== setting.text) return `A is ${kept.scene.file}, B is ${setting.file}.`;
+  const [before, now] = [new Map(kept.scene.set), setting.set];
+  const paths = [...new Set([...before.keys(), ...now.keys()])].filter((path) => before.get(path) !== now.get(path));
+  const said = paths.map((path) => `${path}: ${before.get(path) ?? "as in the scene"} → ${now.get(path) ?? "as in the scene"}`);
+  return said.length > 0 ? `From A to B: ${said.join("; ")}.` : "B is the same as A so far.";
+}
+
+// What is pressed and typed.
+function controlsOf(lab) {
+  const { fields } = lab;
+  const click = (id, action) => byId(id).addEventListener("click", action);
+  click("undo", lab.undo);
+  click("redo", lab.redo);
+  click("keep", () => keep(lab));
+  click("swap", () => swap(lab));
+  click("drop", () => drop(lab));
+  click("reset-all", () => lab.take({ ...lab.setting.copy(), set: [] }));
+  byId("filter").addEventListener("input", ({ target }) => {
+    fields.filter = target.value;
+    fields.sift();
+  });
+  byId("changed-only").addEventListener("change", ({ target }) => {
+    fields.changedOnly = target.checked;
+    fields.sift();
+  });
+  click("scene-show", async () => {
+    const heard = await lab.lines.live.ask("toml", lab.setting.asks("toml"));
+    if (heard?.answer.text) byId("scene").value = heard.answer.text;
+  });
+  click("scene-take", () => {
+    const text = byId("scene").value;
+    if (text.trim() !== "") lab.take({ file: "own.toml", text, set: [] });
+  });
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || event.altKey) return;
+    // In a text that is being typed these keys undo letters.
+    if (event.target.matches("textarea, input[type='search'], input[type='text']")) return;
+    event.preventDefault();
+    if (event.shiftKey) lab.redo();
+    else lab.undo();
+  });
+  addEventListener("hashchange", async () => {
+    const { scene, time_s } = await stateOf(location.hash, lab.presets);
+    if (scene && !same(scene, lab.setting.copy())) lab.take(scene);
+    if (time_s !== null) {
+      lab.app.pause();
+      lab.app.seek(time_s);
+    }
+  });
+  lab.app.files = filesOf(lab.app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
+  if (!lab.app.files.webm) byId("save").querySelector("[value='webm']").remove();
+}
+
+const addressNow = (lab) => fragmentOf({
+  scene: lab.setting.settled,
+  kept: lab.kept?.scene,
+  time_s: lab.app.clock.playing || lab.held ? NaN : lab.app.clock.time,
+  map: lab.map?.grid ? [lab.map.axes.x, lab.map.axes.y, lab.map.criterion] : null,
+}, lab.presets);
+
+// The address follows when nothing moves: browsers refuse addresses that change all the time.
+function linkSoon(lab) {
+  clearTimeout(lab.linking);
+  if (lab.app.clock.playing) return;
+  lab.linking = setTimeout(async () => {
+    const fragment = await addressNow(lab);
+    if (fragment === lab.linked) return;
+    lab.linked = fragment;
+    try {
+      history.replaceState(null, "", fragment);
+    } catch {
+      // The link is a convenience: the page is whole without it.
+    }
+  }, 300);
+}

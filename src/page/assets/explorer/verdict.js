@@ -1,0 +1,28 @@
+// Whether a run can be trusted, as the check says.
+
+const VERDICTS = {
+  sure: "checked",
+  uncertain: "uncertain",
+  chaotic: "chaotic",
+  unknown: "not checked",
+};
+
+// Shows a verdict, or with `null` that there is none yet. The places are always there, so that nothing moves.
+function showVerdict(verdict) {
+  const kind = verdict?.verdict ?? "waiting";
+  const badge = byId("verdict");
+  badge.dataset.kind = kind;
+  put("verdict", verdict ? VERDICTS[kind] ?? kind : "…");
+  badge.title = verdict ? verdictWords(verdict) : "The check of this run is under way.";
+  const doubtful = kind === "uncertain" || kind === "chaotic";
+  byId("doubt").hidden = !doubtful;
+  if (doubtful) put("doubt", `This run is ${kind}: ${verdictWords(verdict)}`);
+}
+
+// What the check says, without the head of its table.
+const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/\s*\n\s*/g, "; ").replace(/;;/g, ";");
+
+// The time up to which a run is what it says, `undefined` where all of it is.
+function trustedUntil(verdict, start) {
+  return verdict?.verdict === "uncertain" || verdict?.verdict === "chaotic" ? verdict.from_s ?? start : undefined;
+}

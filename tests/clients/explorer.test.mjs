@@ -1,0 +1,462 @@
+// Headless Chromium opens the explorer from the disk and moves its sliders; what it says is held against the native program.
+// $MODULE names the WebAssembly module; without it the one that tools/wasm.sh leaves behind is taken. Screenshots go to
+// target/page-screenshots.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { readFileSync, statSync } from "node:fs";
+import path from "node:path";
+import { after, before, describe, it } from "node:test";
+
+import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
+import { gif } from "./gif.mjs";
+
+const MODULE = process.env.MODULE ?? path.join(PROJECT, "target/explorer.wasm");
+const SCENE = path.join(PROJECT, "scenes/experiment-95.toml");
+const SLOW = { timeout: 120_000 };
+
+let file;
+before(async () => {
+  await start();
+  file = explored(SCENE, "explorer.html");
+});
+after(stop);
+
+/** The explorer of a scene. */
+function explored(scene, name) {
+  const out = path.join(DIRECTORY, name);
+  execFileSync(PHALANX, ["explore", "--module", MODULE, scene, "-o", out], { stdio: ["ignore", "ignore", "inherit"] });
+  return out;
+}
+
+/** What the native program says of a scene with fields set. */
+function native(scene, set = []) {
+  const flags = set.flatMap(([field, value]) => ["--set", `${field}=${value}`]);
+  return JSON.parse(execFileSync(PHALANX, ["run", scene, ...flags, "--json"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
+}
+
+/** A page whose first picture is there and whose film stands still. */
+async function ready(options = {}, from = file) {
+  const all = await opened(from, options);
+  await all.page.waitForFunction(() => window.phalanx);
+  await all.call("settled");
+  await all.call("pause");
+  return all;
+}
+
+/** A figure of the page by its key. */
+const figure = ({ figures }, key) => figures.find((each) => each.key === key) ?? assert.fail(`no figure ${key}`);
+
+/** All figures of the page that are numbers against those of the native program, by the path their key is. */
+function agrees(state, expected, relative = 1e-9) {
+  let compared = 0;
+  for (const { key, value } of state.figures) {
+    const found = key.split(".").reduce((at, part) => at?.[part], expected);
+    if (typeof found !== "number" || value === null) continue;
+    // What is small in itself is the rest of what is not: speeds and forces at the end of a run.
+    const size = Math.max(Math.abs(found), 1e-6);
+    assert.ok(Math.abs(value - found) <= relative * size, `${key}: ${value}, not ${found}`);
+    compared++;
+  }
+  assert.ok(compared > 20, `${compared} figures`);
+  assert.equal(figure(state, "criteria.class").text, expected.criteria.class);
+}
+
+const slider = (page, field) => page.locator(`.field[data-path="${field}"] input[type=range]`);
+const entry = (page, field) => page.locator(`.field[data-path="${field}"] input[type=text]`);
+const median = (values) => values.sort((a, b) => a - b)[values.length >> 1];
+
+describe("the explorer", () => {
+  it("is a file under 3 MB that asks for nothing", () => assert.ok(statSync(file).size < 3e6, `${statSync(file).size} bytes`));
+
+  it("shows its first picture at once", async (test) => {
+    const times = [];
+    for (let k = 0; k < 3; k++) {
+      const { state, close } = await ready();
+      times.push((await state()).firstPicture_ms);
+      await close();
+    }
+    test.diagnostic(`first picture after ${times.map(Math.round).join(", ")} ms; wanted below 1000`);
+    assert.ok(median(times) < 3000, `${times} ms`);
+  });
+
+  it("says of the scene what the native program says", async () => {
+    const { page, state, close } = await ready();
+    agrees(await state(), native(SCENE));
+    // What is read on the page is what was compared.
+    const strip = await page.locator("#strip output").allTextContents();
+    const figures = (await state()).figures.slice(0, strip.length).map(({ text }) => text);
+    assert.deepEqual(strip, figures);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-light.png") });
+    await close();
+  });
+
+  it("simulates again as a slider moves, by keyboard and by mouse", SLOW, async () => {
+    const { page, call, state, close } = await ready();
+    const before = await state();
+    await slider(page, "design.base").focus();
+    for (let k = 0; k < 7; k++) await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("Shift+ArrowRight");
+    await call("settled");
+    const keyed = await state();
+    assert.notEqual(keyed.fields["design.base"].value, before.fields["design.base"].value);
+    agrees(keyed, native(SCENE, keyed.set));
+    assert.equal(await entry(page, "design.base").inputValue(), keyed.fields["design.base"].text);
+
+    const box = await slider(page, "design.phi22").boundingBox();
+    const at = (part) => [box.x + part * box.width, box.y + box.height / 2];
+    await page.mouse.move(...at(0.5));
+    await page.mouse.down();
+    const seen = new Set();
+    for (let k = 1; k <= 20; k++) {
+      await page.mouse.move(...at(0.5 + 0.01 * k));
+      seen.add(await page.locator("#strip output").nth(1).textContent());
+    }
+    await page.mouse.up();
+    assert.ok(seen.size > 3, `${seen.size} different times to stability under a moving hand`);
+    await call("settled");
+    const dragged = await state();
+    assert.equal(dragged.set.length, 2);
+    agrees(dragged, native(SCENE, dragged.set));
+    await close();
+  });
+
+  it("answers a slider in 3 ms and keeps the instant", SLOW, async (test) => {
+    const { page, call, state, close } = await ready();
+    await call("seek", 0.005);
+    const { ms, frames, seconds } = await page.evaluate(async () => {
+      const slider = document.querySelector(".field[data-path='design.base'] input[type=range]");
+      const [low, high] = [Number(slider.min), Number(slider.max)];
+      const [ms, from] = [[], performance.now()];
+      let frames = 0;
+      await new Promise((resolve) => {
+        const frame = () => {
+          const past = performance.now() - from;
+          slider.value = low + (high - low) * (0.4 + 0.1 * Math.sin(past / 300));
+          slider.dispatchEvent(new Event("input", { bubbles: true }));
+          ms.push(window.phalanx.state().ms);
+          frames++;
+          if (past < 2000) requestAnimationFrame(frame);
+          else resolve();
+        };
+        requestAnimationFrame(frame);
+      });
+      return { ms, frames, seconds: (performance.now() - from) / 1000 };
+    });
+    await call("settled");
+    test.diagnostic(`worker ${median(ms).toFixed(2)} ms a closing (median); ${(frames / seconds).toFixed(0)} pictures a second`);
+    assert.ok(median(ms) < 10, `${median(ms)} ms`);
+    assert.ok(Math.abs((await state()).time_s - 0.005) < 1e-12);
+    await close();
+  });
+
+  it("takes any text with a unit, and says what is wrong beside the field", async () => {
+    const { page, call, state, close } = await ready();
+    const field = entry(page, "design.base");
+    await field.fill("0.6 in");
+    await field.press("Enter");
+    await call("settled");
+    agrees(await state(), native(SCENE, [["design.base", "0.6 in"]]));
+    // A bare number is in the unit of the field.
+    await field.fill("0.65");
+    await field.press("Enter");
+    await call("settled");
+    assert.deepEqual((await state()).set, [["design.base", "0.65 in"]]);
+    const good = await state();
+    await field.fill("3 kg");
+    await field.press("Enter");
+    await call("settled");
+    const wrong = await state();
+    assert.equal(wrong.problems.length, 1);
+    const said = await page.locator('.field[data-path="design.base"] .problem').textContent();
+    assert.match(said, /3 kg is a mass/);
+    assert.match(await page.locator("#warning").textContent(), /3 kg is a mass/);
+    assert.deepEqual(wrong.figures, good.figures, "the last good picture stays");
+    assert.equal(await call("check"), null);
+    await page.keyboard.press("Escape");
+    await call("undo");
+    const back = await state();
+    assert.deepEqual([back.problems, back.figures], [[], good.figures]);
+    assert.ok(await page.locator("#warning").isHidden());
+    await close();
+  });
+
+  it("goes back and forth, and back to the scene", async () => {
+    const { page, call, state, close } = await ready();
+    const first = await state();
+    await call("set", "design.base", "16 mm");
+    const second = await state();
+    await call("set", "motor.torque", "500 N*mm");
+    const third = await state();
+    await page.locator("h1").click();
+    await page.keyboard.press("Control+z");
+    await call("settled");
+    assert.deepEqual([(await state()).set, (await state()).figures], [second.set, second.figures]);
+    await page.locator("#undo").click();
+    await call("settled");
+    assert.deepEqual([(await state()).set, (await state()).figures], [[], first.figures]);
+    assert.ok(await page.locator("#undo").isDisabled());
+    await page.keyboard.press("Control+Shift+z");
+    await page.keyboard.press("Control+Shift+z");
+    await call("settled");
+    assert.deepEqual((await state()).figures, third.figures);
+    await page.locator('.field[data-path="design.base"] .reset').click();
+    await call("settled");
+    assert.deepEqual((await state()).set, [["motor.torque", "500 N*mm"]]);
+    await slider(page, "motor.torque").dblclick();
+    await call("settled");
+    assert.deepEqual([(await state()).set, (await state()).figures], [[], first.figures]);
+    await close();
+  });
+
+  it("finds fields, and shows those that have changed", async () => {
+    const { page, call, close } = await ready();
+    await call("set", "design.base", "16 mm");
+    const shown = () => page.locator(".field:visible").evaluateAll((rows) => rows.map((row) => row.dataset.path));
+    await page.keyboard.press("/");
+    await page.keyboard.type("gravity");
+    assert.deepEqual(await shown(), ["gravity"]);
+    await page.locator("#filter").fill("");
+    await page.locator("#changed-only").check();
+    assert.deepEqual(await shown(), ["design.base"]);
+    await close();
+  });
+
+  it("keeps all of it in its address", async () => {
+    const one = await ready();
+    await one.call("set", "design.base", "14.5 mm");
+    one.call("keep");
+    await one.call("set", "motor.torque", "500 N*mm");
+    await one.call("map", "design.phi22", "design.base", "criteria.tts_s");
+    await one.call("seek", 0.0061);
+    const [address, before] = [await one.call("url"), await one.state()];
+    await one.page.waitForFunction((address) => location.hash === address, address);
+    await one.close();
+    const two = await ready({ hash: address });
+    await two.page.waitForFunction(() => window.phalanx.state().kept);
+    const after = await two.state();
+    assert.deepEqual([after.set, after.figures, after.kept, after.time_s], [before.set, before.figures, before.kept, before.time_s]);
+    assert.equal(await two.call("url"), address);
+    await two.close();
+    // A scene of one's own goes along whole.
+    const own = await ready();
+    await own.page.locator("#tab-scene").click();
+    await own.page.locator("#scene").fill(readFileSync(SCENE, "utf8").replace("experiment-95", "own").replace("15.5 mm", "15 mm"));
+    await own.page.locator("#scene-take").click();
+    await own.call("settled");
+    const [link, figures] = [await own.call("url"), (await own.state()).figures];
+    await own.close();
+    const again = await ready({ hash: link });
+    assert.deepEqual((await again.state()).figures, figures);
+    assert.equal(await again.page.title(), "own");
+    await again.close();
+    // What was cut short on its way opens the page as it would without.
+    const cut = await ready({ hash: "#scene=own.toml&text=eJ" });
+    agrees(await cut.state(), native(SCENE));
+    await cut.close();
+  });
+
+  it("holds A against B", async () => {
+    const { page, call, state, close } = await ready();
+    const a = await state();
+    await page.keyboard.press("k");
+    await call("set", "design.base", "17 mm");
+    const b = await state();
+    assert.deepEqual(b.kept, a.figures);
+    await page.locator("#tab-compare").click();
+    const rows = await page.locator("table.figures tbody tr").evaluateAll((rows) => rows.map((row) => [...row.children].map((cell) => cell.textContent)));
+    b.figures.forEach(({ label, text }, index) => assert.deepEqual(rows[index].slice(0, 3), [label, a.figures[index].text, text]));
+    const time = b.figures.findIndex(({ key }) => key === "criteria.tts_s");
+    const apart = b.figures[time].value - a.figures[time].value;
+    const [, said] = rows[time][3].replace("−", "-").match(/^([+-]?[\d.]+)\u202f[mµ]s/) ?? assert.fail(rows[time][3]);
+    assert.ok(Math.abs(Number(said) - apart * (Math.abs(apart) >= 1e-3 ? 1e3 : 1e6)) <= 6e-3 * Math.abs(Number(said)), `${rows[time][3]} of ${apart} s`);
+    assert.deepEqual(b.runs.map(({ label }) => label), ["B", "A"]);
+    await call("seek", 0.02);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-compared.png") });
+    await call("swap");
+    const swapped = await state();
+    assert.deepEqual([swapped.figures, swapped.kept, swapped.set], [a.figures, b.figures, []]);
+    await call("drop");
+    assert.equal((await state()).kept, null);
+    await close();
+  });
+
+  it("fills a map, each point as the native program has it, and goes where it is clicked", SLOW, async () => {
+    const { page, call, state, close } = await ready();
+    const { failed, points } = await call("map", "design.base", "design.phi22", "criteria.tts_s");
+    assert.deepEqual([failed, points], [null, 33 * 33]);
+    for (const [i, j] of [[8, 16], [12, 20], [15, 9]]) {
+      const { x, y, value } = await call("mapAt", i, j);
+      const expected = native(SCENE, [["design.base", x], ["design.phi22", y]]).criteria.tts_s ?? null;
+      if (expected === null) assert.equal(value, null);
+      else assert.ok(Math.abs(value - expected) <= 1e-9 * expected, `${value} at ${x}, ${y}, not ${expected}`);
+    }
+    const goal = await call("mapAt", 12, 20);
+    await page.mouse.click(...await call("mapPlace", 12, 20));
+    await call("settled");
+    const there = await state();
+    assert.deepEqual(there.set, [["design.base", goal.x], ["design.phi22", goal.y]]);
+    assert.equal(figure(there, "criteria.tts_s").value, goal.value);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-map.png") });
+    // By keyboard, from where the pointer was: two to the right and one down.
+    await page.locator("#map").focus();
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowDown", "Enter"]) await page.keyboard.press(key);
+    await call("settled");
+    const next = await call("mapAt", 14, 19);
+    assert.deepEqual((await state()).set, [["design.base", next.x], ["design.phi22", next.y]]);
+    assert.match(await page.locator("#map-said").textContent(), /time to stability/);
+    // Classes have colours of their own.
+    await call("map", "design.base", "design.phi22", "criteria.class");
+    assert.ok((await page.locator("#map-legend .entry").allTextContents()).includes("stable"));
+    await close();
+  });
+
+  it("checks a run when the hand rests, and shows which cannot be trusted", SLOW, async () => {
+    const sure = await ready();
+    assert.equal((await sure.call("check")).verdict, "sure");
+    assert.equal(await sure.page.locator("#verdict").textContent(), "checked");
+    assert.ok(await sure.page.locator("#doubt").isHidden());
+    await sure.close();
+    const chaos = path.join(PROJECT, "scenes/hard/chaos.toml");
+    const { page, call, state, close } = await ready({}, explored(chaos, "chaos.html"));
+    const { verdict } = await call("check");
+    assert.equal(verdict, native(chaos).check?.verdict ?? verdict);
+    assert.ok(["uncertain", "chaotic"].includes(verdict), verdict);
+    assert.equal(await page.locator("#verdict").textContent(), verdict);
+    assert.match(await page.locator("#doubt").textContent(), new RegExp(`This run is ${verdict}`));
+    assert.equal((await state()).verdict.verdict, verdict);
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-uncertain.png") });
+    await close();
+  });
+
+  it("shows the grasp at rest", async () => {
+    const { page, close } = await ready();
+    await page.locator("#tab-statics").click();
+    await page.locator("#panel-statics svg").first().waitFor();
+    assert.match(await page.locator("#panel-statics").textContent(), /F21/);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-statics.png") });
+    await close();
+  });
+
+  it("opens the scenes that come with it, the whole gripper too", SLOW, async () => {
+    const { page, call, state, close } = await ready();
+    const files = await page.locator("#preset option").evaluateAll((options) => options.map((option) => option.value));
+    assert.ok(files.length >= 3, files.join(", "));
+    const gripper = "design-95.toml";
+    await page.locator("#preset").selectOption(gripper);
+    await call("settled");
+    const expected = native(path.join(PROJECT, "scenes/gripper", gripper));
+    const found = await state();
+    assert.equal(found.file, gripper);
+    assert.deepEqual(found.problems, []);
+    assert.equal(figure(found, "grasp.fate").text, expected.grasp.fate);
+    assert.ok(Math.abs(figure(found, "grasp.tts_s").value - expected.grasp.tts_s) < 1e-9 * expected.grasp.tts_s);
+    await call("toggleLetters");
+    assert.ok((await state()).letters.some(({ text }) => text === "l21"));
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-gripper.png") });
+    await call("undo");
+    agrees(await state(), native(SCENE));
+    await close();
+  });
+
+  it("shows the letters of what is under the hand", async () => {
+    const { page, state, close } = await ready({ reducedMotion: "reduce" });
+    assert.deepEqual((await state()).letters, []);
+    await slider(page, "design.base").hover();
+    const letters = (await state()).letters.map(({ text }) => text);
+    for (const letter of ["l11", "l12", "l21", "l22", "t22", "φ22", "base", "q11", "q22"]) assert.ok(letters.includes(letter), letter);
+    await close();
+  });
+
+  it("saves files that other programs read", SLOW, async () => {
+    const { page, call, state, close } = await ready();
+    await call("set", "design.base", "16.2 mm");
+    const saved = async (kind) => {
+      const [download] = await Promise.all([page.waitForEvent("download", { timeout: 90_000 }), page.selectOption("#save", kind)]);
+      const name = path.join(DIRECTORY, download.suggestedFilename());
+      await download.saveAs(name);
+      return name;
+    };
+    const toml = await saved("toml");
+    agrees(await state(), native(toml));
+    const csv = readFileSync(await saved("csv"), "utf8").trim().split(/\r?\n/);
+    const log = path.join(DIRECTORY, "run.mcap");
+    const table = path.join(DIRECTORY, "native.csv");
+    execFileSync(PHALANX, ["run", toml, "--log", log], { stdio: "ignore" });
+    execFileSync(PHALANX, ["replay", log, "--csv", table], { stdio: "ignore" });
+    const expected = readFileSync(table, "utf8").trim().split(/\r?\n/);
+    assert.equal(csv[0], expected[0]);
+    assert.equal(csv.length, expected.length);
+    const svg = readFileSync(await saved("svg"), "utf8");
+    assert.match(svg, /^<svg xmlns.*<\/svg>\s*$/s);
+    assert.deepEqual([...readFileSync(await saved("png")).subarray(1, 4)], [...Buffer.from("PNG")]);
+    await call("window", 0.0044, 0.0046);
+    await call("setSpeed", 1e-4);
+    const film = gif(readFileSync(await saved("gif")));
+    assert.ok(film.frames.length > 10, `${film.frames.length} frames`);
+    if (await page.locator("#save option[value='webm']").count()) {
+      assert.deepEqual([...readFileSync(await saved("webm")).subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
+    }
+    await close();
+  });
+
+  for (const scheme of ["light", "dark"]) {
+    it(`fits a phone and answers a finger on it, ${scheme}`, async () => {
+      const { page, call, state, close } = await ready({ width: 390, height: 844, scheme, hasTouch: true, isMobile: true });
+      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+      const box = await slider(page, "design.base").boundingBox();
+      await page.touchscreen.tap(box.x + 0.6 * box.width, box.y + box.height / 2);
+      await call("settled");
+      const touched = await state();
+      assert.equal(touched.set.length, 1);
+      agrees(touched, native(SCENE, touched.set));
+      await page.screenshot({ path: path.join(SCREENSHOTS, `explorer-phone-${scheme}.png`) });
+      // The animation and the figures stay while the variables go by.
+      await slider(page, "contact.friction.mu_static").scrollIntoViewIfNeeded();
+      await page.evaluate(() => scrollBy(0, 300));
+      const tops = await page.evaluate(() => ["stage", "strip"].map((id) => document.getElementById(id).getBoundingClientRect()).map(({ top, bottom }) => [top, bottom]));
+      assert.ok(tops.every(([top, bottom]) => top >= -1 && bottom <= 600), JSON.stringify(tops));
+      for (const tab of ["compare", "map", "statics", "events", "scene"]) {
+        await page.locator(`#tab-${tab}`).click();
+        await page.waitForTimeout(100);
+        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390, tab);
+      }
+      await close();
+    });
+  }
+
+  it("stays where it is while figures change", async () => {
+    const { page, call, close } = await ready();
+    const places = () => page.evaluate(() => ["strip", "speed-of-run", "play", "stage"].map((id) => {
+      const { top, height } = document.getElementById(id).getBoundingClientRect();
+      return [id, top, height];
+    }));
+    const before = await places();
+    for (const base of ["12 mm", "19 mm", "24 mm"]) {
+      await call("set", "design.base", base);
+      assert.deepEqual(await places(), before, base);
+    }
+    await close();
+  });
+
+  it("moves nothing by itself for whoever asked for that", async () => {
+    const still = await opened(file, { reducedMotion: "reduce" });
+    await still.page.waitForFunction(() => window.phalanx);
+    assert.equal((await still.state()).playing, false);
+    await still.close();
+    const moving = await opened(file);
+    await moving.page.waitForFunction(() => window.phalanx);
+    assert.equal((await moving.state()).playing, true);
+    await moving.close();
+  });
+
+  it("is dark too", async () => {
+    const { page, call, close } = await ready({ scheme: "dark", width: 1720, height: 1000 });
+    await call("seek", 0.02);
+    await page.waitForTimeout(100);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-dark.png") });
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "dark");
+    await close();
+  });
+});
