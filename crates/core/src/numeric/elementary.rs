@@ -54,6 +54,11 @@ pub fn ln(x: f64) -> f64 {
 }
 
 #[inline(always)]
+pub fn log2(x: f64) -> f64 {
+    libm::log2(x)
+}
+
+#[inline(always)]
 pub fn log10(x: f64) -> f64 {
     libm::log10(x)
 }
@@ -138,6 +143,7 @@ mod tests {
             ("hypot", most_ulp(both().map(|(x, y)| (hypot(x, y), x.hypot(y))))),
             ("exp", most_ulp(angles().map(|x| (exp(x), x.exp())))),
             ("ln", most_ulp(octaves(100_000).map(|x| (ln(x), x.ln())))),
+            ("log2", most_ulp(octaves(100_000).map(|x| (log2(x), x.log2())))),
             ("log10", most_ulp(octaves(100_000).map(|x| (log10(x), x.log10())))),
             ("cbrt", most_ulp(octaves(100_000).map(|x| (cbrt(x), x.cbrt())))),
         ] {
@@ -202,10 +208,10 @@ mod tests {
             let angle = 20.0 * x - 10.0;
             let (sine, cosine) = sin_cos(angle);
             let of_angle = [sine, cosine, sin(angle), cos(angle), tan(angle), exp(angle), asin(2.0 * x - 1.0)];
-            let of_size = [atan2(y, angle), hypot(y, angle), ln(y), log10(y), cbrt(y), powi(y, 7)];
+            let of_size = [atan2(y, angle), hypot(y, angle), ln(y), log2(y), log10(y), cbrt(y), powi(y, 7)];
             let powers = [-0.2, 1.2, 1.5, 2.2, 3.0].map(|n| pow(y, n));
             of_angle.into_iter().chain(of_size).chain(powers).for_each(&mut take);
         }
-        assert_eq!(sum, 0x65d1_81d7_cb81_d75b, "{sum:#x}");
+        assert_eq!(sum, 0x6ec9_e56f_5776_342f, "{sum:#x}");
     }
 }
