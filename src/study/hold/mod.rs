@@ -39,6 +39,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 
 use crate::criteria::{Fate, GraspTracker};
+use crate::numeric::elementary::{ln, log2};
 use crate::scene::{Axis, GripperScene};
 use crate::grasp::run;
 use crate::study::pool;
@@ -196,10 +197,7 @@ fn narrow(held: &Held, plan: &Plan, prepared: &Prepared, go_on: GoOn<'_>, tell: 
 /// How many runs narrowing takes at most.
 fn most_halvings(held: &Held, tolerance: f64) -> u64 {
     let halvings = |limit: &Limit| {
-        limit
-            .held
-            .zip(limit.failed)
-            .map_or(0.0, |(held, failed)| ((failed / held).ln() / tolerance).log2().ceil().max(0.0))
+        limit.held.zip(limit.failed).map_or(0.0, |(held, failed)| log2(ln(failed / held) / tolerance).ceil().max(0.0))
     };
     (halvings(&held.slips) + halvings(&held.drops)) as u64
 }

@@ -2,6 +2,7 @@
 
 use crate::fivebar::spring::gradient;
 use crate::gripper::{Circle, FinalPosture, Finger, GraspError, Spring, final_posture};
+use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Scene, torque};
 use crate::statics::{
     AtRest, Birglen, Equilibrium, FormClosure, Hand, StaticsError, at_rest, birglen, decide, drive_loads,
@@ -186,7 +187,7 @@ fn drive(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Sp
 fn contacts(finger: &Finger, disc: Circle, end: &FinalPosture) -> [Contact; 2] {
     let quarter = 0.5 * std::f64::consts::PI;
     let contact = |angle: f64, from_joint_m: f64, phalanx_m: f64| {
-        let normal = [angle.cos(), angle.sin()];
+        let normal = [cos(angle), sin(angle)];
         Contact {
             from_joint_m,
             phalanx_m,
