@@ -52,6 +52,6 @@ pub mod validate;
 pub mod wording;
 
 pub use phalanx_core::{
-    analytic, check, criteria, drawing, engine, fivebar, gripper, integrator, invariants, law, numeric, sizing,
+    analytic, check, criteria, drawing, engine, fivebar, grasp, gripper, integrator, invariants, law, numeric, sizing,
     statics, trace, units,
 };

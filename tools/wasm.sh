@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The core is built for the browser, and closes the finger of experiment 95 in Node as the program does on this machine.
+# The core is built for the browser, and closes a finger and a gripper in Node as the program does on this machine, to the last digit.
 # That it builds says that there is no C in it; that it runs with nothing at hand, that a closing asks for no file, thread or clock.
 # Takes the target of the toolchain where it is installed (rustup target add wasm32-unknown-unknown), and otherwise Debian's
 # compiler, which builds std from its source. Needs Node 18 too.

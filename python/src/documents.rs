@@ -6,8 +6,8 @@ use phalanx::report::{
 };
 use phalanx::scene::{AnyScene, Axis};
 use phalanx::study::capture::{CaptureError, Plan as Places, Source};
-use phalanx::study::grasp::{Instead, grasp};
-use phalanx::study::gripper_grasp::{Asked, gripper_grasp};
+use phalanx::grasp::finger::{Instead, grasp};
+use phalanx::grasp::gripper::{Asked, gripper_grasp};
 use phalanx::study::hold::{HoldError, Loads, Plan};
 use phalanx::study::only_gripper;
 use phalanx::study::posture::{directions, posture};

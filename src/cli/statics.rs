@@ -14,7 +14,7 @@ use crate::plot;
 use crate::report::{StaticsReport, statics_json, statics_text};
 use crate::scene::AnyScene;
 use crate::statics::StaticsError;
-use crate::study::grasp::{GraspStudyError, Instead, grasp};
+use crate::grasp::finger::{GraspStudyError, Instead, grasp};
 use crate::units::{self, Dimension};
 
 /// Look at the grasp at rest: contact forces, ejection, form and force closure, what acceleration it bears.

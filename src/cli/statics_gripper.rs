@@ -13,7 +13,7 @@ use crate::plot;
 use crate::report::{GripperStaticsReport, gripper_statics_json, gripper_statics_text};
 use crate::scene::GripperScene;
 use crate::statics::StaticsError;
-use crate::study::gripper_grasp::{Asked, GripperGraspError, PostureOf, gripper_grasp};
+use crate::grasp::gripper::{Asked, GripperGraspError, PostureOf, gripper_grasp};
 use crate::study::posture::{Posture, directions, posture};
 use crate::units::Dimension;
 

@@ -8,7 +8,7 @@ use super::beside::Beside;
 use super::core::Severity;
 use super::metadata::{CHECK_NAME, check_entries};
 use crate::check::Check;
-use crate::criteria::{Criteria, Fate, GraspCriteria, GraspTracker, Rebound, Rebounds, Tracker, at_rest};
+use crate::criteria::{Criteria, Fate, GraspCriteria, Judge, Judged, Rebound};
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run};
 
 /// A run that is over, and its log, which is not.
@@ -43,24 +43,14 @@ pub fn simulate<W: Write + Send + 'static>(
     log: Option<Beside<W>>,
     also: &mut impl Sink,
 ) -> Ran<W> {
-    let (mut grasp, mut rebounds, mut gripper) = (None, None, None);
-    match scene {
-        Simulated::Finger(scene) => grasp = scene.object.and_then(|object| at_rest(scene, object).ok()),
-        Simulated::Discs(scene) => rebounds = Some(Rebounds::new(scene.pairs().len())),
-        Simulated::Gripper(scene) => gripper = Some(GraspTracker::of(scene)),
-    }
-    let tracker = grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
-    let listeners = Listeners { log, tracker, gripper, rebounds, last_s: 0.0, also };
+    let listeners = Listeners { log, judge: Judge::of(scene), last_s: 0.0, also };
     let mut thinned = Thinned::new(scene.log().numeric_hz, listeners);
     let start = Instant::now();
     let result = run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
     let last = thinned.end();
-    let Listeners { log, tracker, gripper, rebounds, last_s, .. } = thinned.sink;
-    let rebounds = rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default();
-    let judged = tracker.as_ref().zip(grasp).filter(|_| result.is_ok());
-    let criteria = judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()));
-    let grasp = gripper.and_then(|tracker| tracker.criteria());
+    let Listeners { log, judge, last_s, .. } = thinned.sink;
+    let Judged { criteria, grasp, rebounds } = judge.judged(result.is_ok());
     let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
     let log = Open { log, last, last_s, verdict: said };
     Ran { result, criteria, grasp, rebounds, last_s, wall_s, log }
@@ -119,9 +109,7 @@ fn fate(found: &GraspCriteria) -> String {
 /// Everything that listens to a run.
 struct Listeners<'a, W: Write + Send + 'static, A> {
     log: Option<Beside<W>>,
-    tracker: Option<Tracker>,
-    gripper: Option<GraspTracker>,
-    rebounds: Option<Rebounds>,
+    judge: Judge,
     /// Time of the latest sample.
     last_s: f64,
     /// Whoever else wants what the log gets.
@@ -131,17 +119,13 @@ struct Listeners<'a, W: Write + Send + 'static, A> {
 impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
-        self.tracker.sample(sample)?;
-        self.gripper.sample(sample)?;
-        self.rebounds.sample(sample)?;
+        self.judge.sample(sample)?;
         self.also.sample(sample)?;
         self.log.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.tracker.event(event)?;
-        self.gripper.event(event)?;
-        self.rebounds.event(event)?;
+        self.judge.event(event)?;
         self.also.event(event)?;
         self.log.event(event)
     }

@@ -20,6 +20,9 @@ const ENGINE: &str = "engine";
 /// The version of rapier that is pinned in the manifest.
 const RAPIER_VERSION: &str = "0.36.1";
 
+/// That of the elementary functions, whose last digits are those of every run.
+const LIBM_VERSION: &str = "0.2.16";
+
 /// The text of a scene file that says what is simulated, but for the settings that the metadata record has: the file as it was
 /// written, or, of a scene that was changed since, one made of it.
 pub fn scene_text<'a>(scene: impl Into<Simulated<'a>>) -> Cow<'a, str> {
@@ -96,6 +99,7 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
     let about = [
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
+        ("libm_version", LIBM_VERSION.to_string()),
         ("model", run.model.to_string()),
         ("kind", scene.kind().word().to_string()),
         ("scene", scene.name().to_string()),
@@ -141,3 +145,16 @@ pub fn method_name(method: Method) -> &'static str {
 
 /// Name of the metadata record that says what a recovered log is made from.
 pub const RECOVERED_NAME: &str = "phalanx_recovered";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_those_of_the_manifest() {
+        let manifest = include_str!("../../crates/core/Cargo.toml");
+        for (name, version) in [("rapier2d-f64 = { version = ", RAPIER_VERSION), ("libm = ", LIBM_VERSION)] {
+            assert!(manifest.contains(&format!("{name}\"={version}\"")), "{name}{version}");
+        }
+    }
+}

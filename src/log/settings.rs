@@ -38,7 +38,7 @@ pub enum SettingsError {
 }
 
 /// Entries that say what wrote the log, and of what; they set nothing.
-const ABOUT: [&str; 5] = ["phalanx_version", "mcap_version", "rapier_version", "kind", "scene"];
+const ABOUT: [&str; 6] = ["phalanx_version", "mcap_version", "libm_version", "rapier_version", "kind", "scene"];
 
 impl Settings {
     pub fn model(&self) -> Model {

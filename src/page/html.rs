@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{Note, Page, Picture, data};
+use super::{Note, Page, Picture};
+use phalanx_show::film::data;
 use crate::wording::{Sheet, escaped};
 
 const TEMPLATE: &str = include_str!("assets/page.html");

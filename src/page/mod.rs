@@ -9,30 +9,15 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `film` | everything the page knows of a run |
-//! | `shown`, `panels` | the bodies, contacts and events of a scene that are shown; its plots |
-//! | `reel` | a sink that keeps a run for a film, in bounded memory |
-//! | `thin` | which samples stay where there are too many |
-//! | `data` | films → JSON with base64 columns |
 //! | `volume`, `volume_data` | the page of grasp-state volumes, and its data |
 //! | `html` | JSON, texts and pictures → the file, with the `assets` |
 
-mod data;
-mod film;
 mod html;
-mod panels;
-mod panels_gripper;
-mod reel;
-mod shown;
-mod thin;
 mod volume;
 mod volume_data;
 
-pub use film::{Body, Film, Mark, Panel, Scale, Series, Touch};
 pub use html::page;
-pub use reel::Reel;
-pub use shown::film;
-pub use thin::MOST_SAMPLES;
+pub use phalanx_show::film::{Body, Film, MOST_SAMPLES, Mark, Panel, Reel, Scale, Series, Touch, film};
 pub use volume::{VolumePage, volume_page};
 
 use crate::wording::Sheet;

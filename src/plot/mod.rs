@@ -1,14 +1,10 @@
-//! Pictures of a validation and of studies, as SVG text: the same figures give the same bytes.
+//! Pictures of a validation and of studies, as SVG text: the same figures give the same bytes. What they are drawn with, and the
+//! pictures of a grasp at rest, are in the crate that shows runs.
 //!
 //! | file | job |
 //! |---|---|
-//! | `axis` | ranges and ticks, linear and logarithmic |
-//! | `balance` | accelerations that a gripper's grasp bears, around all directions |
-//! | `canvas` | fonts, colours, frames, legends beside the frames |
 //! | `capture` | where an object ends, over where it lay |
 //! | `closings` | angles of closings over time |
-//! | `dark` | the same colours for a dark ground |
-//! | `curve` | lines of as many points as a picture can show |
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `optimize` | designs by their objectives, and the front |
@@ -16,28 +12,17 @@
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
-//! | `grasp` | a grasp at rest: fingers, forces, the motion that is free |
-//! | `outline` | bodies as filled outlines |
 //! | `hold` | what a gripper holds: by direction, by frequency, or slip over load |
 //! | `linkage` | the letters of scenes and results on the finger itself |
 //! | `volume` | slices of grasp-state volumes |
-//! | `colours` | colour scales of a quantity |
 //! | `difference` | difference of two runs over time |
 
-mod axis;
-mod balance;
-mod canvas;
 mod capture;
 mod closings;
-pub mod colours;
-mod curve;
-mod dark;
 mod difference;
-mod grasp;
 mod hold;
 mod linkage;
 mod optimize;
-mod outline;
 mod overlay;
 mod overlay_gripper;
 mod overlay_panel;
@@ -48,14 +33,14 @@ mod stability;
 mod step_size;
 mod volume;
 
-pub use balance::balance;
-pub use canvas::{DrawError, PICTURE_MARK};
+use phalanx_show::plot::{axis, canvas, curve};
+
 pub use capture::capture;
 pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, difference, difference_of, paths_apart, touches};
-pub use grasp::grasp;
 pub use hold::hold;
 pub use linkage::{Linkage, Spot, linkage};
+pub use phalanx_show::plot::{DrawError, PICTURE_MARK, balance, colours, grasp};
 pub use optimize::{Designs, optimisation};
 pub use overlay::{overlay, overlay_of};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};

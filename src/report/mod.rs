@@ -1,15 +1,8 @@
 //! What a run is reported as: one document of plain figures, printed for people or as JSON.
 
 mod capture;
-mod check;
-mod contacts;
-mod csv;
-mod discs;
-mod document;
-mod grasp;
 mod hold;
 mod hold_text;
-mod named;
 mod optimize;
 mod paper;
 mod replay;
@@ -18,24 +11,15 @@ mod select;
 mod simulated;
 mod sizing;
 mod stability;
-mod statics;
 mod step_size;
 mod sweep;
-mod tables;
-mod text;
 mod validation;
 mod volume;
 mod volume_points;
 
 pub use capture::{CaptureReport, PlaceReport as CapturePlaceReport, capture_csv, capture_json, capture_text};
-pub use check::RunCheckReport;
-pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
-pub use discs::DiscReport;
-pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
-pub use grasp::{CycleReport, ForceClosureReport, GraspReport, HeldContactReport, TravelReport};
 pub use hold::{HoldReport, LimitReport as HoldLimitReport, LoadReport, SizeReport, TriedReport, hold_csv, hold_json};
 pub use hold_text::hold_text;
-pub use named::Named;
 pub use optimize::{
     DesignReport, GainReport, OptimisationReport, is_designs, optimisation_json, optimisation_list, optimisation_paper,
     optimisation_text,
@@ -44,7 +28,7 @@ pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Text, Tone, paper_htm
 pub use replay::{
     AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Heard, Lost,
     RecoveryReport, ReplayReport, Summary, VerificationReport, WordReport, against_json, against_text, attached,
-    csv_head, csv_sample, is_samples, recovery_json, recovery_text, replay_json, replay_text, side_by_side,
+ recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
 pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,
@@ -56,16 +40,8 @@ pub use select::{
 pub use simulated::{Broken, Checking, Finished, Making, simulated};
 pub use sizing::{SizingReport, sizing_csv, sizing_json, sizing_text};
 pub use stability::{stability_csv, stability_json, stability_text};
-pub use statics::{
-    AnglesReport, BalanceReport, BirglenReport, ClosureReport, ContactPlaceReport, DirectionReport, DriveReport,
-    FinalPostureReport, FingerMotionReport, ForceReport, ForcesReport, GripperClosureReport, GripperContactReport,
-    GripperPostureReport, GripperStaticsReport, HandMotionReport, HoldsReport, MotionReport, MotorReport,
-    MultiplierReport, NecessaryReport, RateReport, SpringReport, StaticsReport, gripper_statics_json,
-    gripper_statics_text, statics_json, statics_text,
-};
 pub use step_size::{step_size_csv, step_size_json, step_size_text};
 pub use sweep::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
-pub use text::text;
 pub use validation::{
     AngleDifference, COLUMNS, CheckReport, ContactDifference, DifferencesReport, DiscDifference, DiscDifferences,
     DiscErrors, Errors, FindingReport, ImpactReport, JointDifferences, JointErrors, ModelReport, PairDifference,
@@ -78,19 +54,16 @@ pub use volume::{
 };
 pub use volume_points::volume_points;
 
-use serde::Serialize;
+use phalanx_show::report::{check, contacts, csv, discs, document, document_text, grasp, named, tables};
 
 pub use crate::wording::{Quantity, Sheet, condition_name, criterion_key, criterion_name, duration, percent_of};
-
-/// The report as one JSON document with a line end.
-///
-/// Floats are printed in the shortest form that reads back to the same double; what is not finite becomes null.
-pub fn json(report: &RunReport) -> String {
-    document_text(report)
-}
-
-fn document_text(report: &impl Serialize) -> String {
-    let mut text = serde_json::to_string_pretty(report).expect("a report is plain data with string keys");
-    text.push('\n');
-    text
-}
+pub use phalanx_show::report::{
+    AnglesReport, BalanceReport, BirglenReport, Came, ClosureReport, ContactPlaceReport, Contacts, CycleReport,
+    DirectionReport, DiscReport, DriveReport, Dynamics, Energies, EngineUsed, Failure, Final, FinalPostureReport,
+    FingerContacts, FingerMotionReport, ForceClosureReport, ForceReport, ForcesReport, GraspReport,
+    GripperClosureReport, GripperContactReport, GripperPostureReport, GripperStaticsReport, HandMotionReport,
+    HeldContactReport, HoldsReport, IntegratorUsed, LimitReport, MotionReport, MotorReport, MultiplierReport, Named,
+    NecessaryReport, PairReport, PhalanxReport, PlaceReport, RateReport, RunCheckReport, RunReport, SpringReport,
+    StaticsReport, TravelReport, WorkReport, csv_head, csv_sample, gripper_statics_json, gripper_statics_text,
+    is_samples, json, statics_json, statics_text, text,
+};

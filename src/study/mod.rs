@@ -4,9 +4,6 @@
 //! |---|---|
 //! | `beside` | what stands beside the results of a sweep |
 //! | `capture` | which positioning errors a gripper captures |
-//! | `geometric` | where fingers close around an object |
-//! | `grasp` | a grasp at rest, all of it: for a report and a picture |
-//! | `gripper_grasp` | how a gripper holds its object at rest, and what acceleration it bears |
 //! | `posture` | a gripper's posture in words |
 //! | `hold` | how much acceleration a gripper holds its object against |
 //! | `kind` | studies that are about grippers |
@@ -16,7 +13,6 @@
 //! | `random` | random numbers that stay the same |
 //! | `reproduce` | the thesis's figures again, beside what it prints |
 //! | `select` | which designs of a sweep meet the criteria, and which is best |
-//! | `simulate` | a run of a gripper for what its criteria say |
 //! | `size` | spring and motor for the finger of a scene |
 //! | `stability` | where the engine is stable, and where it is right |
 //! | `step_size` | the force of an impact against the step |
@@ -26,9 +22,6 @@
 
 pub mod beside;
 pub mod capture;
-mod geometric;
-pub mod grasp;
-pub mod gripper_grasp;
 pub mod hold;
 mod kind;
 pub mod optimize;
@@ -38,7 +31,6 @@ pub mod posture;
 mod random;
 pub mod reproduce;
 pub mod select;
-mod simulate;
 pub mod size;
 pub mod stability;
 pub mod step_size;

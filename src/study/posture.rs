@@ -1,6 +1,6 @@
 //! Postures of a gripper in words: `run`, `geometric`, or angles such as `q11=2 deg, q21=65 deg`.
 
-use super::gripper_grasp::{Given, PostureOf};
+use crate::grasp::gripper::{Given, PostureOf};
 use crate::units::{self, Dimension};
 
 /// What is said of a posture.

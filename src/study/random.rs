@@ -1,6 +1,8 @@
 //! Random numbers that are the same wherever and whenever a study runs: SplitMix64 (Steele, Lea and Flood 2014), whose stream is fixed
 //! by its definition. Those of a library may change with its version, and results on the disk with them.
 
+use crate::numeric::elementary::{cos, ln};
+
 /// What a stream goes on by: 2⁶⁴ over the golden ratio.
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -47,8 +49,8 @@ impl Random {
     /// Normally, of mean 0 and deviation 1 (Box and Muller 1958; the second number of the pair is left).
     pub fn normal(&mut self) -> f64 {
         // Above 0, for its logarithm.
-        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.unit()).cos()
+        let radius = (-2.0 * ln(1.0 - self.unit())).sqrt();
+        radius * cos(std::f64::consts::TAU * self.unit())
     }
 }
 

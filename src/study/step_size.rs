@@ -9,6 +9,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::integrator::Failure;
+use crate::numeric::elementary::{ln, pow};
 use crate::scene::{BodiesScene, Integrator, Method, Preset, Response, Stepping};
 use crate::trace::{Event, EventKind, Model, RunError, Sample, Sink, SinkError, run};
 
@@ -317,8 +318,8 @@ fn crossing(rows: &[Row], formulation: Formulation, error: f64) -> Crossing {
         None => of.first().map(|row| row.step_fraction),
         Some(above) => of.get(above + 1).map(|below| {
             let above = of[above];
-            let share = (above.curve_max_error / error).ln() / (above.curve_max_error / below.curve_max_error).ln();
-            above.step_fraction * (below.step_fraction / above.step_fraction).powf(share.clamp(0.0, 1.0))
+            let share = ln(above.curve_max_error / error) / ln(above.curve_max_error / below.curve_max_error);
+            above.step_fraction * pow(below.step_fraction / above.step_fraction, share.clamp(0.0, 1.0))
         }),
     };
     Crossing { formulation, error, step_fraction, at_least: last_above.is_none() }

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use super::subject::with;
-use super::{GoOn, Subject, While, steps_only};
+use super::{Subject, steps_only};
+use crate::trace::{GoOn, While};
 use crate::scene::{AnyScene, Preset};
 use crate::trace::{Model, Numerics, RunError, run};
 

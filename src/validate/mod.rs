@@ -25,7 +25,6 @@
 //! | `impacts` | normal impulse of every impact, as a run goes by |
 //! | `track` | differences of angles and rates along the way |
 //! | `difference` | everything in which a run differs from its reference |
-//! | `gate` | runs that end when they are told to |
 //! | `room` | what fits into memory |
 //! | `ladder` | the settings that are tried |
 //! | `cost` | wall time of a setting, beside that of the everyday analytic run |
@@ -35,7 +34,6 @@
 mod cost;
 mod difference;
 mod ensemble;
-mod gate;
 mod impacts;
 mod ladder;
 mod recording;
@@ -49,7 +47,6 @@ mod verdict;
 pub use cost::{Cost, cost};
 pub use difference::{Comparison, Differences, Off, compare, largest, off};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member, member_of_discs};
-pub use gate::{GoOn, While};
 pub use impacts::{IMPACT_S, Impact, Impacts};
 pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, own};
 pub use recording::{Recording, record, record_while};
@@ -57,5 +54,6 @@ pub use room::refuse_too_fine;
 pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use subject::{Subject, path_bound, reference, sampled, steps_only, until_s};
-pub use track::{Angle, Rate, Track, turned};
+pub use crate::numeric::plane::turned;
+pub use track::{Angle, Rate, Track};
 pub use verdict::{Check, Verdict, verdicts};

@@ -1,6 +1,7 @@
 //! A run kept whole.
 
-use super::{GoOn, Impacts, While};
+use super::Impacts;
+use crate::trace::{GoOn, While};
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, between, run};
 
 /// Everything a run said, in memory.

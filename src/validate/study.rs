@@ -2,13 +2,13 @@
 
 use super::subject::{member, with};
 use super::{
-    Comparison, Cost, Differences, GoOn, MEMBERS, Recording, Rung, Statistics, Subject, Verdict, While, compare, cost,
+    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Subject, Verdict, compare, cost,
     ladder, own, path_bound, record_while, reference, sampled, statistics, until_s,
 };
 use crate::check;
 use crate::invariants::Finding;
 use crate::scene::AnyScene;
-use crate::trace::{Model, RunError, Simulated, run};
+use crate::trace::{GoOn, Model, RunError, Simulated, While, run};
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,6 @@
 //! Differences of one quantity along the way: largest, root mean square over time, at the end.
 
-use std::f64::consts::TAU;
-
+use crate::numeric::plane::turned;
 use crate::trace::FingerState;
 
 /// Joint angles that are compared.
@@ -63,11 +62,6 @@ impl Rate {
             Rate::Qd22 => "qd22",
         }
     }
-}
-
-/// An angle without its whole turns, from −π to π.
-pub fn turned(angle_rad: f64) -> f64 {
-    angle_rad - TAU * (angle_rad / TAU).round()
 }
 
 /// The difference of one quantity over a run. What is not a number counts as infinite.

@@ -5,7 +5,7 @@ use phalanx::fivebar::kinematics::reference_gamma;
 use phalanx::gripper::{FinalPosture, Posture, joints};
 use phalanx::scene::{self, Scene};
 use phalanx::statics::{Equilibrium, drive_loads, equilibrium, palm_force};
-use phalanx::study::grasp::{Grasp, Instead, grasp};
+use phalanx::grasp::finger::{Grasp, Instead, grasp};
 use phalanx::trace::{self, Sample, Site};
 
 fn load(file: &str) -> Scene {

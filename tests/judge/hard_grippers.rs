@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use phalanx::check::pushed_gripper;
 use phalanx::criteria::{Fate, GraspCriteria, GraspTracker};
 use phalanx::invariants::Finding;
 use phalanx::scene::{self, AnyScene, GripperScene};
@@ -180,21 +181,42 @@ fn what_scenes_expect_is_what_happens() {
     assert_eq!(pressing, [1, 2, 4, 5, 7]);
 }
 
-/// The scene with the error to the other side is the mirror image but for rounding, which impacts multiply ten-thousandfold.
+/// Pushes of a few last digits of the motors' torques.
+const LAST_DIGITS: [f64; 6] = [-8.0, -4.0, -2.0, 2.0, 4.0, 8.0];
+/// What a few of them do is not yet the most that they can do.
+const OTHER_DRAWS: f64 = 4.0;
+
+/// Where object and fingers are at the end; `side` −1 takes the mirror image of it.
+fn end(model: Model, scene: &GripperScene, side: f64) -> [f64; 7] {
+    let last = recorded(model, scene).outcome.last;
+    let (object, mut fingers) = (&last.bodies[0], [0, 1].map(|i| [last.fingers[i].q11_rad, last.fingers[i].q21_rad]));
+    if side < 0.0 {
+        fingers.reverse();
+    }
+    let ([x, y], [[a, b], [c, d]]) = (object.centre_m, fingers);
+    [side * x, y, side * object.angle_rad, a, b, c, d]
+}
+
+/// The scene with the error to the other side is the mirror image but for rounding: which finger comes first in sums and in elimination.
+/// What rounding does is measured, by pushes of last digits. It is little where the tolerance is tight, and in the engine; the everyday
+/// preset takes other steps for other last digits, each of which has an error of its own.
 #[test]
 fn a_mirror_image_moves_as_a_mirror_image() {
     let [right, left] = ["gripper/offset", "gripper/offset-left"].map(load);
-    for model in [Model::Analytic, Model::Engine] {
-        let [one, other] = [&right, &left].map(|scene| recorded(model, scene).outcome.last);
-        let (a, b) = (&one.bodies[0], &other.bodies[0]);
-        let places = [(a.centre_m[0], -b.centre_m[0]), (a.centre_m[1], b.centre_m[1]), (a.angle_rad, -b.angle_rad)];
-        let mut angles = Vec::new();
-        for (of, mirrored) in [(0, 1), (1, 0)] {
-            let (of, mirrored) = (&one.fingers[of], &other.fingers[mirrored]);
-            angles.extend([(of.q11_rad, mirrored.q11_rad), (of.q21_rad, mirrored.q21_rad)]);
-        }
-        let off = places.into_iter().chain(angles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let allowed = if model == Model::Analytic { 1e-10 } else { 1e-6 };
-        assert!(off <= allowed, "{}: {off:.1e}", model.name());
+    let exact = [&right, &left].map(reference);
+    for (what, model, [right, left], most) in [
+        ("analytic, reference", Model::Analytic, exact, 1e-10),
+        ("analytic, everyday", Model::Analytic, [right.clone(), left.clone()], 1e-7),
+        ("engine", Model::Engine, [right, left], 1e-10),
+    ] {
+        let apart = |a: [f64; 7], b: [f64; 7]| (0..7).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
+        let own = end(model, &right, 1.0);
+        let pushed =
+            LAST_DIGITS.map(|count| apart(own, end(model, &pushed_gripper(&right, count * f64::EPSILON), 1.0)));
+        let rounding = pushed.into_iter().fold(0.0, f64::max);
+        let off = apart(own, end(model, &left, -1.0));
+        println!("{what}: {off:.1e} {pushed:.1e?}");
+        assert!(0.0 < rounding && rounding <= most, "{what}: last digits move it by {rounding:.1e}");
+        assert!(off <= OTHER_DRAWS * rounding, "{what}: {off:.1e}, last digits make {rounding:.1e}");
     }
 }

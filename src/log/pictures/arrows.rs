@@ -4,6 +4,7 @@ use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneEntity, SceneUpdate, 
 
 use super::frame::{WORLD, about_z};
 use crate::drawing::Drawing;
+use crate::numeric::elementary::atan2;
 use crate::trace::ContactSample;
 
 /// Over everything else, and thickness of arrows and points, as parts of the longest arrow.
@@ -88,7 +89,7 @@ fn arrow(at: [f64; 2], [x, y]: [f64; 2], length_m: f64, longest_m: f64, colour: 
     let sign = length_m.signum();
     let head = (HEAD_LENGTH * longest_m).min(length_m.abs());
     ArrowPrimitive {
-        pose: Some(pose(at, (sign * y).atan2(sign * x), longest_m)),
+        pose: Some(pose(at, atan2(sign * y, sign * x), longest_m)),
         shaft_length: length_m.abs() - head,
         shaft_diameter: SHAFT * longest_m,
         head_length: head,

@@ -8,6 +8,7 @@ use foxglove::messages::{
 };
 
 use crate::drawing::{Body, Drawing, Part, Shape};
+use crate::numeric::elementary::{atan2, sin_cos};
 
 /// Corners of a full circle.
 const CORNERS: usize = 64;
@@ -68,7 +69,7 @@ fn outline(shape: &Shape, [low, high]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
         Shape::Polygon { corners_m } => corners_m.clone(),
         Shape::Disc { radius_m } => arc([0.0; 2], *radius_m, 0.0, TAU, CORNERS),
         Shape::Capsule { from_m, to_m, radius_m } => {
-            let along = (to_m[1] - from_m[1]).atan2(to_m[0] - from_m[0]);
+            let along = atan2(to_m[1] - from_m[1], to_m[0] - from_m[0]);
             let mut corners = arc(*to_m, *radius_m, along - 0.5 * PI, along + 0.5 * PI, CORNERS / 2);
             corners.extend(arc(*from_m, *radius_m, along + 0.5 * PI, along + 1.5 * PI, CORNERS / 2));
             corners
@@ -85,7 +86,7 @@ fn arc([x, y]: [f64; 2], radius: f64, from: f64, to: f64, corners: usize) -> Vec
     let pieces = if to - from >= TAU { corners } else { corners - 1 };
     (0..corners)
         .map(|k| {
-            let (sin, cos) = (from + (to - from) * k as f64 / pieces as f64).sin_cos();
+            let (sin, cos) = sin_cos(from + (to - from) * k as f64 / pieces as f64);
             [x + radius * cos, y + radius * sin]
         })
         .collect()

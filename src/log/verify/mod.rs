@@ -69,7 +69,7 @@ pub struct Verification {
 }
 
 /// Entries that say which program wrote a log: they may differ.
-const VERSIONS: [&str; 3] = ["phalanx_version", "mcap_version", "rapier_version"];
+const VERSIONS: [&str; 4] = ["phalanx_version", "mcap_version", "libm_version", "rapier_version"];
 
 impl Verification {
     /// Whether everything that was compared is the same, bit for bit.

@@ -1,7 +1,6 @@
 //! What a log is reported as.
 
 mod against;
-mod csv;
 mod document;
 mod heard;
 mod recover;
@@ -10,7 +9,6 @@ mod text;
 mod verify;
 
 pub use against::{AgainstReport, ApartReport, FigureReport, WordReport, against_json, against_text, side_by_side};
-pub use csv::{csv_head, csv_sample, is_samples};
 pub use document::{Lost, ReplayReport};
 pub use heard::{Heard, attached};
 pub use recover::{GapReport, RecoveryReport, recovery_json, recovery_text};

@@ -5,8 +5,8 @@ use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed}
 use crate::gripper::Circle;
 use crate::scene::{GripperScene, Side};
 use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
-use crate::study::geometric::geometric;
-use crate::study::simulate::run;
+use crate::grasp::geometric;
+use crate::grasp::run;
 use crate::trace::Model;
 
 /// The object at a place, and what came of it.

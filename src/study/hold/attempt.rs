@@ -6,7 +6,7 @@ use super::prepared::Prepared;
 use super::search::Answer;
 use crate::criteria::{Fate, GraspTracker, Travel};
 use crate::scene::GripperScene;
-use crate::study::simulate::run;
+use crate::grasp::run;
 use crate::trace::Model;
 
 /// A load, and what came of it.

@@ -3,6 +3,7 @@
 use super::load::Case;
 use super::prepared::Prepared;
 use crate::criteria::{Driven, held_at_rest};
+use crate::numeric::elementary::sin_cos;
 use crate::scene::{Axis, GripperScene};
 use crate::statics::{Balanced, balanced_acceleration};
 use crate::trace::Sample;
@@ -23,7 +24,7 @@ pub enum AtRest {
 /// where statics has no answer. Brakes that have gripped hold as much as they do; where a motor has none, all give their torque alone.
 pub(super) fn at_rest(prepared: &Prepared, sample: &Sample, case: &Case) -> Option<AtRest> {
     let (sin, cos) = match case {
-        Case::Pulse { direction_rad, .. } => direction_rad.sin_cos(),
+        Case::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
         Case::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
         Case::Vibration { axis: Axis::Y, .. } => (1.0, 0.0),
         Case::Vibration { axis: Axis::Angle, .. } | Case::Move => return None,

@@ -4,6 +4,7 @@ use super::error::HoldError;
 use super::load::{Case, Load};
 use super::plan::{Loads, Plan};
 use super::prepared::Prepared;
+use crate::numeric::elementary::sin_cos;
 
 /// Clearance that is no contact, m: as much as the object may sink in the hand.
 const CLEAR_M: f64 = 0.5e-3;
@@ -44,7 +45,7 @@ fn is_clear(prepared: &Prepared, load: &Load) -> bool {
     (0..=PLACES).all(|index| {
         let time_s = begins_s + (load.over_s - begins_s) * index as f64 / PLACES as f64;
         let [_, height, turn] = load.motion.pose(time_s).place;
-        let (sin, cos) = turn.sin_cos();
+        let (sin, cos) = sin_cos(turn);
         height + sin * x + cos * y + object.radius_m < table.level_m - CLEAR_M
     })
 }

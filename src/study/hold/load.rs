@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::motion::{delayed, faded, stretched};
+use crate::numeric::elementary::{powi, sin_cos};
 use crate::scene::{Axis, Move, PalmMotion, Ramp, Vibration};
 
 /// Whole periods of a vibration at its full amplitude, and those in which it grows and fades.
@@ -55,7 +56,7 @@ impl Case {
             Case::Pulse { length_s, .. } => peak_m_s2 * length_s * length_s / unit_peak(),
             Case::Vibration { axis, frequency_hz } => {
                 let arm = if axis == Axis::Angle { stage.lever_m } else { 1.0 };
-                peak_m_s2 / ((TAU * frequency_hz).powi(2) * arm)
+                peak_m_s2 / (powi(TAU * frequency_hz, 2) * arm)
             }
             Case::Move => (stage.own_peak_m_s2 / peak_m_s2).sqrt(),
         }
@@ -67,7 +68,7 @@ impl Case {
         let mut motion = stage.before.clone();
         match *self {
             Case::Pulse { direction_rad, length_s } => {
-                let (sin, cos) = direction_rad.sin_cos();
+                let (sin, cos) = sin_cos(direction_rad);
                 for (axis, part) in [(Axis::X, cos), (Axis::Y, sin)] {
                     // A quarter turn has a cosine of 6e-17.
                     if part.abs() > f64::EPSILON {

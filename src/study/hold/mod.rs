@@ -39,8 +39,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 
 use crate::criteria::{Fate, GraspTracker};
+use crate::numeric::elementary::{ln, log2};
 use crate::scene::{Axis, GripperScene};
-use crate::study::{pool, simulate};
+use crate::grasp::run;
+use crate::study::pool;
 use crate::trace::Sample;
 
 use prepared::Prepared;
@@ -195,10 +197,7 @@ fn narrow(held: &Held, plan: &Plan, prepared: &Prepared, go_on: GoOn<'_>, tell: 
 /// How many runs narrowing takes at most.
 fn most_halvings(held: &Held, tolerance: f64) -> u64 {
     let halvings = |limit: &Limit| {
-        limit
-            .held
-            .zip(limit.failed)
-            .map_or(0.0, |(held, failed)| ((failed / held).ln() / tolerance).log2().ceil().max(0.0))
+        limit.held.zip(limit.failed).map_or(0.0, |(held, failed)| log2(ln(failed / held) / tolerance).ceil().max(0.0))
     };
     (halvings(&held.slips) + halvings(&held.drops)) as u64
 }
@@ -221,7 +220,7 @@ fn unloaded(prepared: &Prepared, plan: &Plan, cases: &[Case], go_on: GoOn<'_>) -
 fn beginning(prepared: &Prepared, plan: &Plan, go_on: GoOn<'_>) -> Result<Option<Sample>, HoldError> {
     let (motion, duration_s) = (prepared.stage.before.clone(), prepared.stage.begins_s);
     let scene = GripperScene { palm_motion: Some(motion), duration_s, ..prepared.scene.clone() };
-    match simulate::run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
+    match run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
         None => Ok(None),
         Some(Err(reason)) => Err(HoldError::Scene { reason }),
         Some(Ok(outcome)) => Ok(Some(outcome.last)),

@@ -1,5 +1,6 @@
 //! What moves a palm, at another pace, later, or only for a while.
 
+use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::{PalmMotion, Path, Vibration};
 
 /// The same way in `factor` times the time, counted from 0; vibrations begin that much later, but keep their frequencies.
@@ -43,9 +44,9 @@ pub fn peak(motion: &PalmMotion, [x, y]: [f64; 2]) -> f64 {
     let at = |time_s: f64| {
         let pose = moves.pose(time_s);
         let ([ax, ay, alpha], omega) = (pose.acceleration, pose.rate[2]);
-        let (sin, cos) = pose.place[2].sin_cos();
+        let (sin, cos) = sin_cos(pose.place[2]);
         let (rx, ry) = (cos * x - sin * y, sin * x + cos * y);
-        (ax - alpha * ry - omega * omega * rx).hypot(ay + alpha * rx - omega * omega * ry)
+        hypot(ax - alpha * ry - omega * omega * rx, ay + alpha * rx - omega * omega * ry)
     };
     let mut corners = vec![0.0];
     while let Some(next) = corners.last().map(|last| moves.next_corner(*last)).filter(|next| next.is_finite()) {

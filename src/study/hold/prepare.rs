@@ -7,8 +7,9 @@ use super::plan::{Loads, Plan};
 use super::prepared::{Prepared, Since};
 use super::rest::Rest;
 use crate::criteria::{Fate, GraspTracker};
+use crate::numeric::elementary::hypot;
 use crate::scene::{Actuation, Axis, Cycle, GripperScene, Motor, Move, ObjectMotion, PalmMotion, torque};
-use crate::study::simulate::run;
+use crate::grasp::run;
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
 fn standard_cycle() -> PalmMotion {
@@ -41,7 +42,7 @@ pub(super) fn prepare(
     let before = if plan.loads == Loads::Move { PalmMotion::default() } else { over_by(&given, begins_s) };
     let centre_m = scene.object.centre_m;
     let stage =
-        Stage { begins_s, before, own_peak_m_s2: peak(&own, centre_m), own, lever_m: centre_m[0].hypot(centre_m[1]) };
+        Stage { begins_s, before, own_peak_m_s2: peak(&own, centre_m), own, lever_m: hypot(centre_m[0], centre_m[1]) };
     Ok(Some(Prepared { scene: held_from(scene, begins_s), stage, since }))
 }
 

@@ -2,6 +2,7 @@
 
 use super::plan::REST_M_S;
 use crate::criteria::{GraspCriteria, GraspTracker};
+use crate::numeric::elementary::hypot;
 use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Finds the criteria of a grasp and, by the way, since when its object is slow.
@@ -28,7 +29,7 @@ impl Rest {
 impl Sink for Rest {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let [x, y] = sample.bodies[0].velocity_m_s;
-        match x.hypot(y) < REST_M_S {
+        match hypot(x, y) < REST_M_S {
             true => _ = self.since_s.get_or_insert(sample.time_s),
             false => self.since_s = None,
         }

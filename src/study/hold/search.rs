@@ -1,5 +1,7 @@
 //! Limits between what holds and what fails, among loads that were tried.
 
+use crate::numeric::elementary::{exp, ln};
+
 /// What a run said of a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
@@ -49,11 +51,11 @@ impl Limit {
 /// Loads from one to another, each the same multiple of the one before, both ends exactly.
 pub fn ladder(from: f64, to: f64, count: usize) -> Vec<f64> {
     let last = count - 1;
-    let ratio = (to / from).ln() / last as f64;
+    let ratio = ln(to / from) / last as f64;
     let step = |index: usize| match index {
         0 => from,
         index if index == last => to,
-        index => from * (ratio * index as f64).exp(),
+        index => from * exp(ratio * index as f64),
     };
     (0..count).map(step).collect()
 }

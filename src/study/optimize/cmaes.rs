@@ -12,6 +12,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::score::{Score, better};
+use crate::numeric::elementary::{exp, ln, powi};
 use crate::study::random::Random;
 
 /// First step size, in shares of the ranges: about a third, so that the first samples reach all of the cube from its middle.
@@ -60,8 +61,7 @@ impl CmaEs {
     pub fn new(start: Vec<f64>, population: usize, seed: u64) -> Self {
         let (n, population) = (start.len(), population.max(4));
         let half = population / 2;
-        let raw: Vec<f64> =
-            (1..=half).map(|rank| (0.5 * (population as f64 + 1.0)).ln() - (rank as f64).ln()).collect();
+        let raw: Vec<f64> = (1..=half).map(|rank| ln(0.5 * (population as f64 + 1.0)) - ln(rank as f64)).collect();
         let sum: f64 = raw.iter().sum();
         let weights: Vec<f64> = raw.iter().map(|weight| weight / sum).collect();
         let rates = Rates::new(n as f64, 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>());
@@ -84,7 +84,7 @@ impl CmaEs {
 
     /// Samples of a generation for so many variables (4 + ⌊3 ln n⌋, equation 48).
     pub fn usual_population(variables: usize) -> usize {
-        4 + (3.0 * (variables as f64).ln()).floor() as usize
+        4 + (3.0 * ln(variables as f64)).floor() as usize
     }
 
     /// The next generation, to be told of.
@@ -129,7 +129,7 @@ impl CmaEs {
         let round = &self.axes * (self.axes.transpose() * &shift).component_div(&self.deviations);
         self.paths[0] = &self.paths[0] * (1.0 - sigma) + round * (sigma * (2.0 - sigma) * effective).sqrt();
         let long = self.paths[0].norm();
-        let settled = (1.0 - (1.0 - sigma).powi(2 * self.generation)).sqrt();
+        let settled = (1.0 - powi(1.0 - sigma, 2 * self.generation)).sqrt();
         let stalled = if long / settled < (1.4 + 2.0 / (n as f64 + 1.0)) * length { 1.0 } else { 0.0 };
         self.paths[1] = &self.paths[1] * (1.0 - path) + shift * (stalled * (path * (2.0 - path) * effective).sqrt());
         let lost = (1.0 - stalled) * path * (2.0 - path);
@@ -137,7 +137,7 @@ impl CmaEs {
         let rank_many =
             weighted.fold(DMatrix::zeros(n, n), |sum, (weight, step)| sum + step * step.transpose() * *weight);
         self.covariance = &self.covariance * (1.0 - one - many + one * lost) + rank_one * one + rank_many * many;
-        self.step *= ((sigma / damping) * (long / length - 1.0)).exp().min(std::f64::consts::E);
+        self.step *= exp((sigma / damping) * (long / length - 1.0)).min(std::f64::consts::E);
         // Wider than the cube there is nothing to find.
         self.step = self.step.min(1.0);
 
@@ -156,14 +156,14 @@ impl Rates {
     /// For n variables and so many effective samples (table 1 of the tutorial).
     fn new(n: f64, effective: f64) -> Self {
         let sigma = (effective + 2.0) / (n + effective + 5.0);
-        let one = 2.0 / ((n + 1.3).powi(2) + effective);
+        let one = 2.0 / (powi(n + 1.3, 2) + effective);
         Rates {
             effective,
             sigma,
             damping: 1.0 + 2.0 * (((effective - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + sigma,
             path: (4.0 + effective / n) / (n + 4.0 + 2.0 * effective / n),
             one,
-            many: (1.0 - one).min(2.0 * (effective - 2.0 + 1.0 / effective) / ((n + 2.0).powi(2) + effective)),
+            many: (1.0 - one).min(2.0 * (effective - 2.0 + 1.0 / effective) / (powi(n + 2.0, 2) + effective)),
             length: n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n)),
         }
     }

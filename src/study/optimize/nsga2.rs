@@ -8,6 +8,7 @@
 //! releases within ten days and none since.
 
 use super::score::{Score, crowding, fronts};
+use crate::numeric::elementary::pow;
 use crate::study::random::Random;
 
 /// Share of pairs that are crossed, and the index of its distribution: those of the paper's code for real variables.
@@ -136,10 +137,10 @@ fn crossover(one: &mut [f64], other: &mut [f64], random: &mut Random) {
         let (chance, swapped) = (random.unit(), random.unit() < 0.5);
         // How far a child goes beyond its parent, so that none goes beyond the bound that is `room` away.
         let spread = |room: f64| {
-            let alpha = 2.0 - (1.0 + 2.0 * room / (high - low)).powf(-(CROSSOVER_INDEX + 1.0));
+            let alpha = 2.0 - pow(1.0 + 2.0 * room / (high - low), -(CROSSOVER_INDEX + 1.0));
             let scaled = chance * alpha;
             let base = if scaled <= 1.0 { scaled } else { 1.0 / (2.0 - scaled) };
-            base.powf(1.0 / (CROSSOVER_INDEX + 1.0))
+            pow(base, 1.0 / (CROSSOVER_INDEX + 1.0))
         };
         let lower = (0.5 * (low + high - spread(low) * (high - low))).clamp(0.0, 1.0);
         let upper = (0.5 * (low + high + spread(1.0 - high) * (high - low))).clamp(0.0, 1.0);
@@ -159,11 +160,11 @@ fn mutate(place: &mut [f64], random: &mut Random) {
 
 fn polynomial(value: f64, chance: f64) -> f64 {
     let power = 1.0 / (MUTATION_INDEX + 1.0);
-    let kept = |room: f64| (1.0 - room).powf(MUTATION_INDEX + 1.0);
+    let kept = |room: f64| pow(1.0 - room, MUTATION_INDEX + 1.0);
     let step = if chance < 0.5 {
-        (2.0 * chance + (1.0 - 2.0 * chance) * kept(value)).powf(power) - 1.0
+        pow(2.0 * chance + (1.0 - 2.0 * chance) * kept(value), power) - 1.0
     } else {
-        1.0 - (2.0 * (1.0 - chance) + (2.0 * chance - 1.0) * kept(1.0 - value)).powf(power)
+        1.0 - pow(2.0 * (1.0 - chance) + (2.0 * chance - 1.0) * kept(1.0 - value), power)
     };
     (value + step).clamp(0.0, 1.0)
 }

@@ -27,7 +27,8 @@ use crate::invariants::{Finding, Invariant, Invariants};
 use crate::scene::{Response, Scene, Stepping};
 use crate::study::pool;
 use crate::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
-use crate::validate::{Comparison, Recording, While, member, record_while, reference, sampled};
+use crate::trace::While;
+use crate::validate::{Comparison, Recording, member, record_while, reference, sampled};
 
 pub use map::{Cell, Grid, ReferenceRun, Stability, StudyError, Verdict};
 

@@ -1,6 +1,7 @@
 //! Axes of a study: values one by one, or ranges.
 
 use super::field::{Field, Holds, Point};
+use crate::numeric::elementary::{ln, pow};
 use crate::table::Value;
 use crate::units;
 
@@ -71,7 +72,7 @@ impl Range {
             _ if x == 0.0 => self.from,
             _ if x == 1.0 => self.to,
             Spacing::Linear => self.from + (self.to - self.from) * x,
-            Spacing::Log => self.from * (self.to / self.from).powf(x),
+            Spacing::Log => self.from * pow(self.to / self.from, x),
         };
         let number = if grid { without_noise(exact) } else { exact };
         match self.holds {
@@ -94,7 +95,7 @@ impl Range {
             _ if si == ends[0] => 0.0,
             _ if si == ends[1] => 1.0,
             Spacing::Linear => (si - ends[0]) / (ends[1] - ends[0]),
-            Spacing::Log => (si / ends[0]).ln() / (ends[1] / ends[0]).ln(),
+            Spacing::Log => ln(si / ends[0]) / ln(ends[1] / ends[0]),
         }
     }
 

@@ -2,10 +2,10 @@
 
 use toml::Spanned;
 
-use super::axis::{Axis, Points};
+use super::axis::Points;
 use super::base;
+use super::designs::{Designs, of_designs};
 use super::field::{Field, Holds, Point};
-use super::template::Template;
 use super::{Filter, MOST_RUNS, Study};
 use crate::scene::any::Any;
 use crate::scene::schema::schema_of;
@@ -57,21 +57,19 @@ pub fn given(layers: &[Layer], settings: &[Layer], fields: &[&str], model: Model
         found.push(field);
     }
     let broken = |message| GivenError::Field { message, help: "give other fields".to_string() };
-    let template = Template::new(base.table, fields).map_err(broken)?;
-    Ok(Study {
+    of_designs(Designs {
         kind: base.kind,
         name: String::new(),
         description: String::new(),
         model,
-        checked: false,
         filter: Filter::default(),
-        axes: vec![Axis { fields: found, points: Points::Given(Vec::new()), again: false }],
-        sequence: None,
-        template,
-        runs: 0,
-        source: String::new(),
+        fields: found,
+        conditions: Vec::new(),
+        scene: base.table,
         base: base.text,
+        source: String::new(),
     })
+    .map_err(broken)
 }
 
 impl Study {

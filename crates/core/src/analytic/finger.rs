@@ -6,6 +6,7 @@ use crate::fivebar::kinematics::{Directions, PassiveRates, directions, passive_r
 use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, Finger, Site, Spring};
 use crate::law::{FrictionLaw, NormalLaw};
+use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, angle_between, opening_angle, rotate};
 use crate::numeric::{Dual, Real};
 use crate::scene::{Contacts, Initial};
@@ -35,7 +36,7 @@ impl FingerModel {
             Assembly::Reference => reference,
             Assembly::Other => -reference,
         };
-        let (sin, cos) = lengths.phi22_rad.sin_cos();
+        let (sin, cos) = sin_cos(lengths.phi22_rad);
         let start = directions(&lengths, gamma, [initial.q11_rad, initial.q21_rad]);
         Self {
             dynamics: Dynamics::new(finger, gamma, gravity_m_s2),

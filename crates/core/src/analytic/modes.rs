@@ -7,6 +7,7 @@ use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, neares
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, Settled, System, Tolerances, Watch};
 use crate::law::{NormalLaw, damping};
+use crate::numeric::elementary::{cbrt, pow, powi};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_corner;
 
@@ -124,7 +125,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if load <= 0.0 {
             return None;
         }
-        let depth = (load / law.stiffness_n_per_m_e).powf(1.0 / law.exponent);
+        let depth = pow(load / law.stiffness_n_per_m_e, 1.0 / law.exponent);
         let stiffness = law.exponent * load / depth;
         let critical = 2.0 * (stiffness / mobility).sqrt();
         if depth > TREMBLING_DEPTH || damping(law, depth).0 > TREMBLING_DAMPER * critical {
@@ -279,11 +280,11 @@ const SLOWEST_IMPACT: f64 = 1e-6;
 fn stopping_depths(law: &NormalLaw, speed: f64, mass: f64) -> [f64; 2] {
     let speed = speed.max(SLOWEST_IMPACT);
     let by_damper = if law.damping_max_n_s_per_m > 0.0 {
-        (mass * speed * law.transition_m.powi(2) / law.damping_max_n_s_per_m).cbrt()
+        cbrt(mass * speed * powi(law.transition_m, 2) / law.damping_max_n_s_per_m)
     } else {
         f64::INFINITY
     };
     let by_spring =
-        (0.5 * (law.exponent + 1.0) * mass * speed * speed / law.stiffness_n_per_m_e).powf(1.0 / (law.exponent + 1.0));
+        pow(0.5 * (law.exponent + 1.0) * mass * speed * speed / law.stiffness_n_per_m_e, 1.0 / (law.exponent + 1.0));
     [by_damper, by_spring]
 }

@@ -2,6 +2,7 @@
 
 use super::stance::{friction, normal_forces, stance};
 use crate::gripper::Site;
+use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::rotate;
 use crate::scene::{GripperScene, Motor, ObjectMotion, Place, Side, torque};
 use crate::statics::{Drive, HandAtRest, PerContact, Stance};
@@ -64,7 +65,7 @@ pub fn hand_at_rest<'a>(scene: &'a GripperScene, pressed: &Pressed<'a>, driven: 
             drive(&scene.finger(Side::Left).motor, [0.0, 1.0]),
         ],
     };
-    let (sin, cos) = scene.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).place[2]).sin_cos();
+    let (sin, cos) = sin_cos(scene.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).place[2]));
     Some(HandAtRest {
         stance,
         friction: friction(scene).with(touching, |mu, touches| touches.then_some(mu)),

@@ -1,5 +1,6 @@
 //! What a run of a gripper came to, as figures.
 
+use crate::numeric::elementary::hypot;
 use crate::scene::Place;
 use crate::trace::BodyState;
 
@@ -59,7 +60,7 @@ impl GraspCriteria {
     /// Speed of the object's centre at the end, m/s: whether it is at rest.
     pub fn end_speed_m_s(&self) -> f64 {
         let [x, y] = self.end.velocity_m_s;
-        x.hypot(y)
+        hypot(x, y)
     }
 }
 

@@ -5,6 +5,7 @@ use super::hermite::Hermite;
 use super::history::{History, Onset, Pose};
 use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
+use crate::numeric::elementary::hypot;
 use crate::scene::{Cycle, GripperScene, Place};
 use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError, Wants};
 
@@ -82,9 +83,9 @@ impl Path {
 fn distance(time_s: f64, object: &BodyState, [x, y]: [f64; 2]) -> (f64, f64, f64) {
     let ([cx, cy], [vx, vy]) = (object.centre_m, object.velocity_m_s);
     let (dx, dy) = (cx - x, cy - y);
-    let distance = dx.hypot(dy);
+    let distance = hypot(dx, dy);
     // Where it starts from the point itself, its distance grows as fast as it moves.
-    let rate = if distance > 0.0 { (dx * vx + dy * vy) / distance } else { vx.hypot(vy) };
+    let rate = if distance > 0.0 { (dx * vx + dy * vy) / distance } else { hypot(vx, vy) };
     (time_s, distance, rate)
 }
 

@@ -1,6 +1,7 @@
 //! One contact of a gripper through its run, and how far the object has got since an instant.
 
 use super::grasp::Travel;
+use crate::numeric::elementary::hypot;
 
 /// An instant, where the object was, and how far it has got since.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +19,7 @@ pub struct Pose {
 
 impl Pose {
     pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
-        (self.centre_m[0] - x).hypot(self.centre_m[1] - y)
+        hypot(self.centre_m[0] - x, self.centre_m[1] - y)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Discs and the half plane.
 
 use super::parts::{Body, Drawing, Part, Pose, Shape, extent};
+use crate::numeric::elementary::{hypot, pow};
 use crate::scene::{BodiesScene, DiscMotion, Pair, Partner};
 use crate::trace::BodyState;
 
@@ -69,9 +70,9 @@ fn impact_n(scene: &BodiesScene, pair: Pair) -> f64 {
     if !mass.is_finite() {
         return 0.0;
     }
-    let speed = (v1[0] - v2[0]).hypot(v1[1] - v2[1]);
+    let speed = hypot(v1[0] - v2[0], v1[1] - v2[1]);
     let (k, e) = (scene.contact.normal.stiffness_n_per_m_e, scene.contact.normal.exponent);
     let energy = 0.5 * mass * speed * speed;
-    let weight = mass * scene.gravity_m_s2[0].hypot(scene.gravity_m_s2[1]);
-    if k > 0.0 { (k * ((e + 1.0) * energy / k).powf(e / (e + 1.0))).max(weight) } else { weight }
+    let weight = mass * hypot(scene.gravity_m_s2[0], scene.gravity_m_s2[1]);
+    if k > 0.0 { (k * pow((e + 1.0) * energy / k, e / (e + 1.0))).max(weight) } else { weight }
 }

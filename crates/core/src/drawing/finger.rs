@@ -2,6 +2,7 @@
 
 use super::parts::{Body, Drawing, Part, Pose, Shape, extent};
 use crate::gripper::{Lengths, Posture, close, final_posture, link_outline, tip_outline};
+use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Actuation, Scene};
 use crate::trace::FingerState;
 
@@ -59,7 +60,7 @@ pub fn finger_poses_at(scene: &Scene, posture: &Posture) -> Vec<Pose> {
 /// Of the four links, in the frame of the finger.
 pub(super) fn link_poses(lengths: &Lengths, posture: &Posture) -> [Pose; 4] {
     let Lengths { l11_m, l21_m, .. } = *lengths;
-    let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
+    let along = |length: f64, angle: f64| [length * cos(angle), length * sin(angle)];
     let turned = |position_m, angle_rad| Pose { position_m, angle_rad };
     [
         turned([0.0; 2], posture.q11_rad),
@@ -82,7 +83,7 @@ pub(super) fn link_motions(lengths: &Lengths, finger: &FingerState) -> [Pose; 4]
     let Lengths { l11_m, l21_m, .. } = *lengths;
     let turning = |position_m, angle_rad| Pose { position_m, angle_rad };
     // d/dt of L (cos q, sin q).
-    let end = |length: f64, q: f64, rate: f64| [-length * rate * q.sin(), length * rate * q.cos()];
+    let end = |length: f64, q: f64, rate: f64| [-length * rate * sin(q), length * rate * cos(q)];
     let FingerState { q11_rad, q21_rad, qd11_rad_s, qd12_rad_s, qd21_rad_s, qd22_rad_s, .. } = *finger;
     [
         turning([0.0; 2], qd11_rad_s),
@@ -99,7 +100,7 @@ pub(super) fn links(lengths: &Lengths) -> [Body; 4] {
     let bar = |length_m| Shape::Polygon { corners_m: link_outline(length_m, w).to_vec() };
     let surface = |angle: f64, length: f64| Shape::Capsule {
         from_m: [0.0; 2],
-        to_m: [length * angle.cos(), length * angle.sin()],
+        to_m: [length * cos(angle), length * sin(angle)],
         radius_m: w,
     };
     let mut distal = vec![surface(lengths.phi22_rad, lengths.t22_m)];

@@ -3,6 +3,7 @@
 use super::finger::{link_motions, link_poses, links, peak_torque, posture_of};
 use super::parts::{Body, Drawing, Part, Pose, Shape, extent};
 use crate::gripper::{Lengths, Posture, close, final_posture};
+use crate::numeric::elementary::sin_cos;
 use crate::scene::{GripperScene, ObjectMotion, PalmMotion, Place, Side};
 use crate::trace::{BodyState, Sample};
 
@@ -96,7 +97,7 @@ fn planes(scene: &GripperScene, time_s: f64) -> impl Iterator<Item = (Pose, Pose
 fn table(level_m: f64, palm: Option<&PalmMotion>, time_s: f64) -> (Pose, Pose) {
     let palm = palm.map_or_else(Default::default, |motion| motion.pose(time_s));
     let ([_, y, angle], [_, rise, turning]) = (palm.place, palm.rate);
-    let ((sin, cos), height) = (angle.sin_cos(), level_m - y);
+    let ((sin, cos), height) = (sin_cos(angle), level_m - y);
     let pose = Pose { position_m: [height * sin, height * cos], angle_rad: std::f64::consts::PI - angle };
     let velocity = [turning * height * cos - rise * sin, -turning * height * sin - rise * cos];
     (pose, Pose { position_m: velocity, angle_rad: -turning })

@@ -1,5 +1,7 @@
 //! What a drawing is made of.
 
+use crate::numeric::elementary::sin_cos;
+
 /// Everything that is to be drawn of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
@@ -65,7 +67,7 @@ pub struct Pose {
 impl Pose {
     /// A point of the body in the world.
     pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let (s, c) = self.angle_rad.sin_cos();
+        let (s, c) = sin_cos(self.angle_rad);
         [self.position_m[0] + c * x - s * y, self.position_m[1] + s * x + c * y]
     }
 }

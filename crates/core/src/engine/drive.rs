@@ -8,6 +8,7 @@ use super::linkage::{Place, Twist};
 use super::plan::{Course, Plan, PlannedDrive};
 use super::space::Space;
 use super::substeps::Contact;
+use crate::numeric::elementary::tan;
 
 /// Where a driven body's origin is at a time, with its angle; velocity; acceleration.
 struct Told {
@@ -82,7 +83,7 @@ pub fn steer(plan: &Plan, places: &[Place], handles: &[RigidBodyHandle], bodies:
         let rigid = &mut bodies[handles[drive.body]];
         rigid.set_linvel(Vector::new(vx, vy), false);
         // rapier turns by atan(ω dt).
-        rigid.set_angvel(turn.clamp(-LARGEST_TURN, LARGEST_TURN).tan() / dt, false);
+        rigid.set_angvel(tan(turn.clamp(-LARGEST_TURN, LARGEST_TURN)) / dt, false);
     }
 }
 

@@ -8,6 +8,7 @@ use super::plan::{
 };
 use crate::gripper::{Body, Finger, Lengths, Posture, Site, Spring, close, straight};
 use crate::law::NormalLaw;
+use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::opening_angle;
 use crate::scene::{Contacts, Initial, Placement, Scene};
 
@@ -86,7 +87,7 @@ pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()
     let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
     let angles = body_angles(&posture, lengths.phi22_rad);
     let along =
-        |length: f64, angle: f64| [ground_m[0] + mirror * (length * angle.cos()), ground_m[1] + length * angle.sin()];
+        |length: f64, angle: f64| [ground_m[0] + mirror * (length * cos(angle)), ground_m[1] + length * sin(angle)];
     let (a12, a22) = (along(lengths.l11_m, angles[L11]), along(lengths.l21_m, angles[L21]));
     let rates = body_rates(lengths, &angles, [start.qd11_rad_s, start.qd21_rad_s]);
     let radius_m = lengths.half_width_m;
@@ -134,7 +135,7 @@ pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()
 
 /// Orientations of the four bodies. That of l22 is counted from the straight line, the way both models count q22.
 fn body_angles(posture: &Posture, phi22: f64) -> [f64; 4] {
-    let direction = |angle: f64| [angle.cos(), angle.sin()];
+    let direction = |angle: f64| [cos(angle), sin(angle)];
     let bend = opening_angle(direction(posture.q21_rad), direction(posture.q21_rad + posture.q22_rad + phi22));
     [posture.q11_rad, posture.q11_rad + posture.q12_rad, posture.q21_rad, posture.q21_rad + bend - phi22]
 }
@@ -142,7 +143,7 @@ fn body_angles(posture: &Posture, phi22: f64) -> [f64; 4] {
 /// Angular rates of the four bodies from those of the ground links: the loop's point A13 moves as one.
 fn body_rates(lengths: &Lengths, angles: &[f64; 4], [w1, w2]: [f64; 2]) -> [f64; 4] {
     // Velocity of the end of a link of some length that turns with rate 1.
-    let turn = |length: f64, angle: f64| [-length * angle.sin(), length * angle.cos()];
+    let turn = |length: f64, angle: f64| [-length * sin(angle), length * cos(angle)];
     let (u1, u2) = (turn(lengths.l11_m, angles[L11]), turn(lengths.l21_m, angles[L21]));
     let (u3, u4) = (turn(lengths.l12_m, angles[L12]), turn(lengths.l22_m, angles[L22]));
     // w3 u3 − w4 u4 = w2 u2 − w1 u1

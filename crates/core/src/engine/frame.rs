@@ -4,6 +4,7 @@ use super::linkage::{Inertia, Linkage, Place, Twist};
 use super::plan::{Against, Plan, PlannedRotor};
 use super::space::Space;
 use super::substeps::Contact;
+use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::{perp, rotate};
 use crate::scene::Pose;
 
@@ -18,7 +19,7 @@ impl Frame {
     pub fn at(plan: &Plan, t: f64) -> Self {
         let pose = plan.palm().map(|(_, motion)| motion.pose(t));
         let angle = pose.map_or(0.0, |pose| pose.place[2]);
-        Self { pose, direction: [angle.cos(), angle.sin()] }
+        Self { pose, direction: [cos(angle), sin(angle)] }
     }
 
     /// The palm's angle and two derivatives.

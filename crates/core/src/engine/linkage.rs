@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 use super::dense;
 use super::plan::{Plan, PlannedGear, PlannedPin};
 use super::world::World;
+use crate::numeric::elementary::{atan2, cos, hypot, powi, sin};
 use crate::numeric::plane::{perp, rotate};
 
 /// (x, y, angle) of a body's velocity, or of a force and a torque about its centre of mass.
@@ -116,7 +117,7 @@ impl Linkage {
             let coupled = couplings.iter().filter(|(a, _)| sides[*a].pin == pin);
             2 * coupled.map(|(_, b)| sides[*b].pin).min().unwrap_or(pin)
         };
-        let at_start = |angle: f64| Place { com: [0.0; 2], direction: [angle.cos(), angle.sin()], angle };
+        let at_start = |angle: f64| Place { com: [0.0; 2], direction: [cos(angle), sin(angle)], angle };
         let places = plan.bodies.iter().map(|body| at_start(body.angle_rad)).collect();
         let size = 2 * (pins.len() + plan.gears.len());
         let at_first = |gear: &PlannedGear| {
@@ -147,7 +148,7 @@ impl Linkage {
             let (com, rotation) = (body.center_of_mass(), body.rotation());
             let direction = [rotation.re, rotation.im];
             // A step turns by less than half a turn: the nearest angle is the one that goes on.
-            let exact = direction[1].atan2(direction[0]);
+            let exact = atan2(direction[1], direction[0]);
             let turns = ((place.angle - exact) / TAU).round();
             *place = Place { com: [com.x, com.y], direction, angle: exact + turns * TAU };
         }
@@ -184,7 +185,7 @@ impl Linkage {
 
     /// Largest distance between the two anchors of a pin.
     pub fn gap(&self) -> f64 {
-        self.open().take(self.pins).fold(0.0, |most, [x, y]| most.max(x.hypot(y)))
+        self.open().take(self.pins).fold(0.0, |most, [x, y]| most.max(hypot(x, y)))
     }
 
     /// How far every pin is open: from its first anchor to its second; of a gear, its sums.
@@ -209,7 +210,7 @@ impl Linkage {
     fn centripetal(&mut self, velocities: &[Twist]) {
         self.multipliers.fill(0.0);
         for side in &self.sides {
-            let square = side.sign * velocities[side.body][2].powi(2);
+            let square = side.sign * powi(velocities[side.body][2], 2);
             self.multipliers[2 * side.pin] += square * side.arm[0];
             self.multipliers[2 * side.pin + 1] += square * side.arm[1];
         }
@@ -233,7 +234,7 @@ impl Linkage {
     /// Largest rate of rate at which a pin would open if its bodies went straight on, in m/s².
     pub fn opening(&mut self, velocities: &[Twist]) -> f64 {
         self.centripetal(velocities);
-        self.multipliers.chunks_exact(2).fold(0.0, |most, pair| most.max(pair[0].hypot(pair[1])))
+        self.multipliers.chunks_exact(2).fold(0.0, |most, pair| most.max(hypot(pair[0], pair[1])))
     }
 
     /// Makes velocities keep the joints, with the smallest change in the metric of the masses.

@@ -20,6 +20,7 @@ use super::world::World;
 use super::{drive, forces, frame};
 use crate::integrator::Clock;
 use crate::law::normal_force;
+use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Construction;
 
 /// Why a step could not be taken.
@@ -192,7 +193,7 @@ impl<'a> Motion<'a> {
     fn remember(&mut self, dt: f64) {
         for touch in &self.touches {
             if let Some(bristle) = touch.bristle() {
-                self.memories[touch.index] *= (-dt * bristle.rate()).exp();
+                self.memories[touch.index] *= exp(-dt * bristle.rate());
             }
         }
         for (site, memory) in self.space.sites.iter().zip(&self.contact.memory) {
@@ -305,7 +306,7 @@ impl<'a> Motion<'a> {
         drive::accelerations(self.plan, self.clock.now(), &mut self.driven);
         self.linkage.accelerations(&self.forces, &self.velocities, &self.driven, &mut self.accelerations);
         let changes =
-            self.accelerations.iter().zip(&self.middle).map(|(now, then)| (now[0] - then[0]).hypot(now[1] - then[1]));
+            self.accelerations.iter().zip(&self.middle).map(|(now, then)| hypot(now[0] - then[0], now[1] - then[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
         self.opening = self.linkage.opening(&self.velocities);
     }

@@ -4,6 +4,7 @@ use super::linkage::{Linkage, Place, Twist};
 use super::plan::Plan;
 use super::touch::{Row, Touch, elsewhere};
 use super::world::World;
+use crate::numeric::elementary::sin_cos;
 
 /// One touch in contact space.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +91,7 @@ impl Space {
         self.places.clear();
         for (place, v) in linkage.places.iter().zip(velocities) {
             let angle = place.angle + ahead * v[2];
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = sin_cos(angle);
             let com = [place.com[0] + ahead * v[0], place.com[1] + ahead * v[1]];
             self.places.push(Place { com, direction: [cos, sin], angle });
         }

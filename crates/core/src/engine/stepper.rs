@@ -12,6 +12,7 @@
 use super::motion::Motion;
 use super::substeps::time_to_zero;
 use crate::law::NormalLaw;
+use crate::numeric::elementary::{cbrt, pow};
 use crate::scene::Stepping;
 
 /// Part of its stopping depth an impact may cross in one step…
@@ -131,12 +132,12 @@ fn crossing_part(stop: f64) -> f64 {
 /// sooner.
 fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
     let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
-    let spring = ((e + 1.0) * speed * speed / (2.0 * k * inverse_mass)).powf((e + 1.0).recip());
+    let spring = pow((e + 1.0) * speed * speed / (2.0 * k * inverse_mass), (e + 1.0).recip());
     // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
     let beyond = speed / (c * inverse_mass) - 0.5 * transition_m;
     let damper = match beyond > 0.0 {
         true => transition_m + beyond,
-        false => (speed * transition_m * transition_m / (c * inverse_mass)).cbrt(),
+        false => cbrt(speed * transition_m * transition_m / (c * inverse_mass)),
     };
     spring.min(damper)
 }

@@ -9,6 +9,7 @@ use super::implicit::{NotConverged, Stage, Workspace};
 use super::space::{Site, Space};
 use super::touch::ROUNDING;
 use crate::law::{friction_range, normal_force};
+use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;
 
 /// Sub-steps are as long as the error of their first-order solution allows, relative to the speed at each site. At 3e-3
@@ -312,7 +313,7 @@ impl Contact {
             *rate += time * free;
         }
         for (memory, site) in self.memory.iter_mut().zip(&space.sites) {
-            *memory *= site.touch.bristle().map_or(1.0, |bristle| (-time * bristle.rate()).exp());
+            *memory *= site.touch.bristle().map_or(1.0, |bristle| exp(-time * bristle.rate()));
         }
     }
 
@@ -503,7 +504,7 @@ fn relative_error(
         let Some(t) = site.tangent else {
             return error[n].abs() / (tolerance.absolute + tolerance.relative * rate[n].abs());
         };
-        let allowed = tolerance.absolute + tolerance.relative * rate[t].hypot(rate[n]);
+        let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], rate[n]);
         if let Some(bristle) = site.touch.bristle() {
             let most = site.touch.friction.map_or(0.0, |law| law.mu_static) * force[n] + BRISTLE_FLOOR;
             let held = tolerance.slip * most / bristle.damping_n_s_per_m;

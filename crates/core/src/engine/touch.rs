@@ -7,6 +7,7 @@ use super::linkage::{Linkage, Place, Twist};
 use super::plan::{Against, Meet, Plan, PlannedHold};
 use super::world::World;
 use crate::law::{Bristle, FrictionLaw, NormalLaw, Stepped, friction_coefficient, stepped};
+use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{cross, perp, rotate, sub};
 use crate::scene::Response;
 
@@ -208,7 +209,7 @@ pub fn grip(plan: &Plan, t: f64, touches: &mut [Touch]) {
 pub fn note_turning(touches: &mut [Touch], before: &[[f64; 2]], dt: f64) {
     for (touch, before) in touches.iter_mut().zip(before) {
         let [x, y] = sub(touch.normal, *before);
-        touch.turning = x.hypot(y) / dt;
+        touch.turning = hypot(x, y) / dt;
     }
 }
 

@@ -5,6 +5,7 @@ use rapier2d_f64::prelude::*;
 
 use super::hook::Governed;
 use super::plan::{Against, Capsule, Plan, PlannedBody, PlannedPin, Shape};
+use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
 
 /// A rapier world, and what of it belongs to which body of the plan.
@@ -198,7 +199,7 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
 fn collider(shape: Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
-            let end = Vector::new(capsule.angle_rad.cos(), capsule.angle_rad.sin()) * capsule.length_m;
+            let end = Vector::new(cos(capsule.angle_rad), sin(capsule.angle_rad)) * capsule.length_m;
             ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m)
         }
         Shape::Disc { radius_m } => ColliderBuilder::ball(radius_m),

@@ -5,6 +5,7 @@
 
 use crate::gripper::Lengths;
 use crate::numeric::Real;
+use crate::numeric::elementary::{cos, powi, sin, sin_cos};
 use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, scale_by, sub};
 
 /// Where the closed form of the loop breaks down.
@@ -57,7 +58,7 @@ pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Direc
 
 /// Names the singularity that is nearest to `q`: where the loop is in trouble, this is which.
 pub fn nearest_singularity(lengths: &Lengths, q: [f64; 2]) -> Singularity {
-    let e = |angle: f64| [angle.cos(), angle.sin()];
+    let e = |angle: f64| [cos(angle), sin(angle)];
     let d = sub(scale_by(e(q[1]), lengths.l21_m), scale_by(e(q[0]), lengths.l11_m));
     let distance_m = dot(d, d).sqrt();
     if distance_m < SINGULAR_SINE * lengths.l12_m {
@@ -75,13 +76,13 @@ pub fn nearest_singularity(lengths: &Lengths, q: [f64; 2]) -> Singularity {
 ///
 /// For l12 by (B.7) this is the reference configuration, with l11 on the palm.
 pub fn straight(lengths: &Lengths) -> Directions<f64> {
-    let (sin, cos) = lengths.phi22_rad.sin_cos();
+    let (sin, cos) = sin_cos(lengths.phi22_rad);
     let (e2, e4) = ([0.0, 1.0], [sin, cos]);
     let a13 = add(scale_by(e2, lengths.l21_m), scale_by(e4, lengths.l22_m));
     // A12 is to the right of the line O–A13: α, β along and across it.
     let reach2 = dot(a13, a13);
-    let alpha = (reach2 + lengths.l11_m.powi(2) - lengths.l12_m.powi(2)) / (2.0 * reach2);
-    let beta = (lengths.l11_m.powi(2) / reach2 - alpha * alpha).max(0.0).sqrt();
+    let alpha = (reach2 + powi(lengths.l11_m, 2) - powi(lengths.l12_m, 2)) / (2.0 * reach2);
+    let beta = (powi(lengths.l11_m, 2) / reach2 - alpha * alpha).max(0.0).sqrt();
     let a12 = sub(scale_by(a13, alpha), scale_by(perp(a13), beta));
     Directions { e1: scale_by(a12, 1.0 / lengths.l11_m), e2, e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m), e4 }
 }

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use super::kinematics::{Directions, PassiveRates, passive_rates, reference_gamma, straight};
 use crate::gripper::{Lengths, Placement, Spring, SpringKind};
 use crate::numeric::Real;
+use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
 
 /// A spring with what its placement needs of the straight configuration.
@@ -55,7 +56,7 @@ impl SpringModel {
             kind: spring.kind,
             placement: spring.placement,
             closing_sign: closing.signum(),
-            straight: [q_s.cos(), -q_s.sin()],
+            straight: [cos(q_s), -sin(q_s)],
             centre_rad: 0.0,
         };
         let first = model.counted(start);

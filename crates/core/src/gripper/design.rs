@@ -6,6 +6,7 @@
 use super::grasp::{Circle, GraspError, contact_proximal};
 use super::posture::{PostureError, gamma};
 use super::{Assembly, Lengths};
+use crate::numeric::elementary::{cos, hypot, sin, sin_cos, tan};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Height of the finger over the diameter of the disc: h = 0.9375 · 2 r_c (thesis Table 3.2).
@@ -138,15 +139,15 @@ pub fn proximal_range(design: &Design) -> Result<(f64, f64), DesignError> {
     if base <= base_min {
         return Err(DesignError::BaseTooSmall { base_m: base, min_m: base_min });
     }
-    let base_max = (r + r_c * phi_min.sin()) / phi_min.cos(); // q_c21 < 90° + φ_min
+    let base_max = (r + r_c * sin(phi_min)) / cos(phi_min); // q_c21 < 90° + φ_min
     if base >= base_max {
         return Err(DesignError::BaseTooLarge { base_m: base, max_m: base_max });
     }
 
     let contact = contact_proximal(w, disc(design))?;
     let bend = phi_min - (contact.q21_rad - FRAC_PI_2);
-    let min_m = contact.length_m + r * (0.5 * bend).tan();
-    let max_m = (height(design) - w + contact.length_m) / (1.0 + contact.q21_rad.sin());
+    let min_m = contact.length_m + r * tan(0.5 * bend);
+    let max_m = (height(design) - w + contact.length_m) / (1.0 + sin(contact.q21_rad));
     if !(min_m > contact.length_m && min_m <= max_m && max_m.is_finite()) {
         return Err(DesignError::NoProximalRange { min_m, max_m });
     }
@@ -168,17 +169,17 @@ pub fn lengths(design: &Design) -> Result<Lengths, DesignError> {
 
     let contact = contact_proximal(design.half_width_m, disc(design))?;
     let t22_min = l21 - contact.length_m;
-    let t22_max = height(design) - design.half_width_m - l21 * contact.q21_rad.sin();
+    let t22_max = height(design) - design.half_width_m - l21 * sin(contact.q21_rad);
     let t22 = 0.5 * (t22_min + t22_max);
     if t22.is_nan() || t22 <= 0.0 {
         return Err(DesignError::TipNotPositive { t22_m: t22 });
     }
 
     let (l11, l22) = (design.l11_m, arm_length(design));
-    let (s, c) = design.phi22_rad.sin_cos();
+    let (s, c) = sin_cos(design.phi22_rad);
     let lengths = Lengths {
         l11_m: l11,
-        l12_m: (l11 - l22 * s).hypot(l21 + l22 * c),
+        l12_m: hypot(l11 - l22 * s, l21 + l22 * c),
         l21_m: l21,
         l22_m: l22,
         t22_m: t22,

@@ -5,6 +5,7 @@
 
 use super::posture::{Posture, PostureError, posture_at, straight};
 use super::{Assembly, Lengths};
+use crate::numeric::elementary::{asin, atan2, hypot};
 use std::f64::consts::FRAC_PI_2;
 
 /// Relative slack for a contact that lies on the very end of a phalanx (l21 = l21,max makes it so).
@@ -76,11 +77,11 @@ pub fn contact_proximal(half_width_m: f64, disc: Circle) -> Result<ProximalConta
     number("centre_m x", x, true, "must be a finite length")?;
     number("centre_m y", y, true, "must be a finite length")?;
 
-    let (r, d) = (disc.radius_m + half_width_m, x.hypot(y));
+    let (r, d) = (disc.radius_m + half_width_m, hypot(x, y));
     if !(d > r && d.is_finite()) {
         return Err(GraspError::TooNear { distance_m: d, min_m: r });
     }
-    Ok(ProximalContact { q21_rad: y.atan2(x) - (r / d).asin(), length_m: ((d - r) * (d + r)).sqrt() })
+    Ok(ProximalContact { q21_rad: atan2(y, x) - asin(r / d), length_m: ((d - r) * (d + r)).sqrt() })
 }
 
 /// q_c21 of [`contact_proximal`] alone.
@@ -110,7 +111,7 @@ pub fn final_posture(lengths: &Lengths, assembly: Assembly, disc: Circle) -> Res
     if l_c22 > t22 * (1.0 + SLACK) {
         return Err(GraspError::TipTooShort { t22_m: t22, contact_m: l_c22 });
     }
-    let bend = 2.0 * l_c22.atan2(disc.radius_m + lengths.half_width_m);
+    let bend = 2.0 * atan2(l_c22, disc.radius_m + lengths.half_width_m);
     // Lengths that are not numbers pass the comparisons above; `posture_at` refuses them.
     Ok(FinalPosture {
         posture: posture_at(lengths, assembly, contact.q21_rad, bend - lengths.phi22_rad)?,

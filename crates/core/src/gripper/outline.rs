@@ -5,6 +5,7 @@
 
 use super::Lengths;
 use super::MassError;
+use crate::numeric::elementary::{hypot, sin_cos};
 
 /// Inradius of the distal triangle over its longest side below which it counts as no triangle.
 const DEGENERATE: f64 = 1e-6;
@@ -41,12 +42,12 @@ pub fn link_outline(length_m: f64, half_width_m: f64) -> [[f64; 2]; 4] {
 /// inradius is r_in = 2 area / perimeter. The flatter the triangle, the longer the mitred corners grow.
 pub fn tip_outline(lengths: &Lengths) -> Result<[[f64; 2]; 3], MassError> {
     let (l22, t22, phi, w) = (lengths.l22_m, lengths.t22_m, lengths.phi22_rad, lengths.half_width_m);
-    let (s, c) = phi.sin_cos();
+    let (s, c) = sin_cos(phi);
     let inner = [[0.0, 0.0], [l22, 0.0], [t22 * c, t22 * s]];
 
     // Sides opposite each corner weigh the corners into the incentre.
     let (a, b) = (t22, l22);
-    let opposite = [(l22 - t22 * c).hypot(t22 * s), a, b];
+    let opposite = [hypot(l22 - t22 * c, t22 * s), a, b];
     let perimeter: f64 = opposite.iter().sum();
     let r_in = (l22 * t22 * s).abs() / perimeter;
     let longest = opposite.iter().copied().fold(0.0, f64::max);

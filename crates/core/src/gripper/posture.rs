@@ -4,6 +4,7 @@
 //! assembly sign γ of thesis (2.1) is the side of the line A12 → A22 on which A13 lies: +1 left, −1 right.
 
 use super::{Assembly, Lengths};
+use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// sin of the angle between two links below which they count as in line: above √ε, as a height from rounded sides has.
@@ -165,7 +166,7 @@ fn reference(lengths: &Lengths) -> Result<([f64; 2], [f64; 2]), PostureError> {
 }
 
 fn reference_a13(lengths: &Lengths) -> [f64; 2] {
-    let (s, c) = lengths.phi22_rad.sin_cos();
+    let (s, c) = sin_cos(lengths.phi22_rad);
     [lengths.l22_m * s, lengths.l21_m + lengths.l22_m * c]
 }
 
@@ -192,7 +193,7 @@ fn apex(
     sign: f64,
 ) -> Result<[f64; 2], PostureError> {
     let [dx, dy] = minus(to, from);
-    let d = dx.hypot(dy);
+    let d = hypot(dx, dy);
     if !(d <= a + b && d >= (a - b).abs() && d > f64::EPSILON * (a + b)) {
         return Err(PostureError::CannotClose { links, lengths_m: [a, b], span_m: d });
     }
@@ -230,12 +231,12 @@ fn finite(name: &'static str, value: f64) -> Result<(), PostureError> {
 }
 
 fn polar(r: f64, angle: f64) -> [f64; 2] {
-    let (s, c) = angle.sin_cos();
+    let (s, c) = sin_cos(angle);
     [r * c, r * s]
 }
 
 fn angle(v: [f64; 2]) -> f64 {
-    v[1].atan2(v[0])
+    atan2(v[1], v[0])
 }
 
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

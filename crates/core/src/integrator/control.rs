@@ -1,6 +1,7 @@
 //! Error norm and step-size control.
 
 use super::{Counters, State};
+use crate::numeric::elementary::pow;
 
 /// Angles have an absolute tolerance only: penetrations of 1e-8 rad live beside angles of 1 rad, and a relative tolerance
 /// would hide them.
@@ -100,7 +101,7 @@ pub struct Pacing {
 impl Pacing {
     /// Of a run with these tolerances.
     pub fn new(tolerances: &Tolerances) -> Self {
-        Self { usual: USUAL_STEPS * (1e-5 / tolerances.rtol_v).powf(0.2) }
+        Self { usual: USUAL_STEPS * pow(1e-5 / tolerances.rtol_v, 0.2) }
     }
 
     /// Tolerances of the next step of a run that has come so far.
@@ -141,9 +142,9 @@ impl Controller {
     #[inline(always)]
     pub fn accept(&mut self, h: f64, error: f64) -> f64 {
         let error = error.max(1e-10);
-        let mut factor = SAFETY * error.powf(-self.exponent);
+        let mut factor = SAFETY * pow(error, -self.exponent);
         if let Some(last) = self.last_error {
-            let predicted = SAFETY * (h / self.last_h) * (last / (error * error)).powf(self.exponent);
+            let predicted = SAFETY * (h / self.last_h) * pow(last / (error * error), self.exponent);
             factor = factor.min(predicted);
         }
         let ceiling = if self.rejected { 1.0 } else { LARGEST_GROWTH };
@@ -156,7 +157,7 @@ impl Controller {
     /// Next try after a step whose error was too large.
     pub fn reject(&mut self, h: f64, error: f64) -> f64 {
         self.rejected = true;
-        let factor = if error.is_finite() { SAFETY * error.powf(-self.exponent) } else { LARGEST_CUT };
+        let factor = if error.is_finite() { SAFETY * pow(error, -self.exponent) } else { LARGEST_CUT };
         h * factor.clamp(LARGEST_CUT, 0.9)
     }
 }

@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::{Dense, Guard, Hybrid, Look, Strain};
+use crate::numeric::elementary::powi;
 
 /// The earliest crossing of a step.
 #[derive(Clone, Copy, Debug)]
@@ -152,7 +153,7 @@ fn first_dip(start: f64, end: f64, parting: Option<f64>, value: impl Fn(f64) -> 
     let evenly = below.map(|i| (place(i - 1), place(i)));
     evenly.or_else(|| {
         let end = parting?;
-        let near = |look: i32| end * (1.0 - PARTING_PART.powi(look));
+        let near = |look: i32| end * (1.0 - powi(PARTING_PART, look));
         (1..PARTING_LOOKS).find(|look| value(near(*look)) < 0.0).map(|look| (near(look - 1), near(look)))
     })
 }

@@ -1,6 +1,7 @@
 //! How fast a run gets on, to tell when it gets nowhere.
 
 use super::Tolerances;
+use crate::numeric::elementary::{pow, powi};
 
 /// Steps that a run may be about to take before it is asked whether it only resolves a trembling contact, at a relative tolerance of
 /// 1e-5; more at finer ones, by this power. Some 50 ms of wall time, and 1 s at the reference's.
@@ -41,7 +42,7 @@ pub struct Pace {
 impl Pace {
     pub fn new(tolerances: &Tolerances, time: f64) -> Self {
         Self {
-            most: MOST_STEPS * (1e-5 / tolerances.rtol_v).powf(FINER),
+            most: MOST_STEPS * pow(1e-5 / tolerances.rtol_v, FINER),
             steps: 0,
             time,
             lost: 0,
@@ -64,7 +65,7 @@ impl Pace {
     /// What steps may take for noise, in parts of what rounding makes.
     #[inline(always)]
     pub fn loudness(&self) -> f64 {
-        LOUDER.powi(self.lost.saturating_sub(PATIENCE).min(MOST_LOUDER) as i32)
+        powi(LOUDER, self.lost.saturating_sub(PATIENCE).min(MOST_LOUDER) as i32)
     }
 
     /// Whether the run, going on as in its last stretch, would take too many steps; asked once a stretch.

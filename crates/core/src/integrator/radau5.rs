@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use super::linear::ShiftedSolver;
 use super::method::{Attempt, Method, Origin};
 use super::{Dense, Rates, State, System};
+use crate::numeric::elementary::{cbrt, powi};
 
 const MAX_NEWTON: usize = 12;
 
@@ -37,7 +38,7 @@ impl Coefficients {
             [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
         ];
         // Eigenvalues of A: the roots of 60 μ³ − 36 μ² + 9 μ − 1, of which A⁻¹ has the reciprocals.
-        let (cube9, cube81) = (9f64.cbrt(), 81f64.cbrt());
+        let (cube9, cube81) = (cbrt(9.0), cbrt(81.0));
         let real_root = (6.0 + cube81 - cube9) / 30.0;
         let pair_root = Complex64::new((12.0 - cube81 + cube9) / 60.0, (cube81 + cube9) * 3f64.sqrt() / 60.0);
         let (gamma, pair_inverse) = (1.0 / real_root, pair_root.conj().inv());
@@ -186,7 +187,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
                 pair.solve(complex(tf[1].0, tf[2].0, w[1].0, w[2].0), complex(tf[1].1, tf[2].1, w[1].1, w[2].1));
             let dw: Stages<N> =
                 [(dq1, dv1), (dq2.map(|x| x.re), dv2.map(|x| x.re)), (dq2.map(|x| x.im), dv2.map(|x| x.im))];
-            let size = (dw.iter().map(|(q, v)| tolerances.norm(q, v, from, from).powi(2)).sum::<f64>() / 3.0).sqrt();
+            let size = (dw.iter().map(|(q, v)| powi(tolerances.norm(q, v, from, from), 2)).sum::<f64>() / 3.0).sqrt();
             if !size.is_finite() {
                 return failed(rhs);
             }

@@ -3,6 +3,7 @@
 use super::momentum::Books;
 use super::{Finding, Invariant, Tolerances};
 use crate::law::{FrictionLaw, NormalLaw, cone, friction_coefficient};
+use crate::numeric::elementary::pow;
 use crate::trace::{Energy, Model, Sample};
 
 /// Slack of bounds that hold in exact arithmetic.
@@ -267,5 +268,5 @@ fn worst((most, at_s): &mut (f64, f64), measured: f64, time_s: f64) {
 /// Depth in which the law's spring alone stores this energy; infinite where there is none to hold anything back.
 fn deepest(law: &NormalLaw, energy_j: f64) -> f64 {
     let NormalLaw { stiffness_n_per_m_e: k, exponent: e, .. } = *law;
-    if k > 0.0 { ((e + 1.0) * energy_j.max(0.0) / k).powf((e + 1.0).recip()) * (1.0 + ROUNDING) } else { f64::INFINITY }
+    if k > 0.0 { pow((e + 1.0) * energy_j.max(0.0) / k, (e + 1.0).recip()) * (1.0 + ROUNDING) } else { f64::INFINITY }
 }

@@ -4,6 +4,7 @@
 //! and μ change meanwhile, by what the samples before and after say: that is the doubt, which is allowed.
 
 use crate::law::{FrictionLaw, friction_coefficient};
+use crate::numeric::elementary::hypot;
 use crate::trace::{ContactSample, Sample};
 
 /// A body that nothing but its contacts and its weight moves.
@@ -86,7 +87,7 @@ impl Books {
         }
         self.last = Some(sample.clone());
         let [x, y, about] = self.missing;
-        self.linear.enter(sample.time_s, x.hypot(y), self.tolerance);
+        self.linear.enter(sample.time_s, hypot(x, y), self.tolerance);
         self.angular.enter(sample.time_s, about.abs(), self.tolerance);
     }
 
@@ -124,8 +125,8 @@ impl Books {
             self.missing[part] += impulse * 0.5 * (from[part] + to[part]);
         }
         let (centre, point) = (ends[1].0.bodies[0].centre_m, ends[1].1.point_m);
-        let radius = (point[0] - centre[0]).hypot(point[1] - centre[1]);
-        self.linear.doubt += impulse.abs() * apart[0].hypot(apart[1]);
+        let radius = hypot(point[0] - centre[0], point[1] - centre[1]);
+        self.linear.doubt += impulse.abs() * hypot(apart[0], apart[1]);
         self.linear.exchanged += impulse.abs();
         self.angular.doubt += impulse.abs() * apart[2];
         self.angular.exchanged += impulse.abs() * radius;

@@ -1,5 +1,7 @@
 //! Stiffness of a contact from materials and radii (thesis (2.33), (2.34), errata 6).
 
+use crate::numeric::elementary::powi;
+
 /// Elastic constants of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -11,7 +13,7 @@ pub struct Material {
 ///
 /// A flat face has an infinite radius.
 pub fn hertz_stiffness(materials: [Material; 2], radii_m: [f64; 2]) -> f64 {
-    let compliance: f64 = materials.iter().map(|m| (1.0 - m.poisson_ratio.powi(2)) / m.youngs_modulus_pa).sum();
+    let compliance: f64 = materials.iter().map(|m| (1.0 - powi(m.poisson_ratio, 2)) / m.youngs_modulus_pa).sum();
     let curvature: f64 = radii_m.iter().map(|r| r.recip()).sum();
     4.0 / 3.0 / compliance / curvature.sqrt()
 }

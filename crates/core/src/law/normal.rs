@@ -1,6 +1,7 @@
 //! Normal law: Hertz spring and STEP damper (thesis (2.38), (2.39), errata 7).
 
 use super::{NormalLaw, smoothstep};
+use crate::numeric::elementary::pow;
 
 /// A force with its derivatives in penetration and penetration rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,7 +24,7 @@ pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
 /// k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
 #[inline(always)]
 pub fn spring_force(law: &NormalLaw, delta: f64) -> f64 {
-    law.stiffness_n_per_m_e * delta.max(0.0).powf(law.exponent)
+    law.stiffness_n_per_m_e * pow(delta.max(0.0), law.exponent)
 }
 
 /// k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would let go. Zero for δ ≤ 0.
@@ -35,7 +36,7 @@ pub fn unclamped_normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalF
         return NormalForce::default();
     }
     // One power only; its derivative is e times it, which stays finite at δ → 0 because e ≥ 1.
-    let power = law.stiffness_n_per_m_e * delta.powf(law.exponent - 1.0);
+    let power = law.stiffness_n_per_m_e * pow(delta, law.exponent - 1.0);
     let (c, dc) = damping(law, delta);
     NormalForce { force: power * delta + c * rate, d_delta: law.exponent * power + dc * rate, d_rate: c }
 }
@@ -52,7 +53,7 @@ pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
     if delta <= 0.0 {
         return 0.0;
     }
-    law.stiffness_n_per_m_e * delta.powf(law.exponent + 1.0) / (law.exponent + 1.0)
+    law.stiffness_n_per_m_e * pow(delta, law.exponent + 1.0) / (law.exponent + 1.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
-//! Numbers that carry derivatives: one formula serves the value and its exact Jacobian.
+//! Numbers that carry derivatives: one formula serves the value and its exact Jacobian. And the elementary functions that all use.
 
 mod dual;
+pub mod elementary;
 pub mod plane;
 mod real;
 

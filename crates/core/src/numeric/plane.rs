@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::Real;
+use super::elementary::atan2;
 
 /// (x, y).
 pub type Vector<T> = [T; 2];
@@ -59,7 +60,7 @@ pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     let sin = cross(a, b);
     let cos = dot(a, b);
     let (s, c) = (sin.value(), cos.value());
-    let angle = if s.abs() < 2e-3 && c > 0.0 { s * (1.0 + s * s * (1.0 / 6.0 + s * s * 0.075)) } else { s.atan2(c) };
+    let angle = if s.abs() < 2e-3 && c > 0.0 { s * (1.0 + s * s * (1.0 / 6.0 + s * s * 0.075)) } else { atan2(s, c) };
     sin.chain2(cos, angle, c, -s)
 }
 
@@ -75,6 +76,11 @@ pub fn opening_angle<T: Real>(from: Vector<T>, to: Vector<T>) -> T {
 #[inline(always)]
 pub fn near_turn(angle: f64, other: f64) -> f64 {
     angle + TAU * ((other - angle) / TAU).round()
+}
+
+/// An angle without its whole turns, from −π to π.
+pub fn turned(angle_rad: f64) -> f64 {
+    angle_rad - TAU * (angle_rad / TAU).round()
 }
 
 #[cfg(test)]

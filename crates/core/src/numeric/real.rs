@@ -2,6 +2,8 @@
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
+use super::elementary::sin_cos;
+
 /// A real number, possibly with derivatives attached.
 pub trait Real:
     Copy
@@ -51,7 +53,7 @@ pub trait Real:
     /// (sin, cos).
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.value().sin_cos();
+        let (sin, cos) = sin_cos(self.value());
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::law::{Bristle, smoothstep};
+use crate::numeric::elementary::{powi, sin_cos};
 
 /// Pose (X, Y, Φ) of the palm over time: the sum of all that moves it, at rest at the origin before.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -148,9 +149,9 @@ impl Move {
         let (w, rate) = (1.0 - u, self.distance / self.length_s);
         let second = rate / self.length_s;
         [
-            self.distance * u.powi(4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u))),
-            rate * 140.0 * (u * w).powi(3),
-            second * 420.0 * (u * w).powi(2) * (w - u),
+            self.distance * powi(u, 4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u))),
+            rate * 140.0 * powi(u * w, 3),
+            second * 420.0 * powi(u * w, 2) * (w - u),
             second / self.length_s * 840.0 * u * w * (1.0 - 5.0 * u * w),
         ]
     }
@@ -167,8 +168,8 @@ impl Vibration {
             return [0.0; 4];
         }
         let omega = TAU * self.frequency_hz;
-        let (sin, cos) = (omega * since + self.phase_rad).sin_cos();
-        let wave = [sin, omega * cos, -omega * omega * sin, -omega.powi(3) * cos];
+        let (sin, cos) = sin_cos(omega * since + self.phase_rad);
+        let wave = [sin, omega * cos, -omega * omega * sin, -powi(omega, 3) * cos];
         let [r0, r1, r2, r3] = self.ramp.at(since, self.ramp_s());
         // Leibniz.
         [
@@ -196,7 +197,7 @@ impl Ramp {
             ],
             Ramp::Cubic => [s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s), 6.0 - 12.0 * s, -12.0],
         };
-        [by_s[0], by_s[1] / length, by_s[2] / length.powi(2), by_s[3] / length.powi(3)]
+        [by_s[0], by_s[1] / length, by_s[2] / powi(length, 2), by_s[3] / powi(length, 3)]
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::{Actuation, Interpolation};
 use crate::law::smoothstep;
+use crate::numeric::elementary::sin_cos;
 
 /// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the later branch holds (t in [tᵢ, tᵢ₊₁)).
 #[inline(always)]
@@ -20,7 +21,7 @@ pub fn torque(actuation: &Actuation, t: f64) -> (f64, f64) {
                 return (0.0, 0.0);
             }
             let omega = PI / length_s;
-            let (sin, cos) = (omega * t).sin_cos();
+            let (sin, cos) = sin_cos(omega * t);
             (torque_n_m * sin, torque_n_m * omega * cos)
         }
         Actuation::Reversal { torque_n_m, at_s } => (if t < *at_s { *torque_n_m } else { -torque_n_m }, 0.0),

@@ -6,6 +6,7 @@ use crate::fivebar::dynamics::{Dynamics, absolute_rates, bias, terms};
 use crate::fivebar::kinematics::{Directions, directions, reference_gamma};
 use crate::fivebar::spring::gradient;
 use crate::gripper::{Finger, Placement};
+use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{opening_angle, rotate};
 
 /// The finger whose l21 does not move.
@@ -20,7 +21,7 @@ pub(super) struct Bent {
 impl Bent {
     pub fn new(finger: &Finger, closing: &Closing, gravity_m_s2: [f64; 2]) -> Self {
         let gamma = reference_gamma(&finger.lengths);
-        let (sin, cos) = finger.lengths.phi22_rad.sin_cos();
+        let (sin, cos) = sin_cos(finger.lengths.phi22_rad);
         Self {
             dynamics: Dynamics::new(finger, gamma, gravity_m_s2),
             q21_rad: closing.q21_contact_rad,

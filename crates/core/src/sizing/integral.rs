@@ -1,5 +1,7 @@
 //! Means and maxima of smooth functions over evenly spaced samples.
 
+use crate::numeric::elementary::powi;
+
 /// Composite Simpson rule over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simpson {
@@ -46,7 +48,7 @@ pub(super) fn largest(nodes: &Simpson, value: impl Fn(f64) -> f64) -> f64 {
     }
     let (before, after) = (value(nodes.node(at - 1)), value(nodes.node(at + 1)));
     let bend = before - 2.0 * best + after;
-    if bend < 0.0 { best - (after - before).powi(2) / (8.0 * bend) } else { best }
+    if bend < 0.0 { best - powi(after - before, 2) / (8.0 * bend) } else { best }
 }
 
 #[cfg(test)]

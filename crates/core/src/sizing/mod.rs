@@ -31,6 +31,7 @@ pub use profile::{Profile, ProfilePoint, profile};
 pub use task::{CLOSING_S, OPENING_RAD, Task};
 
 use crate::gripper::{Finger, Placement};
+use crate::numeric::elementary::powi;
 use integral::{Simpson, largest};
 use rigid::Rigid;
 
@@ -90,14 +91,14 @@ pub fn size_with(
     let needed = largest(&swing, |x| rigid.torques(&closing.trajectory.at(x))[1]).max(0.0);
     let spring_n_m = needed / lever;
     let mean_square = match rule {
-        Rule::Rigid => swing.mean(|x| rigid.net_torque(&closing.trajectory.at(x)).powi(2)),
+        Rule::Rigid => swing.mean(|x| powi(rigid.net_torque(&closing.trajectory.at(x)), 2)),
         Rule::Whole => {
             // Wherever the spring sits, the limit's share with it makes up for the place: q22 is what must not move.
             let k_s = needed / rigid.spring_lever(Placement::Phalanges).abs();
-            let before = swing.mean(|x| rigid.motor_with_spring(&closing.trajectory.at(x), k_s).powi(2));
+            let before = swing.mean(|x| powi(rigid.motor_with_spring(&closing.trajectory.at(x), k_s), 2));
             let rest = Simpson::over(closing.contact_x, 1.0, intervals);
             let bent = bent::Bent::new(finger, &closing, task.gravity_m_s2);
-            let after = rest.mean(|x| bent.motor(&closing.trajectory.at(x), k_s).powi(2));
+            let after = rest.mean(|x| powi(bent.motor(&closing.trajectory.at(x), k_s), 2));
             before * closing.contact_x + after * (1.0 - closing.contact_x)
         }
     };

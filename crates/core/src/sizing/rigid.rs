@@ -9,6 +9,7 @@ use crate::fivebar::dynamics::{Dynamics, Terms, terms};
 use crate::fivebar::kinematics::{PassiveRates, directions, reference_gamma};
 use crate::fivebar::spring::gradient;
 use crate::gripper::{Finger, Placement};
+use crate::numeric::elementary::sin_cos;
 
 /// The straight finger as one body.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +45,7 @@ impl Rigid {
     /// r1 and r2 of the inverse dynamic model, N·m.
     #[inline]
     pub fn torques(&self, motion: &Motion) -> [f64; 2] {
-        let (sin, cos) = (motion.angle_rad - self.start_rad).sin_cos();
+        let (sin, cos) = sin_cos(motion.angle_rad - self.start_rad);
         let [gx, gy] = self.gravity_m_s2;
         // Gravity as the finger sees it: turned back.
         let g = [cos * gx + sin * gy, cos * gy - sin * gx];

@@ -12,6 +12,7 @@ use super::StaticsError;
 use super::balance_exact as exact;
 use super::balance_program::{Bound, Forces, Largest, Program, weigh};
 use super::loads::{HandAtRest, Load, Loads, Pressing, ROWS, Spot, loads};
+use crate::numeric::elementary::{hypot, sin_cos};
 
 /// What forces and motion may differ by in what they say of the largest acceleration, relative to it or to what the fixed loads give.
 const GAP: f64 = 1e-6;
@@ -119,7 +120,7 @@ pub fn balance_polar(hand: &HandAtRest<'_>, count: usize) -> Result<Vec<Balance>
 
 /// The unit vector at an angle; along an axis exactly.
 fn heading(angle_rad: f64) -> [f64; 2] {
-    let (sin, cos) = angle_rad.sin_cos();
+    let (sin, cos) = sin_cos(angle_rad);
     [cos, sin].map(|part| if part.abs() < f64::EPSILON { 0.0 } else { part })
 }
 
@@ -183,7 +184,7 @@ fn scaled(loads: &Loads, [x, y]: [f64; 2]) -> Scaled {
 }
 
 fn largest(loads: &Loads, direction: [f64; 2]) -> Result<Balance, StaticsError> {
-    let length = direction[0].hypot(direction[1]);
+    let length = hypot(direction[0], direction[1]);
     if !length.is_finite() || length <= 0.0 {
         let allowed = "must be finite, more than 0";
         return Err(StaticsError::Number { name: "the length of the direction", value: length, allowed });
@@ -259,7 +260,7 @@ fn told(motion: &Load, lengths: &Load) -> HandMotion {
     let clean = |rate: f64| if rate.abs() <= nothing { 0.0 } else { rate };
     let rates: [f64; ROWS] = std::array::from_fn(|row| clean(motion[row]) / lengths[row]);
     let [q11_r, q21_r, q11_l, q21_l, x, y, spin] = rates;
-    let speed = x.hypot(y);
+    let speed = hypot(x, y);
     let fastest = [q11_r, q21_r, q11_l, q21_l, spin].into_iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
     let unit = if speed > 0.0 { speed * 1e3 } else { fastest.max(f64::MIN_POSITIVE) };
     HandMotion {

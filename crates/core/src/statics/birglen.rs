@@ -2,6 +2,7 @@
 
 use super::{AtRest, StaticsError, at_rest};
 use crate::gripper::{FinalPosture, Finger};
+use crate::numeric::elementary::sin_cos;
 
 /// J, T and f of one grasp. θ = (θ1, θ2) are the angle of the proximal phalanx and that of the tip relative to it; the
 /// actuator turns by θ_a = q11.
@@ -32,7 +33,7 @@ pub fn birglen(finger: &Finger, end: &FinalPosture, loads: [f64; 2], mu_static: 
     if l_c2 < super::equilibrium::NO_LEVER_M {
         return Err(StaticsError::NoLever { lever_m: l_c2 });
     }
-    let (sin_2, cos_2) = (end.posture.q22_rad + finger.lengths.phi22_rad).sin_cos();
+    let (sin_2, cos_2) = sin_cos(end.posture.q22_rad + finger.lengths.phi22_rad);
     let jacobian_m = [[l_c1, 0.0], [l_c2 + l_1 * (cos_2 - mu_static * sin_2), l_c2]];
     // θ̇2 = α θ̇_a + β θ̇1, solved for θ̇1.
     let transmission = [[-alpha / beta, 1.0 / beta], [0.0, 1.0]];

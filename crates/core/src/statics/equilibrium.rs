@@ -4,6 +4,7 @@ use super::{AtRest, StaticsError, at_rest, palm_force_each};
 use crate::fivebar::kinematics::{reference_gamma, straight};
 use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, FinalPosture, Finger, Site, Spring};
+use crate::numeric::elementary::{cos, sin};
 
 /// Lever of a contact below which no torque makes a force there, in m.
 pub(super) const NO_LEVER_M: f64 = 1e-9;
@@ -109,7 +110,7 @@ pub fn contact_jacobian(
     let bend = end.posture.q22_rad + finger.lengths.phi22_rad;
     // Of q̇21 and of the tip's absolute rate θ̇4 = a4·q̇: J_Pᵀ n and J_Pᵀ t of the contact points.
     let proximal = -end.l_c21_m - mu_static[0] * w;
-    let carried = -l21 * bend.cos() + mu_static[1] * l21 * bend.sin();
+    let carried = -l21 * cos(bend) + mu_static[1] * l21 * sin(bend);
     let turned = -end.l_c22_m - mu_static[1] * w;
     let [a0, a1] = rates.a4;
     Ok([[0.0, turned * a0], [proximal, carried + turned * a1]])

@@ -1,6 +1,7 @@
 //! What holds the object: fingers in any posture with the phalanges that touch, and the palm.
 
 use crate::gripper::{FinalPosture, Finger, Posture};
+use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::{Vector, add, cross, perp, scale, sub};
 
 /// Which way a finger stands: the modelled one is to the right of the object, its mirror image to the left.
@@ -59,7 +60,7 @@ impl<'a> Grip<'a> {
     /// Both phalanges touch, and the motor cannot be turned back.
     pub fn firm(finger: &'a Finger, end: &FinalPosture, side: Side) -> Self {
         let FinalPosture { posture, l_c21_m, l_c22_m, .. } = *end;
-        let direction = |angle: f64| [angle.cos(), angle.sin()];
+        let direction = |angle: f64| [cos(angle), sin(angle)];
         let along = direction(posture.q21_rad);
         let tip = direction(posture.q21_rad + posture.q22_rad + finger.lengths.phi22_rad);
         let a22 = scale(along, finger.lengths.l21_m);

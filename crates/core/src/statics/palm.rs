@@ -1,6 +1,7 @@
 //! The force of the object on the palm (thesis (3.2), errata 10).
 
 use crate::gripper::FinalPosture;
+use crate::numeric::elementary::sin_cos;
 
 /// PFP = F22 (sin φ_c + μ cos φ_c) − F21 (cos q21 − μ sin q21), in N: how hard one finger presses the object on the palm.
 ///
@@ -12,7 +13,7 @@ pub fn palm_force(end: &FinalPosture, f21_n: f64, f22_n: f64, mu: f64) -> f64 {
 
 /// [`palm_force`] of [F21, F22] with a friction coefficient for each contact.
 pub fn palm_force_each(end: &FinalPosture, [f21_n, f22_n]: [f64; 2], [mu_21, mu_22]: [f64; 2]) -> f64 {
-    let (sin_c, cos_c) = end.phi_c_rad.sin_cos();
-    let (sin_21, cos_21) = end.posture.q21_rad.sin_cos();
+    let (sin_c, cos_c) = sin_cos(end.phi_c_rad);
+    let (sin_21, cos_21) = sin_cos(end.posture.q21_rad);
     f22_n * (sin_c + mu_22 * cos_c) - f21_n * (cos_21 - mu_21 * sin_21)
 }

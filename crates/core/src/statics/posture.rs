@@ -3,6 +3,7 @@
 use super::StaticsError;
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, passive_rates};
 use crate::gripper::{FinalPosture, Finger, Posture};
+use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::cross;
 
 /// |∂q22/∂q11| below which the motor cannot move the tip.
@@ -27,7 +28,7 @@ pub fn at_rest(finger: &Finger, end: &FinalPosture) -> Result<AtRest, StaticsErr
 
 /// [`at_rest`] in any posture.
 pub fn at_posture(finger: &Finger, q: &Posture) -> Result<AtRest, StaticsError> {
-    let e = |angle: f64| [angle.cos(), angle.sin()];
+    let e = |angle: f64| [cos(angle), sin(angle)];
     let pose =
         Directions { e1: e(q.q11_rad), e2: e(q.q21_rad), e3: e(q.q11_rad + q.q12_rad), e4: e(q.q21_rad + q.q22_rad) };
     let sine = cross(pose.e3, pose.e4);

@@ -2,16 +2,21 @@
 
 use super::ejection::up_to_ejection;
 use super::grid::Span;
-use super::reading::{DiscsReader, Reader};
+#[cfg(feature = "discs")]
+use super::reading::DiscsReader;
+use super::reading::Reader;
 use super::recorder::Recorder;
 use super::{Outcome, RunError, Simulated, Sink, Work};
+#[cfg(feature = "discs")]
 use crate::analytic::discs::{self, Discs, HOLDING, moving_discs};
 use crate::analytic::gripper::{self as grasp, GripperModel};
 use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
 use crate::integrator::{
     Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
 };
-use crate::scene::{BodiesScene, GripperScene, Integrator, Method, ObjectMotion, Scene};
+#[cfg(feature = "discs")]
+use crate::scene::BodiesScene;
+use crate::scene::{GripperScene, Integrator, Method, ObjectMotion, Scene};
 
 /// Simulates `scene` with the analytic model.
 ///
@@ -30,6 +35,7 @@ fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     match scene {
         Simulated::Finger(scene) if scene.holds() => finger::<4, 6>(scene, span, sink),
         Simulated::Finger(scene) => finger::<2, 4>(scene, span, sink),
+        #[cfg(feature = "discs")]
         Simulated::Discs(scene) => match moving_discs(scene) {
             Ok(1) if scene.holds() => some_discs::<{ 3 + HOLDING[1] }, { 6 + 2 * HOLDING[1] }>(scene, span, sink),
             Ok(2) if scene.holds() => some_discs::<{ 6 + HOLDING[2] }, { 12 + 2 * HOLDING[2] }>(scene, span, sink),
@@ -39,11 +45,11 @@ fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunEr
             Ok(3) => some_discs::<9, 18>(scene, span, sink),
             Ok(_) => Ok(Outcome::default()),
             Err(too_many) => {
-                let reason = format!("{too_many}, or simulate with `--model engine`, which takes any number");
-                let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
-                Err(RunError::Simulation { failure, so_far: Box::default() })
+                Err(none_at_all(format!("{too_many}, or simulate with `--model engine`, which takes any number")))
             }
         },
+        #[cfg(not(feature = "discs"))]
+        Simulated::Discs(_) => Err(none_at_all("this build has no analytic model of discs".to_string())),
         Simulated::Gripper(scene) => up_to_ejection(scene, sink, |sink| match scene.object.motion {
             _ if scene.holds() => gripper::<{ grasp::HELD }>(scene, span, sink),
             ObjectMotion::Free { .. } if scene.palm_motion.is_some() => gripper::<8>(scene, span, sink),
@@ -53,12 +59,19 @@ fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     }
 }
 
+/// A run that ends before it begins.
+pub(super) fn none_at_all(reason: String) -> RunError {
+    let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
+    RunError::Simulation { failure, so_far: Box::default() }
+}
+
 fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = FingerMotion::<N, W>::new(scene);
     let start = FingerMotion::<N, W>::start(scene);
     simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
 }
 
+#[cfg(feature = "discs")]
 fn some_discs<const N: usize, const M: usize>(
     scene: &BodiesScene,
     span: Span,

@@ -1,6 +1,7 @@
 //! A run of a gripper ends where its object has been thrown out: nothing of it comes back.
 
 use super::{BodyState, Event, Outcome, RunError, Sample, Sink, SinkError, Wants};
+use crate::numeric::elementary::hypot;
 use crate::scene::GripperScene;
 
 /// How far from the palm's middle an object has left the gripper, in its radii.
@@ -34,7 +35,7 @@ struct Watch<'a> {
 impl Watch<'_> {
     fn look(&mut self, sample: &Sample) {
         let Some(BodyState { centre_m: [x, y], .. }) = sample.bodies.first() else { return };
-        let (time_s, distance_m) = (sample.time_s, x.hypot(*y));
+        let (time_s, distance_m) = (sample.time_s, hypot(*x, *y));
         if distance_m > self.far_m && self.ejected_s.is_none() {
             let (before_s, before_m) = self.before;
             let part = ((self.far_m - before_m) / (distance_m - before_m)).clamp(0.0, 1.0);

@@ -9,6 +9,7 @@
 //! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
 //! | `between`, `grid` | a sample between two others; the even grid of times |
 //! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
+//! | `gate` | runs that end when they are told to |
 //! | `ejection` | the end of a run whose object is thrown out of the gripper |
 //! | `engine`, `engine_recorder`, `moments`, `tracked`, `engine_reading` | runs of the engine, and how its nodes are read |
 
@@ -16,14 +17,20 @@ mod analytic;
 mod between;
 pub mod columns;
 mod ejection;
+#[cfg(feature = "engine")]
 mod engine;
+#[cfg(feature = "engine")]
 mod engine_reading;
+#[cfg(feature = "engine")]
 mod engine_recorder;
 mod error;
+#[cfg(feature = "engine")]
 mod follow;
+mod gate;
 mod grid;
 mod layout;
 mod model;
+#[cfg(feature = "engine")]
 mod moments;
 mod outcome;
 pub mod overrides;
@@ -36,13 +43,16 @@ mod simulated;
 mod sink;
 mod slipping;
 mod thin;
+#[cfg(feature = "engine")]
 mod tracked;
 
 pub use analytic::run_analytic;
 pub use between::between;
 pub use ejection::EJECTED_RADII;
+#[cfg(feature = "engine")]
 pub use engine::run_engine;
 pub use error::RunError;
+pub use gate::{GoOn, While};
 pub use layout::{Layout, Place};
 pub use model::{Model, run};
 pub use outcome::{ContactSummary, Outcome, Work};

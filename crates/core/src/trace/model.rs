@@ -1,6 +1,8 @@
 //! The two models behind one face.
 
-use super::{Outcome, RunError, Simulated, Sink, run_analytic, run_engine};
+#[cfg(feature = "engine")]
+use super::run_engine;
+use super::{Outcome, RunError, Simulated, Sink, run_analytic};
 use crate::scene::Words;
 
 /// Which of the two independent models simulates a scene.
@@ -24,10 +26,13 @@ impl Words for Model {
     const WORDS: &'static [(&'static str, Self)] = &[("analytic", Model::Analytic), ("engine", Model::Engine)];
 }
 
-/// Simulates a scene of any kind with one of the models.
+/// Simulates a scene of any kind with one of the models. Where the engine was left out of the build, its runs end before they begin.
 pub fn run<'a>(model: Model, scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     match model {
         Model::Analytic => run_analytic(scene, sink),
+        #[cfg(feature = "engine")]
         Model::Engine => run_engine(scene, sink),
+        #[cfg(not(feature = "engine"))]
+        Model::Engine => Err(super::analytic::none_at_all("this build has no engine model".to_string())),
     }
 }

@@ -71,6 +71,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// Of a finger that did not begin to move: all figures zero.
+    #[cfg(feature = "engine")]
     pub(super) fn of_unmoved_finger() -> Self {
         let contacts = vec![ContactSummary::default(); Site::ALL.len()];
         Outcome { last: Sample::of_finger(), contacts, ..Outcome::default() }

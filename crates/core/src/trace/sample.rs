@@ -41,6 +41,7 @@ impl ContactSample {
 
     /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet. With a
     /// force goes the gap that made it.
+    #[cfg(feature = "engine")]
     pub(super) fn press_on(&mut self, before: &Self) {
         if before.normal_n > 0.0 {
             self.gap_m = before.gap_m;
@@ -50,6 +51,7 @@ impl ContactSample {
     }
 
     /// At its own touch within a step: the surfaces meet, and nothing has pressed so far, whatever does at the step's end.
+    #[cfg(feature = "engine")]
     pub(super) fn not_yet_pressed(&mut self, before: &Self, closing: f64) {
         (self.gap_m, self.gap_rate_m_s) = (0.0, -closing);
         (self.normal_n, self.tangential_n, self.impulse_n_s) = (0.0, 0.0, before.impulse_n_s);
@@ -140,6 +142,7 @@ pub struct BodyState {
 
 impl BodyState {
     /// Where it is after a time under these accelerations (x, y, angle).
+    #[cfg(feature = "engine")]
     pub(super) fn flown(&self, time_s: f64, a: &[f64; 3]) -> Self {
         let free = |axis: usize| {
             let rate = self.velocity_m_s[axis];
@@ -247,6 +250,7 @@ impl Sample {
     }
 
     /// Takes over the rates of another sample of the same run.
+    #[cfg(feature = "engine")]
     pub(super) fn take_rates(&mut self, from: &Self) {
         for (finger, from) in self.fingers.iter_mut().zip(&from.fingers) {
             *finger = FingerState {

@@ -1,6 +1,7 @@
 //! Text to SI: `"480 N*mm"` → 0.48.
 
 use super::{Dimension, number};
+use crate::numeric::elementary::{log10, powi};
 
 /// Why a text is not the wanted quantity. Messages name what was wrong, what is allowed and the way out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,8 +91,8 @@ fn did_you_mean(unit: &Option<&str>) -> String {
 ///
 /// Powers of ten move the decimal point, so that 4.73 g is the double nearest to 0.00473.
 fn to_si(number: &str, factor: f64) -> Option<f64> {
-    let shift = factor.log10().round();
-    if (factor / 10f64.powi(shift as i32) - 1.0).abs() < 1e-14 {
+    let shift = log10(factor).round();
+    if (factor / powi(10.0, shift as i32) - 1.0).abs() < 1e-14 {
         let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
         if let Ok(exponent) = exponent.parse::<i32>() {
             return format!("{mantissa}e{}", exponent.saturating_add(shift as i32)).parse().ok();

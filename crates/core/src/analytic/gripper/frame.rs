@@ -5,6 +5,7 @@ use super::model::{GripperModel, Plane};
 use super::touch::Touch;
 use crate::fivebar::carried::Field;
 use crate::numeric::Real;
+use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, rotate, scale};
 use crate::scene::{PalmMotion, Pose};
 
@@ -19,7 +20,7 @@ pub struct Felt {
 pub fn felt(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> Felt {
     let Pose { place, rate, acceleration, jerk } = motion.pose(t);
     let ([_, _, angle], [_, _, omega]) = (place, rate);
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = sin_cos(angle);
     let into = |[x, y]: [f64; 2]| rotate([x, y], [cos, -sin]);
     let [gx, gy] = gravity;
     let all = into([gx - acceleration[0], gy - acceleration[1]]);

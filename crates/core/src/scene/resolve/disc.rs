@@ -9,6 +9,7 @@ use super::super::entry::Section;
 use super::super::raw_bodies::RawDisc;
 use super::super::words::Motion;
 use super::super::{DiscMotion, HalfPlane, NamedDisc};
+use crate::numeric::elementary::{hypot, powi};
 use crate::units::{Dimension, format};
 
 /// Name of the half plane in pairs.
@@ -111,7 +112,7 @@ fn inertia(
     if raw.inertia.is_given() {
         return c.number(&key("inertia"), &raw.inertia, POSITIVE).map(Some);
     }
-    let homogeneous = 0.5 * mass? * radius?.powi(2);
+    let homogeneous = 0.5 * mass? * powi(radius?, 2);
     if homogeneous.is_normal() {
         return Some(Some(homogeneous));
     }
@@ -129,7 +130,7 @@ pub fn judge_starts(c: &mut Checker<'_>, discs: &[Placed], half_plane: Option<Ha
     for (index, second) in discs.iter().enumerate() {
         for first in &discs[..index] {
             let (a, b) = (&first.disc, &second.disc);
-            let distance_m = (a.centre_m[0] - b.centre_m[0]).hypot(a.centre_m[1] - b.centre_m[1]);
+            let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
             let moves = a.motion.moves() || b.motion.moves();
             if !moves || distance_m > a.radius_m.max(b.radius_m) {
                 continue;

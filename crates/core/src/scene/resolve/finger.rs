@@ -14,6 +14,7 @@ use crate::gripper::{
     self, Assembly, BodyOverride, Design, DesignError, Finger, HEIGHT_RATIO, Lengths, MassError, ProximalLength,
     TIP_CONTACT_MIN_RAD,
 };
+use crate::numeric::elementary::{cos, hypot, sin};
 
 const FRACTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
 const TIP_CONTACT: Bound = Bound { allowed: |x| x.abs() < FRAC_PI_2, text: "between -90 and 90 deg, both excluded" };
@@ -128,7 +129,7 @@ fn given_lengths(c: &mut Checker<'_>, raw: &Section<Keys<Lengths>>, half_width_m
     let Lengths { l11_m, l21_m, l22_m, t22_m, phi22_rad, .. } = lengths;
     if !raw.has("l12") {
         // Thesis (B.7): straight with l11 on the palm and l21 upright.
-        lengths.l12_m = (l11_m - l22_m * phi22_rad.sin()).hypot(l21_m + l22_m * phi22_rad.cos());
+        lengths.l12_m = hypot(l11_m - l22_m * sin(phi22_rad), l21_m + l22_m * cos(phi22_rad));
     }
     if [lengths.l12_m, l21_m, l22_m, t22_m, phi22_rad].iter().any(|length| length.is_nan()) {
         return None;

@@ -19,6 +19,7 @@ use super::finger::Plan;
 use super::sizing::Sized;
 use super::{Heading, contact, drive, finger, heading, motion, run, sizing, start};
 use crate::gripper::{Circle, Finger, Lengths};
+use crate::numeric::elementary::hypot;
 use crate::units::{Dimension, format};
 
 /// Deepest overlap of the object with palm or table that a scene may start with.
@@ -228,7 +229,7 @@ impl Room {
 
 /// Whether the ground joint of a finger is outside of the object grown by half a link's width, wherever that may be.
 fn is_clear(c: &mut Checker<'_>, place: Option<Range<usize>>, side: Side, seen: &Seen, half_width_m: f64) -> bool {
-    let near = |disc: &Disc| disc.centre_m[0].hypot(disc.centre_m[1]);
+    let near = |disc: &Disc| hypot(disc.centre_m[0], disc.centre_m[1]);
     let [one, other] = seen.ends.each_ref().map(near);
     let distance = near(&seen.object).min(one).min(other);
     let reach = seen.object.radius_m + half_width_m;

@@ -10,6 +10,7 @@ use super::super::{Disc, Initial, defaults};
 use super::finger::{Plan, geometry};
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
+use crate::numeric::elementary::hypot;
 use crate::units::{Dimension, format};
 
 /// Deepest overlap of a phalanx and the object a scene may start with.
@@ -186,5 +187,5 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     let off = [point[0] - from[0], point[1] - from[1]];
     let s = (off[0] * along[0] + off[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
     let s = s.clamp(0.0, 1.0);
-    (off[0] - s * along[0]).hypot(off[1] - s * along[1])
+    hypot(off[0] - s * along[0], off[1] - s * along[1])
 }

@@ -2,6 +2,7 @@
 
 use super::lines;
 use crate::limits::{MOST_PICTURES, MOST_SAMPLES};
+use crate::numeric::elementary::{log10, powi};
 use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
 use crate::scene::kinds::Frequency;
 
@@ -37,7 +38,7 @@ impl LogExcess {
     /// The largest rate for this run, rounded down to one digit.
     pub fn remedy_rate(&self) -> String {
         let rate_hz = self.most / self.duration_s;
-        let digit = 10f64.powf(rate_hz.log10().floor());
+        let digit = powi(10.0, log10(rate_hz).floor() as i32);
         format!("{:e} Hz", (rate_hz / digit).floor() * digit)
     }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::EngineReader;
 use crate::engine::{self, L11, L12, L21, L22, Motion, Plan, Twist};
+use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
 use crate::trace::{FingerState, Sample, Site};
 
@@ -59,7 +60,7 @@ impl Links {
             let [x, y] = places[self.first + link].direction;
             [self.mirror * x, y]
         };
-        let (sin, cos) = phi22_rad.sin_cos();
+        let (sin, cos) = sin_cos(phi22_rad);
         let bend = opening_angle(direction(L21), rotate(direction(L22), [cos, sin]));
         let q12_rad = near_turn(angle(L12) - angle(L11), angle_between(direction(L11), direction(L12)));
         let q22_rad = near_turn(angle(L22) - angle(L21), bend - phi22_rad);

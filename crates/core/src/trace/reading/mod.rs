@@ -1,11 +1,13 @@
 //! Turns a state of the analytic model into a sample: what that is differs between kinds of scene, and nothing else does.
 
+#[cfg(feature = "discs")]
 mod discs;
 mod finger;
 mod gripper;
 
 use std::ops::Index;
 
+#[cfg(feature = "discs")]
 pub(super) use discs::DiscsReader;
 
 use super::{ContactSample, Energy, Sample, Wants};

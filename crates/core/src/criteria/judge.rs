@@ -1,0 +1,67 @@
+//! What a run of any scene is judged by, while it streams by.
+
+use super::{AtRest, Criteria, GraspCriteria, GraspTracker, Rebound, Rebounds, Tracker, at_rest};
+use crate::trace::{Event, Sample, Simulated, Sink, SinkError};
+
+/// Whoever of the trackers a scene has a use for.
+#[derive(Debug)]
+pub struct Judge {
+    finger: Option<(Tracker, AtRest)>,
+    gripper: Option<GraspTracker>,
+    rebounds: Option<Rebounds>,
+}
+
+/// What they found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// Of a finger, if it can grasp its object and the run was completed.
+    pub criteria: Option<Criteria>,
+    /// Of a gripper.
+    pub grasp: Option<GraspCriteria>,
+    /// Of every pair of discs; empty where there is a finger.
+    pub rebounds: Vec<Rebound>,
+}
+
+impl Judge {
+    /// For runs of a scene.
+    pub fn of(scene: Simulated<'_>) -> Self {
+        let mut judge = Judge { finger: None, gripper: None, rebounds: None };
+        match scene {
+            Simulated::Finger(scene) => {
+                let rest = scene.object.and_then(|object| at_rest(scene, object).ok());
+                judge.finger = rest.map(|rest| (Tracker::new(rest.angles()), rest));
+            }
+            Simulated::Discs(scene) => judge.rebounds = Some(Rebounds::new(scene.pairs().len())),
+            Simulated::Gripper(scene) => judge.gripper = Some(GraspTracker::of(scene)),
+        }
+        judge
+    }
+
+    /// What is known when a run is over, `completed` or not.
+    pub fn judged(self, completed: bool) -> Judged {
+        let finger = self.finger.filter(|_| completed);
+        Judged {
+            criteria: finger.map(|(tracker, rest)| tracker.criteria(rest.is_stable())),
+            grasp: self.gripper.and_then(|tracker| tracker.criteria()),
+            rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
+        }
+    }
+}
+
+impl Sink for Judge {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        if let Some((tracker, _)) = &mut self.finger {
+            tracker.sample(sample)?;
+        }
+        self.gripper.sample(sample)?;
+        self.rebounds.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        if let Some((tracker, _)) = &mut self.finger {
+            tracker.event(event)?;
+        }
+        self.gripper.event(event)?;
+        self.rebounds.event(event)
+    }
+}

@@ -1,0 +1,145 @@
+//! Every field of a scene: what it is, what it may be, and what it holds.
+
+use serde_json::{Map, Value, json};
+
+use crate::scene::schema::schema_of;
+use crate::scene::{AnyScene, Words, show_written};
+use crate::trace::Simulated;
+use crate::units::split;
+
+/// Sections of design variables, in the order in which a designer turns to them.
+const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.friction"];
+
+/// All fields: those that hold something, and those that could.
+pub fn fields(scene: &AnyScene) -> Value {
+    let simulated = Simulated::from(scene);
+    let shown: toml::Table = show_written(scene).parse().unwrap_or_default();
+    let written: toml::Table = source(scene).parse().unwrap_or_default();
+    let mut found = Vec::new();
+    collect(schema_of(simulated.kind()), "", Some(&shown), Some(&written), &mut found);
+    let design: Vec<&Value> = DESIGN
+        .iter()
+        .flat_map(|section| found.iter().filter(move |field| field["section"] == *section && is_dial(field)))
+        .map(|field| &field["path"])
+        .collect();
+    json!({
+        "kind": simulated.kind().word(),
+        "name": simulated.name(),
+        "description": simulated.description(),
+        "design": design,
+        "fields": found,
+    })
+}
+
+/// Whether it is something to turn.
+fn is_dial(field: &Value) -> bool {
+    matches!(field["kind"].as_str(), Some("quantity" | "number" | "integer")) && !field["value"].is_null()
+}
+
+/// The text that a scene was read from.
+pub fn source(scene: &AnyScene) -> &str {
+    match scene {
+        AnyScene::Finger(scene) => &scene.source,
+        AnyScene::Bodies(scene) => &scene.source,
+        AnyScene::Gripper(scene) => &scene.source,
+    }
+}
+
+/// The fields below a part of the schema, beside what the scene and its text hold there.
+fn collect(
+    schema: &Value,
+    path: &str,
+    shown: Option<&toml::Table>,
+    written: Option<&toml::Table>,
+    found: &mut Vec<Value>,
+) {
+    let join = |key: &str| if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
+    let inner = |table: Option<&toml::Table>, key: &str| table.and_then(|table| table.get(key).cloned());
+    let mut names = keys(schema);
+    // Tables named by the user, such as discs: whatever the scene has.
+    let free = schema.get("additionalProperties").filter(|of| of.is_object());
+    if let (Some(of), Some(shown)) = (free, shown) {
+        names.extend(shown.keys().map(|key| (key.clone(), of.clone())));
+    }
+    for (key, part) in &names {
+        let (holds, says) = (inner(shown, key), inner(written, key));
+        if is_table(part) {
+            let (holds, says) = (holds.as_ref().and_then(toml::Value::as_table), says.as_ref().and_then(toml::Value::as_table));
+            collect(part, &join(key), holds, says, found);
+        } else if !(path.is_empty() && ["name", "description", "kind", "extends"].contains(&key.as_str())) {
+            found.push(field(path, key, &join(key), part, holds.as_ref(), says.is_some()));
+        }
+    }
+}
+
+fn keys(schema: &Value) -> Vec<(String, Value)> {
+    let keys: Option<&Map<String, Value>> = schema.get("properties").and_then(Value::as_object);
+    keys.into_iter().flatten().map(|(key, part)| (key.clone(), part.clone())).collect()
+}
+
+fn is_table(part: &Value) -> bool {
+    part.get("properties").is_some() || part.get("additionalProperties").is_some_and(Value::is_object)
+}
+
+fn field(section: &str, key: &str, path: &str, part: &Value, holds: Option<&toml::Value>, given: bool) -> Value {
+    let bound = |name: &str| part.get(name).and_then(Value::as_f64);
+    let first = bound("minimum").or(bound("exclusiveMinimum"));
+    let last = bound("maximum").or(bound("exclusiveMaximum"));
+    let (value, unit) = held(holds);
+    let units = part.get("x-units").cloned().unwrap_or(Value::Null);
+    json!({
+        "path": path,
+        "section": section,
+        "key": key,
+        "kind": kind(part),
+        "value": value,
+        "unit": unit,
+        "units": units,
+        "text": holds.map(text_of).unwrap_or_default(),
+        "words": part.get("enum").cloned().unwrap_or(Value::Null),
+        "low": first,
+        "high": last,
+        "about": part.get("description").cloned().unwrap_or(Value::Null),
+        "given": given,
+    })
+}
+
+/// A number and its unit, as they are written.
+fn held(value: Option<&toml::Value>) -> (Option<f64>, String) {
+    match value {
+        Some(toml::Value::String(text)) => {
+            let (number, unit) = split(text);
+            match number.parse::<f64>() {
+                Ok(number) => (Some(number), unit.to_string()),
+                Err(_) => (None, String::new()),
+            }
+        }
+        Some(toml::Value::Integer(number)) => (Some(*number as f64), String::new()),
+        Some(toml::Value::Float(number)) => (Some(*number), String::new()),
+        _ => (None, String::new()),
+    }
+}
+
+/// As it is set: a text without its quotes.
+fn text_of(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+fn kind(part: &Value) -> &'static str {
+    if part.get("x-units").is_some() {
+        return "quantity";
+    }
+    if part.get("enum").is_some() {
+        return "word";
+    }
+    match part.get("type").and_then(Value::as_str) {
+        Some("array") => "list",
+        Some("number") => "number",
+        Some("integer") => "integer",
+        Some("boolean") => "flag",
+        _ => "text",
+    }
+}

@@ -1,0 +1,81 @@
+//! A run as film and figures, and what a check finds of it.
+
+use serde_json::{Value, json};
+
+use super::figures::figures;
+use crate::check;
+use crate::criteria::{Judge, Judged};
+use crate::film::{Reel, data};
+use crate::report::{Came, Failure, RunCheckReport, RunReport, check as words};
+use crate::scene::AnyScene;
+use crate::scene::words::SceneKind;
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run_analytic};
+
+/// A run with whoever else listens to it; criteria are found on what a log would keep, as the program does it.
+pub fn simulated(scene: Simulated<'_>, also: &mut impl Sink) -> RunReport {
+    let mut listeners = Thinned::new(scene.log().numeric_hz, Both { judge: Judge::of(scene), also });
+    let result = run_analytic(scene, &mut listeners);
+    // Nobody here refuses a sample.
+    let _ = listeners.end();
+    let Judged { criteria, grasp, rebounds } = listeners.sink.judge.judged(result.is_ok());
+    let (outcome, error) = came(result);
+    let came =
+        Came { wall_s: 0.0, outcome: outcome.as_ref(), criteria, grasp: grasp.as_ref(), rebounds: &rebounds };
+    RunReport::new(scene, Model::Analytic, &came, error)
+}
+
+fn came(result: Result<Outcome, RunError>) -> (Option<Outcome>, Option<Failure>) {
+    match result {
+        Ok(outcome) => (Some(outcome), None),
+        Err(RunError::Simulation { failure, so_far }) => {
+            (Some(*so_far), Some(Failure { time_s: failure.time_s, reason: failure.reason.to_string() }))
+        }
+        Err(RunError::Sink(error)) => (None, Some(Failure { time_s: 0.0, reason: error.to_string() })),
+    }
+}
+
+/// Film and figures.
+pub fn run(scene: &AnyScene, numbers: &mut Vec<f64>) -> Value {
+    let scene = Simulated::from(scene);
+    let mut reel = Reel::default();
+    let report = simulated(scene, &mut reel);
+    let film = reel.film(Model::Analytic.name(), scene, "");
+    json!({
+        "film": data::beside(&film, numbers),
+        "figures": figures(&report),
+        "failed": report.error.as_ref().map(|error| &error.reason),
+        "steps": report.steps,
+    })
+}
+
+/// What a check finds of the run.
+pub fn check(scene: &AnyScene) -> Value {
+    let scene = Simulated::from(scene);
+    let found = check::check(Model::Analytic, scene, &|| true);
+    let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
+    json!({
+        "verdict": report.verdict,
+        "text": words::line(Some(&report), None).map(|said| said.to_string()),
+        "error": found.errors.path,
+        "bar": found.bar,
+        "report": report,
+    })
+}
+
+/// The judge, and whoever else.
+struct Both<'a, A> {
+    judge: Judge,
+    also: &'a mut A,
+}
+
+impl<A: Sink> Sink for Both<'_, A> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.judge.sample(sample)?;
+        self.also.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.judge.event(event)?;
+        self.also.event(event)
+    }
+}

@@ -1,0 +1,54 @@
+//! The grasp at rest, as `phalanx statics` reports it.
+
+use serde_json::{Value, json};
+
+use crate::grasp::finger::{Instead, grasp};
+use crate::grasp::gripper::{Asked, PostureOf, gripper_grasp};
+use crate::plot;
+use crate::report::{GripperStaticsReport, StaticsReport, gripper_statics_text, statics_text};
+use crate::scene::{AnyScene, GripperScene, Scene};
+use crate::wording::Sheet;
+
+/// Directions of acceleration in a picture.
+const DIRECTIONS: usize = 72;
+/// One in so many of them is in the table: 15° apart.
+const IN_TABLE: usize = 3;
+
+/// Tables and a picture; for a scene of discs neither.
+pub fn statics(scene: &AnyScene) -> Result<Value, Value> {
+    match scene {
+        AnyScene::Finger(scene) => of_finger(scene),
+        AnyScene::Gripper(scene) => of_gripper(scene),
+        AnyScene::Bodies(_) => Ok(json!({ "sections": [], "pictures": [] })),
+    }
+}
+
+fn of_finger(scene: &Scene) -> Result<Value, Value> {
+    let found = grasp(scene, &Instead { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| refused(&error))?;
+    let picture = plot::grasp(scene, &found).map_err(|error| refused(&error))?;
+    Ok(shown(&statics_text(&StaticsReport::new(&found)), &picture))
+}
+
+fn of_gripper(scene: &GripperScene) -> Result<Value, Value> {
+    let asked = Asked {
+        posture: PostureOf::Run { at_s: None, within_m: None },
+        mu_static: Vec::new(),
+        motor_n_m: None,
+        directions: DIRECTIONS,
+    };
+    let found = gripper_grasp(scene, &asked, &|| true).map_err(|error| refused(&error))?;
+    let picture = plot::balance(scene, &found).map_err(|error| refused(&error))?;
+    Ok(shown(&gripper_statics_text(&GripperStaticsReport::new(&found, IN_TABLE)), &picture))
+}
+
+fn shown(text: &Sheet, picture: &str) -> Value {
+    let title = "At rest";
+    json!({
+        "sections": [{ "title": title, "html": text.html(title) }],
+        "pictures": [{ "title": "The grasp at rest", "svg": picture }],
+    })
+}
+
+fn refused(error: &dyn std::fmt::Display) -> Value {
+    json!([{ "message": error.to_string(), "help": "the run itself does not need it", "line": null, "field": null }])
+}

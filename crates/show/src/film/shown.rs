@@ -1,0 +1,62 @@
+//! What of a scene's samples is shown.
+
+use super::develop::{Film, Shown, develop, mark};
+use super::{panels, panels_gripper};
+use crate::drawing::{self, Drawing};
+use crate::trace::{Event, Sample, Simulated};
+use crate::wording::Sheet;
+
+/// Pairs that are shown where none touches.
+const IDLE_PAIRS: usize = 6;
+
+/// A run as the page shows it; `summary` is what is said of it below.
+///
+/// Plotted angles of a finger are from −π to π, as in the series of a validation; poses are as they are. Pairs of discs that
+/// never touch are left out where others do.
+pub fn film<'a>(
+    label: &str,
+    scene: impl Into<Simulated<'a>>,
+    samples: &[Sample],
+    events: &[Event],
+    summary: impl Into<Sheet>,
+) -> Film {
+    let scene = scene.into();
+    let layout = scene.layout();
+    let shown: Vec<usize> = match scene {
+        Simulated::Finger(finger) if finger.object.is_some() => layout.surfaces().collect(),
+        Simulated::Finger(_) => Vec::new(),
+        Simulated::Discs(_) => touching((0..layout.contacts.len()).collect(), samples, events),
+        Simulated::Gripper(_) => touching(layout.surfaces().collect(), samples, events),
+    };
+    // Words instead of keys; names that users gave stay as they are.
+    let called = |index: usize| match scene {
+        Simulated::Gripper(_) => layout.contacts[index].name.replace('_', " "),
+        _ => layout.contacts[index].name.clone(),
+    };
+    let contacts: Vec<(String, usize)> = shown.into_iter().map(|index| (called(index), index)).collect();
+    let of = |event: &Event| mark(event, &called(event.contact), layout.contacts[event.contact].angular);
+    develop(Shown {
+        label,
+        summary: summary.into(),
+        drawing: Drawing::of(scene),
+        samples,
+        poses: Box::new(move |sample| drawing::poses(scene, sample)),
+        motions: Box::new(move |sample| drawing::motions(scene, sample)),
+        panels: match scene {
+            Simulated::Finger(finger) => panels::of_finger(finger, &contacts),
+            Simulated::Discs(discs) => panels::of_discs(discs, &contacts),
+            Simulated::Gripper(gripper) => panels_gripper::of_gripper(gripper, &contacts),
+        },
+        contacts,
+        marks: events.iter().map(of).collect(),
+    })
+}
+
+/// Indices of the pairs that touch, or of the first few if none does.
+fn touching(mut pairs: Vec<usize>, samples: &[Sample], events: &[Event]) -> Vec<usize> {
+    let presses = |pair: usize| samples.iter().any(|sample| sample.contacts[pair].normal_n > 0.0);
+    let touches = |pair: &usize| events.iter().any(|event| event.contact == *pair) || presses(*pair);
+    let found: Vec<usize> = pairs.iter().copied().filter(touches).collect();
+    pairs.truncate(IDLE_PAIRS);
+    if found.is_empty() { pairs } else { found }
+}

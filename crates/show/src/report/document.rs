@@ -1,0 +1,300 @@
+//! The figures of a run, in the order and under the keys of the JSON document.
+//!
+//! Keys carry their SI unit; where there is no value the key is there and null. Keys are added over time, never renamed.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::check::RunCheckReport;
+use super::contacts::Contacts;
+use super::discs::{DiscReport, discs};
+use super::grasp::GraspReport;
+use super::named::Named;
+use crate::criteria::{Criteria, GraspCriteria, Rebound};
+use crate::scene::words::SceneKind;
+use crate::scene::{Engine, Integrator, Stepping, Words};
+use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Simulated, Work};
+
+/// One run. All that is known only from the simulation is null if that could not even report how far it came; what a kind of
+/// scene does not have is no key at all.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Name of the scene.
+    pub scene: String,
+    /// `finger`, `bodies` or `gripper`.
+    pub kind: &'static str,
+    /// `analytic` or `engine`.
+    pub model: &'static str,
+    /// Length asked for; `end_s` says how far the run came.
+    pub duration_s: f64,
+    /// Accepted steps.
+    pub steps: Option<u64>,
+    /// Wall time of the simulation: the one figure that differs between two runs of the same scene.
+    pub wall_s: f64,
+    /// Of a finger.
+    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
+    pub last: Option<Option<Final>>,
+    /// Of a gripper: its fingers, right and left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fingers: Option<Option<Named<Final>>>,
+    /// Of a gripper: what it grasps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<Option<DiscReport>>,
+    /// Of a scene of discs, by their names, as they are at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discs: Option<Option<BTreeMap<String, DiscReport>>>,
+    pub contacts: Option<Contacts>,
+    /// Of a finger; null without an object, without a grasp of it, or if the run was not completed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub criteria: Option<Option<Dynamics>>,
+    /// Of a gripper: what became of the object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grasp: Option<Option<GraspReport>>,
+    pub completed: bool,
+    /// Time reached.
+    pub end_s: Option<f64>,
+    /// Null if the run was completed.
+    pub error: Option<Failure>,
+    pub energy: Option<Energies>,
+    pub work: Option<WorkReport>,
+    /// Settings of the analytic model; null for a run of the engine.
+    pub integrator: Option<IntegratorUsed>,
+    /// Settings of the engine model; null for a run of the analytic one.
+    pub engine: Option<EngineUsed>,
+    /// Of a finger or a gripper: largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_gap_m: Option<Option<f64>>,
+    /// Path of the log as given; null if none was asked for.
+    pub log: Option<String>,
+    /// Path of the page; null if none was asked for.
+    pub page: Option<String>,
+    /// Null if the run was not checked.
+    pub check: Option<RunCheckReport>,
+}
+
+/// The state at the end.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Final {
+    pub q11_rad: f64,
+    pub q21_rad: f64,
+    pub q22_rad: f64,
+    pub qd11_rad_s: f64,
+    pub qd21_rad_s: f64,
+    pub q12_rad: f64,
+    pub q13_rad: f64,
+}
+
+/// The dynamic criteria, see [`crate::criteria`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Dynamics {
+    pub tts_s: Option<f64>,
+    pub rebound_percent: Option<f64>,
+    pub class: &'static str,
+    pub t_geo_s: Option<f64>,
+    pub lost_s: f64,
+    pub statically_stable: bool,
+}
+
+/// Why a run ended early.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Failure {
+    pub time_s: f64,
+    pub reason: String,
+}
+
+/// Energies and works at the end.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Energies {
+    pub kinetic_j: f64,
+    pub gravity_j: f64,
+    pub spring_j: f64,
+    pub elastic_j: f64,
+    pub dissipated_j: f64,
+    pub motor_work_j: f64,
+    pub balance_j: f64,
+}
+
+/// What the run cost beside its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct WorkReport {
+    pub rejected_steps: u64,
+    pub rhs_evaluations: u64,
+    pub jacobian_evaluations: u64,
+    pub events: u64,
+    /// Sub-steps of the engine's contact solver, and Newton iterations in them; 0 for the analytic model.
+    pub contact_substeps: u64,
+    pub newton_iterations: u64,
+}
+
+/// The integrator settings in force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct IntegratorUsed {
+    pub preset: &'static str,
+    pub method: &'static str,
+    pub rtol: f64,
+    pub atol_angle_rad: f64,
+    pub atol_rate_rad_s: f64,
+    pub max_steps: u64,
+}
+
+/// The engine settings in force; null is what the stepping does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EngineUsed {
+    pub construction: &'static str,
+    /// `scene`: the scene's contact laws; `rapier`: rapier's own rigid contact.
+    pub law: &'static str,
+    pub stepping: &'static str,
+    pub step_s: Option<f64>,
+    pub tolerance_m: Option<f64>,
+    pub max_step_s: Option<f64>,
+    pub iterations: u32,
+    pub max_steps: u64,
+}
+
+/// What a run came to, as far as it did.
+#[derive(Clone, Copy, Debug)]
+pub struct Came<'a> {
+    pub wall_s: f64,
+    pub outcome: Option<&'a Outcome>,
+    /// Of a finger, if its run was completed.
+    pub criteria: Option<Criteria>,
+    /// Of a gripper.
+    pub grasp: Option<&'a GraspCriteria>,
+    /// Of pairs of discs.
+    pub rebounds: &'a [Rebound],
+}
+
+impl RunReport {
+    /// A run with what is known of it: all of it, or up to where it broke off, and why.
+    pub fn new<'a>(scene: impl Into<Simulated<'a>>, model: Model, came: &Came<'_>, error: Option<Failure>) -> Self {
+        let (scene, engine, outcome) = (scene.into(), model == Model::Engine, came.outcome);
+        let (kind, layout) = (scene.kind(), scene.layout());
+        let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
+        let bodies = |outcome: &Outcome| discs(&layout.bodies, Some(scene), &outcome.last.bodies);
+        RunReport {
+            scene: scene.name().to_string(),
+            kind: kind.word(),
+            model: model.name(),
+            duration_s: scene.duration_s(),
+            steps: outcome.map(|outcome| outcome.work.steps),
+            wall_s: came.wall_s,
+            last: finger.then(|| outcome.map(|outcome| Final::from(outcome.last.finger()))),
+            fingers: gripper.then(|| outcome.map(|outcome| finals(&layout, outcome))),
+            object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
+            discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
+            contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
+            criteria: finger.then(|| came.criteria.filter(|_| error.is_none()).map(Dynamics::from)),
+            grasp: gripper
+                .then(|| came.grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, Some(scene), &of.last))),
+            completed: error.is_none(),
+            end_s: outcome.map(|outcome| outcome.last.time_s),
+            error,
+            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
+            work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
+            integrator: (!engine).then(|| IntegratorUsed::from(scene.integrator())),
+            engine: engine.then(|| EngineUsed::from(scene.engine())),
+            loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
+            log: None,
+            page: None,
+            check: None,
+        }
+    }
+
+    /// Whether the scene has joints to speak of.
+    pub fn has_joints(&self) -> bool {
+        self.kind != SceneKind::Bodies.word()
+    }
+}
+
+/// The fingers at the end, by their names.
+pub fn finals(layout: &Layout, outcome: &Outcome) -> Named<Final> {
+    let fingers = layout.fingers.iter().cloned().zip(&outcome.last.fingers);
+    fingers.map(|(name, finger)| (name, Final::from(finger))).collect()
+}
+
+impl From<&FingerState> for Final {
+    fn from(finger: &FingerState) -> Self {
+        Final {
+            q11_rad: finger.q11_rad,
+            q21_rad: finger.q21_rad,
+            q22_rad: finger.q22_rad,
+            qd11_rad_s: finger.qd11_rad_s,
+            qd21_rad_s: finger.qd21_rad_s,
+            q12_rad: finger.q12_rad,
+            q13_rad: finger.q13_rad,
+        }
+    }
+}
+
+impl From<&Energy> for Energies {
+    fn from(energy: &Energy) -> Self {
+        Energies {
+            kinetic_j: energy.kinetic_j,
+            gravity_j: energy.gravity_j,
+            spring_j: energy.spring_j,
+            elastic_j: energy.elastic_j,
+            dissipated_j: energy.dissipated_j,
+            motor_work_j: energy.motor_work_j,
+            balance_j: energy.balance_j,
+        }
+    }
+}
+
+impl From<Criteria> for Dynamics {
+    fn from(criteria: Criteria) -> Self {
+        Dynamics {
+            tts_s: criteria.tts_s,
+            rebound_percent: criteria.rebound_percent,
+            class: criteria.class.name(),
+            t_geo_s: criteria.t_geo_s,
+            lost_s: criteria.lost_s,
+            statically_stable: criteria.statically_stable,
+        }
+    }
+}
+
+impl From<&Work> for WorkReport {
+    fn from(work: &Work) -> Self {
+        WorkReport {
+            rejected_steps: work.rejected,
+            rhs_evaluations: work.rhs_evaluations,
+            jacobian_evaluations: work.jacobian_evaluations,
+            events: work.events,
+            contact_substeps: work.contact_substeps,
+            newton_iterations: work.newton_iterations,
+        }
+    }
+}
+
+impl From<&Integrator> for IntegratorUsed {
+    fn from(integrator: &Integrator) -> Self {
+        IntegratorUsed {
+            preset: integrator.preset.word(),
+            method: integrator.method.word(),
+            rtol: integrator.rtol,
+            atol_angle_rad: integrator.atol_angle_rad,
+            atol_rate_rad_s: integrator.atol_rate_rad_s,
+            max_steps: integrator.max_steps,
+        }
+    }
+}
+
+impl From<&Engine> for EngineUsed {
+    fn from(engine: &Engine) -> Self {
+        let (step_s, tolerance_m, max_step_s) = match engine.stepping {
+            Stepping::Fixed { step_s } => (Some(step_s), None, None),
+            Stepping::Adaptive { tolerance_m, max_step_s } => (None, Some(tolerance_m), Some(max_step_s)),
+        };
+        EngineUsed {
+            construction: engine.construction.word(),
+            law: engine.response.word(),
+            stepping: engine.stepping.word(),
+            step_s,
+            tolerance_m,
+            max_step_s,
+            iterations: engine.iterations,
+            max_steps: engine.max_steps,
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The tables that summaries of runs and of logs are made of.
+
+use std::collections::BTreeMap;
+
+use super::contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
+use super::discs::DiscReport;
+use super::document::{Dynamics, Energies, Final};
+use super::grasp::{CycleReport, GraspReport};
+use super::named::Named;
+use crate::wording::duration;
+use crate::wording::figures::{figure, row};
+use crate::wording::sheet::{Sheet, table};
+
+pub fn final_state(last: &Final, end_s: f64) -> Sheet {
+    let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
+    table(&[
+        row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
+        row(["angle, deg", &degrees(last.q11_rad), &degrees(last.q21_rad), &degrees(last.q22_rad)]),
+        row(["rate, rad/s", &figure(last.qd11_rad_s, 5), &figure(last.qd21_rad_s, 5)]),
+    ])
+}
+
+/// Of both fingers of a gripper.
+pub fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
+    let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
+    let at = format!("at {}", duration(end_s));
+    let mut rows = vec![row([&at, "q11, deg", "q21, deg", "q22, deg", "qd11, rad/s", "qd21, rad/s"])];
+    for (name, last) in fingers.iter() {
+        rows.push(row([
+            &format!("{name} finger"),
+            &degrees(last.q11_rad),
+            &degrees(last.q21_rad),
+            &degrees(last.q22_rad),
+            &figure(last.qd11_rad_s, 5),
+            &figure(last.qd21_rad_s, 5),
+        ]));
+    }
+    table(&rows)
+}
+
+/// What a gripper grasps.
+pub fn object(object: &DiscReport, end_s: f64) -> Sheet {
+    discs(&BTreeMap::from([("object".to_string(), *object)]), end_s)
+}
+
+pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
+    let at = format!("at {}", duration(end_s));
+    let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
+    for (name, disc) in discs {
+        rows.push(row([
+            name,
+            disc.motion,
+            &figure(disc.x_m * 1e3, 7),
+            &figure(disc.y_m * 1e3, 7),
+            &figure(disc.angle_rad.to_degrees(), 6),
+            &figure(disc.vx_m_s, 6),
+            &figure(disc.vy_m_s, 6),
+            &figure(disc.spin_rad_s, 6),
+        ]));
+    }
+    table(&rows)
+}
+
+/// `None` where nothing can touch.
+pub fn contacts(contacts: &Contacts) -> Option<Sheet> {
+    match contacts {
+        Contacts::Finger(FingerContacts { proximal, distal, limit }) => {
+            Some(places(&[("proximal", proximal), ("distal", distal)], &[("joint limit", limit)]))
+        }
+        Contacts::Gripper(all) => {
+            let called: Vec<(String, &PlaceReport)> =
+                all.iter().map(|(name, place)| (name.replace('_', " "), place)).collect();
+            let surfaces = called.iter().filter_map(|(name, place)| match place {
+                PlaceReport::Surface(surface) => Some((name.as_str(), surface)),
+                PlaceReport::Limit(_) => None,
+            });
+            let limits = called.iter().filter_map(|(name, place)| match place {
+                PlaceReport::Limit(limit) => Some((name.as_str(), limit)),
+                PlaceReport::Surface(_) => None,
+            });
+            Some(places(&surfaces.collect::<Vec<_>>(), &limits.collect::<Vec<_>>()))
+        }
+        Contacts::Pairs(all) if all.is_empty() => None,
+        Contacts::Pairs(all) => Some(pairs(all)),
+    }
+}
+
+fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) -> Sheet {
+    let mut rows = vec![row([
+        "contact",
+        "first, ms",
+        "touch-downs",
+        "normal, N",
+        "friction, N",
+        "peak, N",
+        "depth, µm",
+        "impulse, mN·s",
+    ])];
+    rows.extend(surfaces.iter().map(|(name, report)| {
+        row([
+            name,
+            &milliseconds(report.first_s),
+            &report.touchdowns.to_string(),
+            &figure(report.final_normal_n, 6),
+            &figure(report.final_tangential_n, 6),
+            &figure(report.peak_normal_n, 5),
+            &figure(report.max_penetration_m * 1e6, 5),
+            &figure(report.impulse_n_s * 1e3, 5),
+        ])
+    }));
+    let mut text = table(&rows);
+    if limits.is_empty() {
+        return text;
+    }
+    let mut rows =
+        vec![row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"])];
+    rows.extend(limits.iter().map(|(name, limit)| {
+        row([
+            name,
+            &milliseconds(limit.first_s),
+            &limit.touchdowns.to_string(),
+            &figure(limit.final_torque_n_m, 6),
+            &figure(limit.peak_torque_n_m, 5),
+            &figure(limit.max_penetration_rad * 1e6, 5),
+            &figure(limit.impulse_n_m_s * 1e3, 5),
+        ])
+    }));
+    text.push('\n');
+    text.push(table(&rows));
+    text
+}
+
+fn pairs(pairs: &BTreeMap<String, PairReport>) -> Sheet {
+    let mut rows = vec![row([
+        "contact",
+        "first, ms",
+        "touch-downs",
+        "normal, N",
+        "friction, N",
+        "peak, N",
+        "depth, µm",
+        "impulse, mN·s",
+        "restitution",
+    ])];
+    for (name, pair) in pairs {
+        rows.push(row([
+            name,
+            &milliseconds(pair.first_s),
+            &pair.touchdowns.to_string(),
+            &figure(pair.final_normal_n, 6),
+            &figure(pair.final_tangential_n, 6),
+            &figure(pair.peak_normal_n, 5),
+            &figure(pair.max_penetration_m * 1e6, 5),
+            &figure(pair.impulse_n_s * 1e3, 5),
+            &pair.restitution.map_or("–".to_string(), |ratio| figure(ratio, 5)),
+        ]));
+    }
+    table(&rows)
+}
+
+/// Of a finger, whose `motor` works against its spring, or of what is driven.
+pub fn energies(energy: &Energies, motor: bool) -> Sheet {
+    let mj = |joule: f64| figure(joule * 1e3, 5);
+    let spring = |cell: &str| motor.then(|| cell.to_string());
+    let line = |first: &str, [kinetic, gravity, spring_of, rest @ ..]: [&str; 7]| {
+        let spring = spring(spring_of);
+        let cells = [first, kinetic, gravity].into_iter().map(String::from).chain(spring);
+        cells.chain(rest.map(String::from)).collect::<Vec<String>>()
+    };
+    let work = if motor { "motor work" } else { "drive work" };
+    let figures = [
+        energy.kinetic_j,
+        energy.gravity_j,
+        energy.spring_j,
+        energy.elastic_j,
+        energy.dissipated_j,
+        energy.motor_work_j,
+        energy.balance_j,
+    ]
+    .map(mj);
+    table(&[
+        line("energy", ["kinetic", "gravity", "spring", "contact", "dissipated", work, "balance"]),
+        line("mJ", figures.each_ref().map(String::as_str)),
+    ])
+}
+
+pub fn dynamics(criteria: &Dynamics) -> Sheet {
+    let rebound = match criteria.rebound_percent {
+        Some(percent) => format!("{} %", figure(percent, 4)),
+        None => "–".to_string(),
+    };
+    let mut text = table(&[
+        row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
+        row(["", criteria.class, &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
+    ]);
+    if !criteria.statically_stable {
+        text.push_str("Unstable in statics: at rest a phalanx would have to pull (phalanx statics says which).\n");
+    }
+    text
+}
+
+/// What became of the object of a gripper.
+pub fn grasp(report: &GraspReport) -> Sheet {
+    let closed = match report.form_closed {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => "–",
+    };
+    let [displacement, rotation] = match report.slip {
+        Some(slip) => [figure(slip.displacement_m * 1e3, 4), figure(slip.rotation_rad.to_degrees(), 4)],
+        None => ["–".to_string(), "–".to_string()],
+    };
+    let lost: u32 = report.contacts.iter().map(|(_, contact)| contact.times_lost).sum();
+    let mut text = table(&[
+        row(["grasp", "held first, ms", "tts, ms", "form-closed", "contacts lost", "slip since, mm", "turn, deg"]),
+        row([
+            report.fate,
+            &milliseconds(report.grasped_s),
+            &milliseconds(report.tts_s),
+            closed,
+            &lost.to_string(),
+            &displacement,
+            &rotation,
+        ]),
+    ]);
+    if let Some(ratio) = report.offset_ratio {
+        let (start, end) = (report.x_start_m * 1e3, report.x_end_m * 1e3);
+        let what = if ratio < 1.0 { "centres" } else { "does not centre" };
+        text.push_str(&format!(
+            "The grasp {what} the object: from {} mm off the middle to {} mm.\n",
+            figure(start, 4),
+            figure(end, 4)
+        ));
+    }
+    if let (Some(until_s), "dropped") = (report.until_s, report.fate) {
+        text.push_str(&format!(
+            "Dropped: no longer held from both sides from {} ms on.\n",
+            milliseconds(Some(until_s))
+        ));
+    }
+    if let Some(closure) = report.force_closure {
+        let (one, each) = (figure(closure.q1_l1, 3), figure(closure.q1_linf, 3));
+        text.push_str(&match closure.closed {
+            true => format!("With friction it is force-closed: Q1 = {one} (normal forces that add up to 1), {each} (of up to 1 each).\n"),
+            false => "Not force-closed, even with friction.\n".to_string(),
+        });
+    }
+    report.cycle.iter().for_each(|cycle| text.push_str(&carried(cycle)));
+    text
+}
+
+/// What a gripper carries, and how it lets go, in words.
+fn carried(cycle: &CycleReport) -> String {
+    let mut text = String::new();
+    if let Some((from_s, slip)) = cycle.carries_s.zip(cycle.carried) {
+        let until = cycle
+            .releases_s
+            .map_or("to the end".to_string(), |until_s| format!("to {} ms", milliseconds(Some(until_s))));
+        let (slip, turn) = (figure(slip.displacement_m * 1e6, 4), figure(slip.rotation_rad.to_degrees(), 4));
+        text.push_str(&format!(
+            "Carried from {} ms {until}: slip in the hand {slip} µm and {turn} deg.\n",
+            milliseconds(Some(from_s))
+        ));
+    }
+    if let Some(most) = cycle.brake_slip_rad.into_iter().flatten().reduce(f64::max) {
+        text.push_str(&format!("Blocked driven links turn by up to {} deg.\n", figure(most.to_degrees(), 4)));
+    }
+    match (cycle.releases_s, cycle.opened_s.zip(cycle.opening_s)) {
+        (Some(_), Some((opened_s, opening_s))) => {
+            let [opening, cycle] = [opening_s, opened_s].map(|time_s| milliseconds(Some(time_s)));
+            text.push_str(&format!("Let go, and clear of the object {opening} ms later: a cycle of {cycle} ms.\n"));
+        }
+        (Some(released_s), None) => {
+            text.push_str(&format!("Let go at {} ms, but not clear of the object.\n", milliseconds(Some(released_s))));
+        }
+        (None, _) => {}
+    }
+    text
+}
+
+pub fn milliseconds(time_s: Option<f64>) -> String {
+    time_s.map_or("–".to_string(), |time_s| format!("{:.6}", time_s * 1e3))
+}

@@ -1,0 +1,97 @@
+//! The report for people: short tables with units.
+
+use std::fmt::Write;
+
+use super::check;
+use super::document::{EngineUsed, IntegratorUsed, RunReport};
+use super::grasp::GraspReport;
+use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, grasp, object};
+use crate::wording::duration;
+use crate::wording::figures::figure;
+use crate::wording::sheet::Sheet;
+
+/// The whole summary, with a line end.
+pub fn text(report: &RunReport) -> Sheet {
+    let mut sections = vec![heading(report)];
+    let end_s = report.end_s.unwrap_or_default();
+    sections.extend(report.last.flatten().map(|last| final_state(&last, end_s)));
+    sections.extend(report.fingers.iter().flatten().map(|all| final_states(all, end_s)));
+    sections.extend(report.object.iter().flatten().map(|of| object(of, end_s)));
+    sections.extend(report.discs.iter().flatten().map(|all| discs(all, end_s)));
+    sections.extend(report.contacts.as_ref().and_then(contacts));
+    sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.has_joints())));
+    sections.extend(report.criteria.flatten().map(|criteria| dynamics(&criteria)));
+    sections.extend(report.grasp.iter().flatten().map(grasp));
+    sections.extend(check::line(report.check.as_ref(), report.steps));
+    Sheet::join(sections)
+}
+
+fn heading(report: &RunReport) -> Sheet {
+    let mut text = Sheet::default();
+    let used = report.integrator.as_ref().map(integrator);
+    let used = used.or_else(|| report.engine.as_ref().map(|used| engine(used, report.has_joints())));
+    // Writing to a sheet cannot fail.
+    let _ = writeln!(text, "{}: {} model{}", report.scene, report.model, used.unwrap_or_default());
+    let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
+    if let Some(gap_m) = report.loop_gap_m.flatten() {
+        let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
+    }
+    if let Some(at_s) = report.grasp.iter().flatten().find_map(GraspReport::ejected_s) {
+        let _ = writeln!(
+            text,
+            "EJECTED: the object was thrown out of the gripper at {}, which ends the run",
+            duration(at_s)
+        );
+    }
+    if let Some(error) = &report.error {
+        let _ = writeln!(
+            text,
+            "NOT COMPLETED: stopped at {} of {}: {}",
+            duration(error.time_s),
+            duration(report.duration_s),
+            error.reason
+        );
+    }
+    if let Some(log) = &report.log {
+        let _ = writeln!(text, "log: {log}");
+    }
+    if let Some(page) = &report.page {
+        let _ = writeln!(text, "page: {page}");
+    }
+    text
+}
+
+pub fn integrator(used: &IntegratorUsed) -> String {
+    format!(", {} (rtol {:e}, {} preset)", used.method, used.rtol, used.preset)
+}
+
+pub fn engine(used: &EngineUsed, joints: bool) -> String {
+    let stepping = match (used.step_s, used.tolerance_m, used.max_step_s) {
+        (Some(step_s), ..) => format!("steps of {}", duration(step_s)),
+        (None, Some(tolerance_m), Some(max_step_s)) => {
+            let what = if joints { "joints" } else { "discs" };
+            format!("{what} within {} m a step, steps up to {}", figure(tolerance_m, 3), duration(max_step_s))
+        }
+        _ => String::new(),
+    };
+    let law = if used.law == "rapier" { ", rapier's own contact" } else { "" };
+    match joints {
+        true => format!(", {} construction ({stepping}, {} sweeps{law})", used.construction, used.iterations),
+        false => format!(", {stepping}{law}"),
+    }
+}
+
+fn cost(report: &RunReport) -> String {
+    let (Some(end_s), Some(steps), Some(work)) = (report.end_s, report.steps, &report.work) else {
+        return String::new();
+    };
+    let effort = match &report.engine {
+        None => format!("{} evaluations, {} Jacobians", work.rhs_evaluations, work.jacobian_evaluations),
+        Some(_) => {
+            format!("{} contact sub-steps, {} Newton iterations", work.contact_substeps, work.newton_iterations)
+        }
+    };
+    let (rejected, events) = (work.rejected_steps, work.events);
+    let plural = if events == 1 { "" } else { "s" };
+    format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", duration(end_s))
+}
