@@ -7,6 +7,7 @@ const PUSHES = [-1e-7, 1e-7, 3e-7];
 const DRIVES = ["motor.torque", "spring.torque", "spring.stiffness"];
 // Angles between two samples are known no better where a rate jumps.
 const LEAST_RAD = 1e-4;
+const PART = 0.1;
 
 // What is set on top for each of the runs.
 function variations(fields) {
@@ -29,9 +30,10 @@ async function cloudOf(line, scene, fields, still) {
   return runs;
 }
 
-// The first time at which a body of any of the runs has turned otherwise by more than an angle; `null` if none has.
-function parting(run, cloud, angle) {
-  const apart = Math.max(angle, LEAST_RAD);
+// The first time at which a body of any of the runs has turned otherwise by more than a tenth of the error that the check
+// found; `null` if they stay together.
+function parting(run, cloud, error) {
+  const apart = Math.max(PART * error, LEAST_RAD);
   for (let i = 0; i < run.samples; i++) {
     const time = run.time[i];
     for (const other of cloud) {

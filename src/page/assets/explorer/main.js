@@ -208,7 +208,9 @@ async function clouded(lab, still) {
   const cloud = await cloudOf(lines.patient, of, known.fields, still);
   if (!cloud || !still()) return;
   run.cloud = cloud;
-  run.trusted_s = verdict.from_s ?? parting(run, cloud, verdict.error ?? 0) ?? app.film.start;
+  const parted = verdict.from_s ?? parting(run, cloud, verdict.error_rad ?? verdict.error ?? 0);
+  run.trusted_s = parted ?? app.film.start;
+  if (parted !== null) put("doubt", `${byId("doubt").textContent}. From ${timeText(parted, app.film.unit, 2)} on its neighbours part.`);
   app.changed();
 }
 
