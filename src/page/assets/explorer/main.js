@@ -8,7 +8,7 @@ const HEADINGS = { finger: "One finger", gripper: "Gripper", discs: "Discs", har
 async function explorer() {
   const page = JSON.parse(byId("explorer").textContent);
   const { presets } = page;
-  const module = moduleOf(page.module);
+  const module = moduleOf(page);
   // The first answers the slider, the second everything that may wait.
   const lines = { live: new Line(module), patient: null };
   module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
@@ -69,7 +69,8 @@ async function moved(lab) {
 // Puts the answer of a run on the page.
 async function shown(lab, { answer, data, ms }, shot) {
   const { film, figures, problems, failed } = answer;
-  if (!film) {
+  if (!film?.samples) {
+    if (!lab.app) put("waiting", "This scene cannot be simulated here. Choose another one above.");
     wrong(lab, problems ?? [{ message: failed ?? "There is no answer." }]);
     return;
   }
@@ -172,8 +173,6 @@ async function rested(lab, stamp) {
   if (!lab.app) return done(lab, stamp);
   lines.patient ??= new Line(lines.live.module);
   if (!lab.fields) furnish(lab);
-  lab.app.events.renew();
-  lab.app.changed();
   const still = () => stamp === lab.stamp;
   const base = await baseOf(lab);
   const heard = await lines.live.ask("fields", setting.asks("fields"));
@@ -228,6 +227,12 @@ function seen(lab) {
   if (lab.settledStamp !== lab.stamp) return;
   lab.map?.renew();
   lab.statics?.renew();
+  // A scene may have thousands of events.
+  if (lab.tabs.shown() === "panel-events" && lab.listed !== lab.app.film.events) {
+    lab.listed = lab.app.film.events;
+    lab.app.events.renew();
+    lab.app.changed();
+  }
 }
 
 // The fields of the scene alone, once for each.
@@ -286,7 +291,7 @@ function drop(lab) {
 
 function compared(lab) {
   refilm(lab);
-  lab.app.events.renew();
+  seen(lab);
   lab.strip.show(lab.figures, lab.kept?.figures ?? null);
   buttons(lab);
   linkSoon(lab);
