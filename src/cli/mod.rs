@@ -12,6 +12,7 @@ mod browser;
 mod capture;
 mod completions;
 mod folder;
+mod explore;
 mod hold;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
@@ -119,6 +120,7 @@ struct Cli {
 enum Command {
     New(new::NewArgs),
     Run(run::RunArgs),
+    Explore(explore::ExploreArgs),
     Validate(validate_args::ValidateArgs),
     Replay(replay_args::ReplayArgs),
     /// Show and check scene files, and print their schema
@@ -192,6 +194,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.command {
         Command::New(args) => new::run(args),
         Command::Run(args) => run::run(args),
+        Command::Explore(args) => explore::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Scene(command) => scene::run(command),

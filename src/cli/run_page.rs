@@ -47,11 +47,11 @@ impl PageArgs {
         let browser = found.transpose().map_err(|why| Failure::bad_input(format!("--open: {why}")))?;
         let target = match (&self.html, &browser) {
             (Some(target), _) => {
-                apart(target, scene, log)?;
+                apart("--html", target, scene, log)?;
                 writable(target, Form::Page)?;
                 target.clone()
             }
-            (None, Some(_)) => temporary()?,
+            (None, Some(_)) => temporary("--html")?,
             (None, None) => return Ok(None),
         };
         Ok(Some(PageOrder { target, browser }))
@@ -68,12 +68,16 @@ impl PageOrder {
     }
 
     fn show(&self) -> Result<(), Failure> {
-        let Some(browser) = &self.browser else { return Ok(()) };
-        let page = self.target.display();
-        browser.open(&self.target).map_err(|why| {
-            Failure::incomplete(format!("the page is in {page}, but could not be opened: {why}; open it yourself"))
-        })
+        self.browser.as_ref().map_or(Ok(()), |browser| opened(browser, &self.target))
     }
+}
+
+/// Opens a page that has been written.
+pub(super) fn opened(browser: &Browser, page: &Path) -> Result<(), Failure> {
+    browser.open(page).map_err(|why| {
+        let page = page.display();
+        Failure::incomplete(format!("the page is in {page}, but could not be opened: {why}; open it yourself"))
+    })
 }
 
 /// How the command ends: by its run, else by its page, which is opened however the run ended.
@@ -92,13 +96,13 @@ pub(super) fn ended(
 }
 
 /// A slip of the hand must cost neither the scene nor the log.
-fn apart(target: &Path, scene: &Path, log: Option<&Path>) -> Result<(), Failure> {
+pub(super) fn apart(flag: &str, target: &Path, scene: &Path, log: Option<&Path>) -> Result<(), Failure> {
     let same = |other: &Path| match (target.canonicalize(), other.canonicalize()) {
         (Ok(target), Ok(other)) => target == other,
         _ => target == other,
     };
     let refused = |what: &str| {
-        Failure::bad_input(format!("--html {} is {what}; give another file, such as run.html", target.display()))
+        Failure::bad_input(format!("{flag} {} is {what}; give another file, such as run.html", target.display()))
     };
     if same(scene) {
         return Err(refused("the scene itself, which must stay as it is"));
@@ -110,12 +114,12 @@ fn apart(target: &Path, scene: &Path, log: Option<&Path>) -> Result<(), Failure>
 }
 
 /// A file that nobody else has: the browser reads it when this process may be gone, so it stays.
-fn temporary() -> Result<PathBuf, Failure> {
+pub(super) fn temporary(flag: &str) -> Result<PathBuf, Failure> {
     let made = tempfile::Builder::new().prefix("phalanx-").suffix(".html").tempfile();
     let kept = made.and_then(|file| file.into_temp_path().keep().map_err(|error| error.error));
     kept.map_err(|error| {
         Failure::bad_input(format!(
-            "--open: cannot make a temporary file: {error}; give the page a place with --html FILE.html"
+            "cannot make a temporary file: {error}; give the page a place with {flag} FILE.html"
         ))
     })
 }

@@ -9,15 +9,20 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `explorer`, `presets` | the page that simulates by itself, and the scenes it brings along |
 //! | `volume`, `volume_data` | the page of grasp-state volumes, and its data |
 //! | `html` | JSON, texts and pictures → the file, with the `assets` |
 
+mod explorer;
 mod html;
+mod presets;
 mod volume;
 mod volume_data;
 
+pub use explorer::{Start, explorer_page, is_packed};
 pub use html::page;
 pub use phalanx_show::film::{Body, Film, MOST_SAMPLES, Mark, Panel, Reel, Scale, Series, Touch, film};
+pub use presets::{Preset, presets, whole};
 pub use volume::{VolumePage, volume_page};
 
 use crate::wording::Sheet;

@@ -1,0 +1,128 @@
+//! The explorer: one self-contained file that simulates while its sliders move.
+
+use base64::prelude::{BASE64_STANDARD, Engine};
+use serde::Serialize;
+
+use super::html::{Script, filled, in_script};
+use super::presets::{Preset, presets};
+use crate::wording::escaped;
+
+const TEMPLATE: &str = include_str!("assets/explorer/page.html");
+const STYLES: [&str; 5] = [
+    include_str!("assets/theme.css"),
+    include_str!("assets/texts.css"),
+    include_str!("assets/layout.css"),
+    include_str!("assets/pictures.css"),
+    include_str!("assets/explorer/layout.css"),
+];
+/// In the order of their dependence; they share one scope.
+const SCRIPTS: [&str; 38] = [
+    include_str!("assets/format.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/reading.js"),
+    include_str!("assets/clock.js"),
+    include_str!("assets/axis.js"),
+    include_str!("assets/canvas.js"),
+    include_str!("assets/recorder.js"),
+    include_str!("assets/camera.js"),
+    include_str!("assets/shapes.js"),
+    include_str!("assets/letters.js"),
+    include_str!("assets/stage.js"),
+    include_str!("assets/plots.js"),
+    include_str!("assets/events.js"),
+    include_str!("assets/gif.js"),
+    include_str!("assets/movie.js"),
+    include_str!("assets/save.js"),
+    include_str!("assets/controls.js"),
+    include_str!("assets/help.js"),
+    include_str!("assets/keys.js"),
+    include_str!("assets/viewer.js"),
+    include_str!("assets/hooks.js"),
+    include_str!("assets/explorer/worker.js"),
+    include_str!("assets/explorer/line.js"),
+    include_str!("assets/explorer/setting.js"),
+    include_str!("assets/explorer/range.js"),
+    include_str!("assets/explorer/colours.js"),
+    include_str!("assets/explorer/fields.js"),
+    include_str!("assets/explorer/figures.js"),
+    include_str!("assets/explorer/verdict.js"),
+    include_str!("assets/explorer/grid.js"),
+    include_str!("assets/explorer/map.js"),
+    include_str!("assets/explorer/statics.js"),
+    include_str!("assets/explorer/tabs.js"),
+    include_str!("assets/explorer/link.js"),
+    include_str!("assets/explorer/files.js"),
+    include_str!("assets/explorer/panel.js"),
+    include_str!("assets/explorer/hooks.js"),
+    include_str!("assets/explorer/main.js"),
+];
+/// How a packed file begins.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// What the page opens with.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Start {
+    /// What messages call the scene.
+    pub file: String,
+    /// The scene by itself: it extends no other.
+    pub text: String,
+    /// Fields that are set in it, and to what.
+    pub set: Vec<(String, String)>,
+}
+
+impl Start {
+    /// The first scene that the page brings along.
+    pub fn shipped() -> Self {
+        let first = presets().into_iter().next().expect("there are presets");
+        Start { file: first.file, text: first.text, set: Vec::new() }
+    }
+}
+
+#[derive(Serialize)]
+struct Data<'a> {
+    module: String,
+    start: &'a Start,
+    presets: Vec<Shown<'a>>,
+    version: &'a str,
+}
+
+#[derive(Serialize)]
+struct Shown<'a> {
+    name: &'a str,
+    file: &'a str,
+    group: &'a str,
+    title: &'a str,
+    text: &'a str,
+}
+
+/// Whether these are the bytes of a packed file, as [`explorer_page`] takes a module.
+pub fn is_packed(bytes: &[u8]) -> bool {
+    bytes.starts_with(&GZIP)
+}
+
+/// The whole file, around a module of `crates/explorer` that gzip has packed. The same page gives the same bytes.
+pub fn explorer_page(module: &[u8], start: &Start, version: &str) -> String {
+    let presets = presets();
+    let own = presets.iter().find(|preset| preset.file == start.file);
+    let title = own.map_or(&start.file, |preset| &preset.name);
+    let data = Data {
+        module: BASE64_STANDARD.encode(module),
+        start,
+        presets: presets
+            .iter()
+            .map(|Preset { name, file, group, title, text }| Shown { name, file, group, title, text })
+            .collect(),
+        version,
+    };
+    let data = in_script(&serde_json::to_string(&data).expect("texts can be written"));
+    let Script { nonce, script } = Script::new(&data, &SCRIPTS);
+    let fields = [
+        ("nonce", nonce),
+        ("title", escaped(title)),
+        ("style", STYLES.concat()),
+        ("data", data),
+        ("script", script),
+        ("version", escaped(version)),
+    ];
+    filled(TEMPLATE, &fields)
+}

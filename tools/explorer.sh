@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Builds the explorer's module for the browser, packs it, and puts it beside the program, where `phalanx explore` finds it; with a
+# program there, writes the page too.
+# Usage: tools/explorer.sh [OUT.html]
+# Takes the target of the toolchain where it is installed (rustup target add wasm32-unknown-unknown), and otherwise Debian's
+# compiler, which builds std from its source. Where Binaryen's wasm-opt is at hand (Debian: binaryen), $OPTIMISE=1 makes the module a
+# tenth smaller, in a minute.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# shellcheck source=tools/need.sh
+. tools/need.sh
+# shellcheck source=tools/browser_target.sh
+. tools/browser_target.sh
+
+browser_target "the explorer"
+built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+say "explorer: the module"
+"${build[@]}" --release --locked --quiet --manifest-path crates/explorer/Cargo.toml --target "$target" --target-dir "$built/wasm"
+module=$built/wasm/$target/release/phalanx_explorer.wasm
+if [ -n "${OPTIMISE:-}" ]; then
+    wasm-opt -O2 --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext --enable-mutable-globals "$module" -o "$module.small"
+    module=$module.small
+fi
+
+# For programs of every profile: each looks beside itself.
+packed=phalanx-explorer.wasm.gz
+mkdir -p "$built/debug" "$built/release"
+gzip -9 --no-name --stdout "$module" >"$built/$packed.partial"
+cp "$built/$packed.partial" "$built/debug/$packed"
+mv "$built/$packed.partial" "$built/release/$packed"
+echo "$built/release/$packed: $(stat --format=%s "$built/release/$packed" 2>/dev/null || stat -f %z "$built/release/$packed") bytes"
+
+if [ -n "${1:-}" ]; then
+    PHALANX=${PHALANX:-$built/release/phalanx}
+    [ -x "$PHALANX" ] || cargo build --release --locked --quiet
+    "$PHALANX" explore --module "$built/release/$packed" --out "$1"
+fi
