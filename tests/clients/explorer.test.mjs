@@ -1,5 +1,5 @@
 // Headless Chromium opens the explorer from the disk and moves its sliders; what it says is held against the native program.
-// $MODULE names the WebAssembly module; without it the one that tools/wasm.sh leaves behind is taken. Screenshots go to
+// The module is the one that tools/explorer.sh puts beside the program, or what $MODULE names. Screenshots go to
 // target/page-screenshots.
 
 import assert from "node:assert/strict";
@@ -11,7 +11,7 @@ import { after, before, describe, it } from "node:test";
 import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
 import { gif } from "./gif.mjs";
 
-const MODULE = process.env.MODULE ?? path.join(PROJECT, "target/explorer.wasm");
+const MODULE = process.env.MODULE ? ["--module", process.env.MODULE] : [];
 const SCENE = path.join(PROJECT, "scenes/experiment-95.toml");
 const SLOW = { timeout: 120_000 };
 
@@ -25,7 +25,7 @@ after(stop);
 /** The explorer of a scene. */
 function explored(scene, name) {
   const out = path.join(DIRECTORY, name);
-  execFileSync(PHALANX, ["explore", "--module", MODULE, scene, "-o", out], { stdio: ["ignore", "ignore", "inherit"] });
+  execFileSync(PHALANX, ["explore", ...MODULE, scene, "-o", out], { stdio: ["ignore", "ignore", "inherit"] });
   return out;
 }
 
@@ -351,10 +351,10 @@ describe("the explorer", () => {
     const { page, call, state, close } = await ready();
     const files = await page.locator("#preset option").evaluateAll((options) => options.map((option) => option.value));
     assert.ok(files.length >= 3, files.join(", "));
-    const gripper = "design-95.toml";
+    const gripper = "gripper/design-95.toml";
     await page.locator("#preset").selectOption(gripper);
     await call("settled");
-    const expected = native(path.join(PROJECT, "scenes/gripper", gripper));
+    const expected = native(path.join(PROJECT, "scenes", gripper));
     const found = await state();
     assert.equal(found.file, gripper);
     assert.deepEqual(found.problems, []);

@@ -3,9 +3,9 @@
 // A request that has taken so long is dropped for a newer one of its kind.
 const PATIENCE_MS = 700;
 
-// The module out of the page: a compressed file in base85, or in base64 where its length is not told.
+// The module out of the page: a compressed file in base85.
 async function moduleOf({ module, module_bytes: length }) {
-  const bytes = length ? bytesOf(module, length) : Uint8Array.from(atob(module), (char) => char.charCodeAt(0));
+  const bytes = bytesOf(module, length);
   const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   return WebAssembly.compile(await new Response(plain).arrayBuffer());
 }
