@@ -209,7 +209,7 @@ async function clouded(lab, still) {
   run.cloud = cloud;
   const parted = verdict.from_s ?? parting(run, cloud, verdict.error_rad ?? verdict.error ?? 0);
   run.trusted_s = parted ?? app.film.start;
-  if (parted !== null) put("doubt", `${byId("doubt").textContent}. From ${timeText(parted, app.film.unit, 2)} on its neighbours part.`);
+  if (parted !== null) sayDoubt(verdict, ` from ${timeText(parted, app.film.unit, 2)} on, where its neighbours part`);
   app.changed();
 }
 

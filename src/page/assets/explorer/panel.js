@@ -9,6 +9,9 @@ const EXPLORER_KEYS = [
   [["←", "→"], "on a slider: a step; with shift ten"],
 ];
 
+// The file of the scene: of one that comes with the page, as it is there.
+const nameOf = ({ presets, setting: { file, text } }) => presets.find((each) => each.text === text)?.file ?? file;
+
 // The list of scenes that come with the page.
 function chooser(lab) {
   const select = byId("preset");
@@ -18,7 +21,7 @@ function chooser(lab) {
     groups.get(group).append(element("option", { value: file, title: title ?? "" }, name));
   }
   select.append(...groups.values());
-  choose(select, lab.setting.file);
+  choose(select, nameOf(lab));
   select.addEventListener("change", () => lab.preset(select.value));
 }
 
@@ -44,7 +47,7 @@ function title(lab, { name, description }) {
   if (document.title !== words) document.title = words;
   put("name", words);
   put("description", description ?? "");
-  choose(byId("preset"), lab.setting.file);
+  choose(byId("preset"), nameOf(lab));
   lab.app.name = words;
 }
 
