@@ -302,9 +302,13 @@ describe("the explorer", () => {
     const next = await call("mapAt", 14, 19);
     assert.deepEqual((await state()).set, [["design.base", next.x], ["design.phi22", next.y]]);
     assert.match(await page.locator("#map-said").textContent(), /time to stability/);
-    // Classes have colours of their own.
+    // Another variable makes another map; the class has colours of its own.
+    await call("set", "motor.torque", "450 N*mm");
+    const torque = ["motor.torque", "450 N*mm"];
     await call("map", "design.base", "design.phi22", "criteria.class");
     assert.ok((await page.locator("#map-legend .entry").allTextContents()).includes("stable"));
+    const { x, y, value } = await call("mapAt", 12, 20);
+    assert.equal(value, native(SCENE, [["design.base", x], ["design.phi22", y], torque]).criteria.class);
     await close();
   });
 
@@ -323,6 +327,10 @@ describe("the explorer", () => {
     assert.match(await page.locator("#doubt").textContent(), new RegExp(`This run is ${verdict}`));
     assert.equal((await state()).verdict.verdict, verdict);
     await page.waitForFunction(() => window.phalanx.state().cloud > 3);
+    const { trusted_s, runs } = await state();
+    assert.ok(trusted_s > 0.005 && trusted_s < 0.06, `${trusted_s} s`);
+    assert.match(await page.locator("#doubt").textContent(), /from [\d.]+\u202fms on/);
+    assert.equal(runs.length, 1);
     await call("seek", 0.055);
     await page.waitForTimeout(300);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-uncertain.png") });

@@ -164,8 +164,8 @@ function forceLetters(view, arrows) {
   });
 }
 
-// Draws them; returns what was drawn and where. `room` is that at the edges which has buttons over it.
-function drawLetters(ctx, view, linkage, arrows, room) {
+// Draws them; returns what was drawn and where. `room` is that at the edges which has buttons over it, `lit` the letter that stands out.
+function drawLetters(ctx, view, linkage, arrows, room, lit = null) {
   const { lines, letters } = lettersOf(linkage, view, forceLetters(view, arrows));
   ctx.font = LETTER_FONT;
   for (const letter of letters) letter.width = ctx.measureText(letter.text).width + 2;
@@ -195,7 +195,16 @@ function drawLetters(ctx, view, linkage, arrows, room) {
       ctx.strokeStyle = colour("soft");
       ctx.stroke();
     }
-    label(ctx, text, x, y, ink, "center");
+    if (text !== lit) {
+      label(ctx, text, x, y, ink, "center");
+      continue;
+    }
+    ctx.fillStyle = colour("accent");
+    ctx.fillRect(box[0] - 4, box[1] - 1, box[2] - box[0] + 8, box[3] - box[1] + 2);
+    ctx.textAlign = "center";
+    ctx.textBaseline = "middle";
+    ctx.fillStyle = colour("on-accent");
+    ctx.fillText(text, x, y);
   }
   ctx.font = FONT;
   return shown.map(({ text, box }) => ({ text, box }));

@@ -11,7 +11,7 @@ class Stage {
     this.arrowsToScale = false;
     // Whether letters were asked for, and where a pointer is.
     this.named = false;
-    // The name of a variable that is under someone's hand: its letter is shown.
+    // The letter of a variable that is under someone's hand: it stands out.
     this.hinted = null;
     this.pointer = null;
     this.letters = [];
@@ -55,7 +55,7 @@ class Stage {
     const linkage = this.namedLinkage(view, states[0]);
     states.forEach((state, index) => this.arrows(ctx, view, state, index === 0 && !linkage));
     this.ruler(ctx, view, width, height);
-    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM) : [];
+    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM, this.hinted) : [];
     this.drawn = states;
   }
 

@@ -7,7 +7,8 @@ const PATIENCE_MS = 700;
 async function moduleOf({ module, module_bytes: length }) {
   const bytes = bytesOf(module, length);
   const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(plain).arrayBuffer());
+  // What has come is compiled while the rest is unpacked.
+  return WebAssembly.compileStreaming(new Response(plain, { headers: { "content-type": "application/wasm" } }));
 }
 
 // One worker and its queue. Of requests of one kind only the newest waits; who asked for an older one hears `null`.

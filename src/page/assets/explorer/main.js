@@ -252,7 +252,7 @@ function furnish(lab) {
   lab.fields = new Fields(byId("fields"), {
     put: lab.put,
     hint: (key) => {
-      app.stage.hinted = LETTERED.has(key) ? key : null;
+      app.stage.hinted = LETTERS.get(key) ?? null;
       app.changed();
     },
   });

@@ -1,7 +1,7 @@
 // The parts of the explorer's page that are no film: the choice of a scene, buttons, warnings, the title, the address.
 
-// Variables that have a letter in the drawing of the linkage.
-const LETTERED = new Set(["base", "l11", "l12", "l21", "l22", "t22", "phi22", "width", "l21_fraction", "arm_ratio"]);
+// The letters of variables in the drawing of the linkage.
+const LETTERS = new Map([...["base", "l11", "l12", "l21", "l22", "t22", "w", "q11", "q21"].map((each) => [each, each]), ["phi22", "φ22"], ["l21_fraction", "l21"], ["arm_ratio", "l22"], ["width", "w"]]);
 const EXPLORER_KEYS = [
   [["Ctrl z", "Ctrl Shift z"], "undo, redo"],
   [["k"], "keep this run as A, to compare with"],
