@@ -77,6 +77,8 @@ async function saveAs(app, kind, tell) {
     : kind === "svg" ? new Blob([pictureOf(app).text], { type: "image/svg+xml" })
     : kind === "gif" ? await movieOf(app, tell)
     : await pointsOf(pictureOf(app));
+  // Why there is none has been said.
+  if (!blob) return;
   const address = URL.createObjectURL(blob);
   element("a", { href: address, download: `${name}.${kind}` }).click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);

@@ -14,7 +14,9 @@ async function explorer() {
   module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
   const opened = await stateOf(location.hash, presets);
   const setting = new Setting(opened.scene ?? page.start);
-  const lab = { page, presets, lines, setting, app: null, run: null, figures: [], kept: null, verdict: null, stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] };
+  const lab = { page, presets, lines, setting, opened, app: null, run: null, figures: [], kept: null, verdict: null, wrong: [] };
+  // Every move has a number; these are of the last one, and of those that are shown and that everything has been done for.
+  Object.assign(lab, { stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] });
 
   chooser(lab);
   lab.put = (path, text) => {
@@ -38,7 +40,6 @@ async function explorer() {
   };
   lab.undo = () => setting.go(-1) && lab.take(setting.settled);
   lab.redo = () => setting.go(1) && lab.take(setting.settled);
-  lab.opened = opened;
   await moved(lab);
 }
 

@@ -1,7 +1,8 @@
 // The parts of the explorer's page that are no film: the choice of a scene, buttons, warnings, the title, the address.
 
 // The letters of variables in the drawing of the linkage.
-const LETTERS = new Map([...["base", "l11", "l12", "l21", "l22", "t22", "w", "q11", "q21"].map((each) => [each, each]), ["phi22", "φ22"], ["l21_fraction", "l21"], ["arm_ratio", "l22"], ["width", "w"]]);
+const SAME = ["base", "l11", "l12", "l21", "l22", "t22", "w", "q11", "q21"].map((each) => [each, each]);
+const LETTERS = new Map([...SAME, ["phi22", "φ22"], ["l21_fraction", "l21"], ["arm_ratio", "l22"], ["width", "w"]]);
 const EXPLORER_KEYS = [
   [["Ctrl z", "Ctrl Shift z"], "undo, redo"],
   [["k"], "keep this run as A, to compare with"],
