@@ -9,7 +9,7 @@ async function explorer() {
   const page = JSON.parse(byId("explorer").textContent);
   const { presets } = page;
   const module = moduleOf(page);
-  // The first answers the slider, the second everything that may wait.
+  // The first answers the slider and nothing else that takes long, the second everything that may wait.
   const lines = { live: new Line(module), patient: null };
   module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
   const opened = await stateOf(location.hash, presets);
@@ -54,6 +54,7 @@ async function moved(lab) {
     lab.held = true;
   }
   lab.map?.drop();
+  for (const kind of ["check", "cloud", "statics"]) lines.patient?.drop(kind);
   document.body.classList.add("busy");
   lab.resting = setTimeout(() => rested(lab, stamp), SETTLED_MS);
   const shot = setting.copy();
@@ -176,7 +177,7 @@ async function rested(lab, stamp) {
   if (!lab.fields) furnish(lab);
   const still = () => stamp === lab.stamp;
   const base = await baseOf(lab);
-  const heard = await lines.live.ask("fields", setting.asks("fields"));
+  const heard = await lines.patient.ask("fields", setting.asks("fields"), -1);
   if (!still()) return undefined;
   if (heard?.answer.fields && base) {
     lab.fields.show(heard.answer, base, setting.set);
@@ -241,7 +242,7 @@ async function baseOf(lab) {
   const { setting, lines } = lab;
   const { file, text } = setting;
   if (lab.base?.file === file && lab.base.text === text) return lab.base.answer;
-  const heard = await lines.live.ask("base", { ask: "fields", scene: { file, text }, set: [] });
+  const heard = await lines.patient.ask("base", { ask: "fields", scene: { file, text }, set: [] }, -1);
   if (!heard?.answer.fields) return null;
   lab.base = { file, text, answer: heard.answer };
   return heard.answer;
