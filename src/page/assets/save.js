@@ -14,7 +14,8 @@ function pictureOf(app) {
     width = Math.max(width, recorder.width);
   };
   const shown = film.runs.filter((run) => run.visible);
-  const how = shown.length > 1 ? `: ${shown[0].label} wide and pale, ${shown[1].label} dashed` : shown.map((run) => `: ${run.label}`).join("");
+  const first = shown[0]?.kept === false ? "solid" : "wide and pale";
+  const how = shown.length > 1 ? `: ${shown[0].label} ${first}, ${shown[1].label} dashed` : shown.map((run) => `: ${run.label}`).join("");
   parts.push(words(`${document.title}, ${timeText(clock.time, film.unit)}${how}`, 8, "ink", 600));
   y += 28;
   put(recorded("stage", stage.canvas, () => stage.draw(clock.time)));
