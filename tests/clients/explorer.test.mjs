@@ -248,6 +248,13 @@ describe("the explorer", () => {
     assert.deepEqual((await again.state()).figures, figures);
     assert.equal(await again.page.title(), "own");
     await again.close();
+    // As does a file that is opened.
+    const chosen = await ready();
+    await chosen.page.locator("#scene-file").setInputFiles(path.join(PROJECT, "scenes/torsional-spring.toml"));
+    await chosen.page.waitForFunction(() => window.phalanx.state().file === "torsional-spring.toml");
+    await chosen.call("settled");
+    agrees(await chosen.state(), native(path.join(PROJECT, "scenes/torsional-spring.toml")));
+    await chosen.close();
     // What was cut short on its way opens the page as it would without.
     const cut = await ready({ hash: "#scene=own.toml&text=eJ" });
     agrees(await cut.state(), native(SCENE));

@@ -19,6 +19,7 @@ async function explorer() {
   Object.assign(lab, { stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] });
 
   chooser(lab);
+  openable(lab);
   lab.put = (path, text) => {
     if (text === null) setting.set.delete(path);
     else setting.set.set(path, text);
@@ -138,6 +139,8 @@ function begin(lab) {
   };
   app.plots.wanted = drawn;
   addEventListener("scroll", app.changed, { passive: true });
+  app.files = filesOf(app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
+  if (!app.files.webm) byId("save").querySelector("[value='webm']").remove();
   lab.strip = new Figures(byId("strip"), byId("table"));
   lab.tabs = tabs(byId("tabs"), () => {
     app.changed();
@@ -185,7 +188,7 @@ async function rested(lab, stamp) {
     title(lab, heard.answer);
   }
   buttons(lab);
-  if (lab.opened.kept) await keptAgain(lab);
+  if (lab.opened.kept) await keptAgain(lab, lab.opened.kept);
   done(lab, stamp);
   if (lab.held) lab.resuming = setTimeout(() => lab.held && lab.app.clock.play(), RESUMED_MS);
   if (lab.wrong.length > 0) return undefined;
@@ -308,8 +311,7 @@ function swap(lab) {
 }
 
 // What an address keeps as A is simulated once more.
-async function keptAgain(lab) {
-  const { kept: scene } = lab.opened;
+async function keptAgain(lab, scene) {
   lab.opened.kept = null;
   const heard = await lab.lines.live.ask("kept", { ask: "run", scene: { file: scene.file, text: scene.text }, set: scene.set });
   const { film, figures } = heard?.answer ?? {};

@@ -106,15 +106,29 @@ function controlsOf(lab) {
     else lab.undo();
   });
   addEventListener("hashchange", async () => {
-    const { scene, time_s } = await stateOf(location.hash, lab.presets);
+    const { scene, kept, time_s } = await stateOf(location.hash, lab.presets);
     if (scene && !same(scene, lab.setting.copy())) lab.take(scene);
+    if (kept) await keptAgain(lab, kept);
     if (time_s !== null) {
       lab.app.pause();
       lab.app.seek(time_s);
     }
   });
-  lab.app.files = filesOf(lab.app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
-  if (!lab.app.files.webm) byId("save").querySelector("[value='webm']").remove();
+}
+
+// A scene of one's own, from a file that is chosen or dropped on the page.
+function openable(lab) {
+  const take = async (file) => {
+    if (file) lab.take({ file: file.name, text: await file.text(), set: [] });
+  };
+  byId("scene-file").addEventListener("change", ({ target }) => take(target.files[0]));
+  const isFile = (event) => event.dataTransfer.types.includes("Files");
+  document.addEventListener("dragover", (event) => isFile(event) && event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    if (!isFile(event)) return;
+    event.preventDefault();
+    take(event.dataTransfer.files[0]);
+  });
 }
 
 const addressNow = (lab) => fragmentOf({
