@@ -460,7 +460,7 @@ describe("the explorer", () => {
       return [id, top, height];
     }));
     const before = await places();
-    for (const base of ["12 mm", "19 mm", "24 mm"]) {
+    for (const base of ["12 mm", "19 mm", "24 mm", "3 kg"]) {
       await call("set", "design.base", base);
       assert.deepEqual(await places(), before, base);
     }

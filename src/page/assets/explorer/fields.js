@@ -59,7 +59,7 @@ class Fields {
   row(field, called) {
     const { path, key, about } = field;
     const id = `field-${path}`;
-    const name = element("label", { for: id, title: `${path}${about ? `: ${about}` : ""}` }, called);
+    const name = element("label", { for: id, title: `${path}${about ? `: ${about}` : ""}` }, ...breakable(called));
     const what = element("span", { class: "about soft" }, about ?? "");
     const reset = element("button", { type: "button", class: "reset", "aria-label": `${path} as in the scene`, title: "As in the scene" }, "↺");
     const problem = element("p", { class: "problem", id: `${id}-problem`, hidden: "" });
@@ -185,7 +185,7 @@ class Fields {
       const here = row.path === path;
       if (!here && row.problem.hidden) continue;
       row.problem.hidden = !here;
-      row.problem.textContent = here ? [problem.message, problem.help].filter(Boolean).join(" ") : "";
+      row.problem.textContent = here ? [problem.message, problem.help].filter(Boolean).join(": ") : "";
       row.entry.toggleAttribute("aria-invalid", here);
     }
     return this.rows.has(path);
@@ -214,6 +214,9 @@ class Fields {
     return [...this.rows.values()].filter(({ slider, field }) => slider && isNumeric(field)).map(({ path }) => ({ path, range: this.ranges.get(path) }));
   }
 }
+
+// A name that may go on in another line behind each "_".
+const breakable = (name) => name.split(/(?<=_)/).flatMap((part, index) => (index > 0 ? [element("wbr"), part] : [part]));
 
 // Chooses a word; one that is not among those known is added.
 function choose(select, word) {

@@ -39,7 +39,7 @@ function warn(problems) {
   const box = byId("warning");
   document.body.classList.toggle("wrong", problems.length > 0);
   box.hidden = problems.length === 0;
-  const said = problems.map(({ message, help, line }) => element("p", {}, element("strong", {}, message), ...(line ? [` (line ${line})`] : []), ...(help ? [` ${help}`] : [])));
+  const said = problems.map(({ message, help, line }) => element("p", {}, element("strong", {}, message), ...(line ? [` (line ${line})`] : []), ...(help ? [`: ${help}`] : [])));
   box.replaceChildren(...said);
 }
 

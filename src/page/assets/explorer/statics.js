@@ -22,7 +22,7 @@ class Statics {
     }
     this.holder.classList.remove("stale");
     const { answer } = heard;
-    const trouble = answer.problems?.map(({ message, help }) => [message, help].filter(Boolean).join(" ")).join(" ") ?? answer.failed;
+    const trouble = answer.problems?.map(({ message, help }) => [message, help].filter(Boolean).join(": ")).join(" ") ?? answer.failed;
     if (trouble) {
       this.holder.replaceChildren(element("p", { class: "soft" }, trouble));
       return;
