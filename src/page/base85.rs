@@ -30,7 +30,8 @@ mod tests {
     /// The bytes again, as the page reads them.
     fn back(text: &str, length: usize) -> Vec<u8> {
         let characters = characters();
-        let value = |character: u8| characters.iter().position(|each| *each == character).expect("one of the 85") as u32;
+        let value =
+            |character: u8| characters.iter().position(|each| *each == character).expect("one of the 85") as u32;
         let number = |group: &[u8]| group.iter().fold(0, |sum: u32, &each| sum * 85 + value(each));
         let bytes: Vec<u8> = text.as_bytes().chunks(5).flat_map(|group| number(group).to_be_bytes()).collect();
         bytes[..length].to_vec()
@@ -38,7 +39,8 @@ mod tests {
 
     #[test]
     fn bytes_come_back_and_nothing_needs_an_escape() {
-        let bytes: Vec<u8> = (0..1021_u32).map(|k| (k * k * 31 + k / 7) as u8).chain([0, 0, 255, 255, 255, 255]).collect();
+        let bytes: Vec<u8> =
+            (0..1021_u32).map(|k| (k * k * 31 + k / 7) as u8).chain([0, 0, 255, 255, 255, 255]).collect();
         for length in [0, 1, 2, 3, 4, 5, bytes.len()] {
             let text = base85(&bytes[..length]);
             assert_eq!(text.len(), length.div_ceil(4) * 5);
