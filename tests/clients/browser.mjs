@@ -31,8 +31,8 @@ export async function stop() {
   rmSync(DIRECTORY, { recursive: true });
 }
 
-/** A page in a browser that fails on anything it complains of or asks for. */
-export async function opened(file, { width = 1280, height = 800, scheme = "light", hash = "", ...more } = {}) {
+/** A page in a browser that fails on anything it complains of or asks for, but files under the directory `beside`. */
+export async function opened(file, { width = 1280, height = 800, scheme = "light", hash = "", beside = null, ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
   const page = await context.newPage();
   const complaints = [];
@@ -41,7 +41,8 @@ export async function opened(file, { width = 1280, height = 800, scheme = "light
   page.on("request", (request) => {
     // What the page saves is its own; everything else would come from somewhere.
     const own = request.url().startsWith("data:") || request.url().startsWith("blob:");
-    if (request.url().split("#")[0] !== pathToFileURL(file).href && !own) complaints.push(request.url());
+    const near = beside !== null && request.url().startsWith(`${pathToFileURL(beside).href}/`);
+    if (request.url().split("#")[0] !== pathToFileURL(file).href && !own && !near) complaints.push(request.url());
   });
   await page.goto(pathToFileURL(file).href + hash);
   return {

@@ -1,0 +1,133 @@
+// Headless Chromium goes through the tutorial's site: the explorer on its first page, and every link into the explorer, whose page is
+// held to the native program and to what the chapter with the link states. Screenshots go to target/page-screenshots.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { readdirSync, readFileSync } from "node:fs";
+import path from "node:path";
+import { after, before, describe, it } from "node:test";
+import { fileURLToPath } from "node:url";
+
+import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
+
+const SITE = path.join(DIRECTORY, "site");
+const EXPLORER = path.join(SITE, "explorer.html");
+const SLOW = { timeout: 300_000 };
+const SIZES = { s: 1, ms: 1e-3, "µs": 1e-6, N: 1, kN: 1e3, mm: 1e-3, "µm": 1e-6, deg: Math.PI / 180, "%": 1 };
+
+before(async () => {
+  await start();
+  execFileSync("python3", [path.join(PROJECT, "tools/book.py"), SITE], { stdio: ["ignore", "ignore", "inherit"], env: { ...process.env, PHALANX } });
+});
+after(stop);
+
+/** What the native program says of a scene with fields set. */
+function native(scene, set) {
+  const flags = set.flatMap(([field, value]) => ["--set", `${field}=${value}`]);
+  return JSON.parse(execFileSync(PHALANX, ["run", path.join(PROJECT, "scenes", scene), ...flags, "--json"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
+}
+
+/** How many figures of the explorer are numbers of the native program's, by their keys; each must be the same. */
+function compared({ figures }, document) {
+  const pairs = figures.map(({ key, value }) => [key, value, key.split(".").reduce((at, part) => at?.[part], document)]);
+  const both = pairs.filter(([, value, found]) => typeof found === "number" && value !== null);
+  for (const [key, value, found] of both) assert.ok(Math.abs(value - found) <= 1e-9 * Math.max(Math.abs(found), 1e-6), `${key}: ${value}, not ${found}`);
+  return both.length;
+}
+
+/** Whether a number is what is stated of it: in its unit, to half of its last digit. */
+function isStated(value, stated) {
+  const [, number, unit] = stated.match(/^(-?[\d.]+)\s?(\S*)$/) ?? assert.fail(`${stated} is no number with a unit`);
+  const size = unit === "" ? 1 : SIZES[unit] ?? assert.fail(`${unit} is not known`);
+  const last = 10 ** -(number.split(".")[1] ?? "").length;
+  return Math.abs(value / size - Number(number)) <= 0.5001 * last;
+}
+
+/** Every link into the explorer, and the page that it is on. */
+async function links() {
+  const found = [];
+  for (const name of readdirSync(SITE, { recursive: true }).filter((each) => each.endsWith(".html") && each !== "explorer.html" && !each.startsWith("live"))) {
+    if (!readFileSync(path.join(SITE, name), "utf8").includes('class="explore"')) continue;
+    const { page, close } = await opened(path.join(SITE, name), { beside: SITE });
+    const text = await page.locator("body").innerText();
+    for (const { href, says } of await page.locator("a.explore").evaluateAll((all) => all.map(({ href, dataset }) => ({ href, says: dataset.says ?? "" })))) {
+      assert.equal(fileURLToPath(href.split("#")[0]), EXPLORER, name);
+      found.push({ page: name, text, hash: new URL(href).hash, says: says ? says.split("; ").map((each) => each.split("=")) : [] });
+    }
+    await close();
+  }
+  return found;
+}
+
+describe("the tutorial's site", () => {
+  for (const [width, height] of [[1280, 800], [390, 844]]) {
+    for (const scheme of ["light", "dark"]) {
+      it(`shows the explorer on its first page, ${width} px, ${scheme}`, SLOW, async () => {
+        const { page, close } = await opened(path.join(SITE, "index.html"), { width, height, scheme, beside: SITE });
+        const holder = page.locator("iframe.explorer");
+        assert.equal(await holder.getAttribute("loading"), "lazy");
+        await holder.scrollIntoViewIfNeeded();
+        const frame = await (await holder.elementHandle()).contentFrame();
+        await frame.waitForFunction(() => window.phalanx);
+        await frame.evaluate(() => window.phalanx.settled());
+        const size = await holder.boundingBox();
+        assert.ok(size.height >= 560 && size.height < height, `${size.height} px high: there is page left above or below it`);
+        for (const each of [page, frame]) assert.equal(await each.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth), 0);
+        assert.ok(compared(await frame.evaluate(() => window.phalanx.state()), native("experiment-95.toml", [])) > 20);
+        // A slider in it is the explorer's.
+        const slider = frame.locator('.field[data-path="design.base"] input[type=range]');
+        await slider.focus();
+        await page.keyboard.press("Shift+ArrowRight");
+        await frame.waitForFunction(() => window.phalanx.state().set.length === 1);
+        await frame.evaluate(() => window.phalanx.settled());
+        const moved = await frame.evaluate(() => window.phalanx.state());
+        assert.ok(compared(moved, native("experiment-95.toml", moved.set)) > 20);
+        await frame.evaluate(() => window.phalanx.pause());
+        await holder.evaluate((each) => each.scrollIntoView({ block: "center" }));
+        await page.waitForTimeout(200);
+        await page.screenshot({ path: path.join(SCREENSHOTS, `book-${width}-${scheme}.png`) });
+        await close();
+      });
+    }
+  }
+
+  it("opens what its chapters show in the explorer, which has the figures they state", SLOW, async (test) => {
+    const all = await links();
+    const into = all.filter(({ hash }) => hash !== "");
+    assert.deepEqual(all.filter(({ hash }) => hash === "").map(({ page }) => page), ["index.html"], "the explorer by itself");
+    assert.ok(into.length >= 10, `${into.length} links`);
+    let stated = 0;
+    for (const { page: name, text, hash, says } of into) {
+      const asked = new URLSearchParams(hash.slice(1));
+      const [scene, set] = [asked.get("scene"), asked.getAll("set").map((pair) => pair.split(/=(.*)/).slice(0, 2))];
+      const at = `${name}: ${hash}`;
+      const { page, state, call, close } = await opened(EXPLORER, { hash });
+      await page.waitForFunction(() => window.phalanx);
+      await call("settled");
+      const now = await state();
+      assert.deepEqual([now.file, now.set, now.problems], [scene, set, []], at);
+      for (const [field] of set) assert.ok(field in now.fields, `${at}: there is no field ${field}`);
+      if (asked.has("t")) assert.equal(now.time_s, Number(asked.get("t")), at);
+      assert.ok(compared(now, native(scene, set)) > 10, at);
+      for (const [key, value] of says) {
+        const number = value.split(/\s|(?=ms$)/)[0];
+        assert.ok(text.includes(number), `${name} does not state ${number}`);
+        const figure = now.figures.find((each) => each.key === key);
+        if (key === "verdict") assert.equal((await call("check")).verdict, value.toLowerCase(), at);
+        else if (key === "t") assert.ok(isStated(now.time_s, value), `${at}: it is at ${now.time_s} s`);
+        else if (/^-?\d/.test(value)) assert.ok(isStated(figure?.value, value), `${at}: ${key} is ${figure?.value}, not ${value}`);
+        else assert.equal(figure?.text, value, at);
+        stated++;
+      }
+      if (asked.has("map")) await isMapped(page, call, asked.get("map").split(","), scene, set);
+      await close();
+    }
+    test.diagnostic(`${into.length} links, ${stated} figures that are stated`);
+    assert.ok(stated >= 8, `${stated} figures are stated`);
+  });
+
+  it("notices a figure that is not the one stated", () => {
+    assert.ok(isStated(0.006883746, "6.88 ms") && isStated(23.6091, "23.6091 N") && isStated(98861.4, "98861 N"));
+    assert.ok(!isStated(0.006883746, "6.89 ms") && !isStated(98862, "98861 N") && !isStated(undefined, "1 N"));
+  });
+});
