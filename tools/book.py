@@ -10,11 +10,13 @@ builds it, and where that has no compiler for the browser, the site is built wit
 
 What is shown in a page can be opened in the explorer by a comment beside it, which readers of the repository do not see:
     <!-- explorer scene=gripper/design-95.toml set="design.base=14 mm" t=0.0069 says="criteria.tts_s=6.88 ms" -->
-`scene` is one that the explorer brings along, `set` (any number of them) fields on top of it, `t` the instant in seconds, `map` two
-fields and a criterion; `says` are figures that the page states, by their keys in `phalanx run --json`: tests/clients/book.test.mjs
-holds the page to the explorer by them. The comment `<!-- explorer here -->` stands where the explorer itself is shown.
+`scene` is one that the explorer brings along, or one that stands in the page (a block ```toml file=NAME); `set` (any number of them)
+are fields on top of it, `t` is the instant in seconds, `map` two fields and a criterion, `called` what the link says it opens. `says`
+are figures that the page states, by their keys in `phalanx run --json`: tests/clients/book.test.mjs holds the page to the explorer by
+them. The comment `<!-- explorer here -->` stands where the explorer itself is shown.
 """
 
+import base64
 import html
 import json
 import os
@@ -23,6 +25,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import zlib
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import parse_qs, unquote, urlencode, urlsplit
@@ -35,7 +38,8 @@ EXPLORER = "explorer.html"
 MODULE = "phalanx-explorer.wasm.gz"
 COMMENT = re.compile(r"<!-- explorer (.*?) -->")
 # What a comment may say of the explorer, besides `here`.
-WORDS = ("scene", "set", "t", "map", "says")
+WORDS = ("scene", "set", "t", "map", "called", "says")
+OWN = re.compile(r"^```toml file=(\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 def phalanx() -> list[str]:
@@ -65,8 +69,15 @@ def module() -> Path | None:
     return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / MODULE if status == 0 else None
 
 
+def packed(text: str) -> str:
+    """A scene as an address of the explorer takes it."""
+    deflate = zlib.compressobj(9, zlib.DEFLATED, -15)
+    return base64.urlsafe_b64encode(deflate.compress(text.encode()) + deflate.flush()).decode().rstrip("=")
+
+
 def explored(text: str, up: str, there: bool) -> str:
     """A page with its comments about the explorer as links to it, `up` from there; without them where there is no explorer."""
+    scenes = dict(OWN.findall(text))
 
     def link(found: re.Match) -> str:
         if not there:
@@ -76,13 +87,15 @@ def explored(text: str, up: str, there: bool) -> str:
                 f'<iframe class="explorer" src="{up}{EXPLORER}" title="The explorer: a closing, simulated anew while sliders move" loading="lazy"></iframe>\n\n'
                 f'<a class="explore" href="{up}{EXPLORER}" target="_blank">Open the explorer by itself</a>'
             )
-        pairs = [word.split("=", 1) for word in shlex.split(found[1])]
+        pairs = [tuple(word.split("=", 1)) for word in shlex.split(found[1])]
         if any(len(pair) < 2 or pair[0] not in WORDS for pair in pairs):
             sys.exit(f"{found[0]}: say {', '.join(f'{word}=…' for word in WORDS)}")
-        query = urlencode([pair for pair in pairs if pair[0] != "says"])
+        own = [("text", packed(scenes[value])) for word, value in pairs if word == "scene" and value in scenes]
+        query = urlencode([pair for pair in pairs if pair[0] not in ("called", "says")] + own)
         says = "; ".join(value for word, value in pairs if word == "says")
         said = f' data-says="{html.escape(says)}"' if says else ""
-        return f'<a class="explore" href="{up}{EXPLORER}#{html.escape(query)}" target="_blank"{said}>Open in the explorer</a>'
+        called = "".join(f": {html.escape(value)}" for word, value in pairs if word == "called")
+        return f'<a class="explore" href="{up}{EXPLORER}#{html.escape(query)}" target="_blank"{said}>Open in the explorer{called}</a>'
 
     return COMMENT.sub(link, text)
 
@@ -108,16 +121,16 @@ def gather(pages: Path) -> None:
     """All sources of the site."""
     shutil.rmtree(SOURCE, ignore_errors=True)
     shutil.copytree(pages, SOURCE)
-    packed = module()
-    if packed is None:
+    module_file = module()
+    if module_file is None:
         print("the site is built without the explorer, and without links to it: its module could not be built (see above)", file=sys.stderr)
     else:
-        subprocess.run([*phalanx(), "explore", "--module", packed, "--out", SOURCE / EXPLORER], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+        subprocess.run([*phalanx(), "explore", "--module", module_file, "--out", SOURCE / EXPLORER], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
     for path in SOURCE.glob("*.md"):
-        path.write_text(explored(tutorial(path.read_text()), "", packed is not None))
+        path.write_text(explored(tutorial(path.read_text()), "", module_file is not None))
     (SOURCE / "reference").mkdir()
     for document in sorted((ROOT / "src" / "docs").glob("*.md")):
-        text = explored(reference(document.read_text()), "../", packed is not None)
+        text = explored(reference(document.read_text()), "../", module_file is not None)
         (SOURCE / "reference" / document.name).write_text(text)
     shutil.copytree(ROOT / "tools" / "figures", SOURCE / "figures", dirs_exist_ok=True)
     shutil.copytree(ROOT / "scenes", SOURCE / "scenes")
@@ -169,7 +182,9 @@ def dead_links(site: Path) -> list[str]:
             if not target.exists():
                 dead.append(f"{path.relative_to(site.resolve())}: {link}: there is no such file")
             elif target == explorer and parts.fragment:
-                dead += [f"{path.relative_to(site.resolve())}: {link}: the explorer has no such scene" for scene in parse_qs(parts.fragment).get("scene", [""]) if scene not in scenes]
+                asked = parse_qs(parts.fragment)
+                if "text" not in asked and not scenes.issuperset(asked.get("scene", [""])):
+                    dead.append(f"{path.relative_to(site.resolve())}: {link}: the explorer has no such scene")
             elif parts.fragment and known and unquote(parts.fragment) not in known.anchors:
                 dead.append(f"{path.relative_to(site.resolve())}: {link}: there is no such place in it")
     return dead

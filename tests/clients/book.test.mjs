@@ -3,15 +3,17 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readdirSync, readFileSync } from "node:fs";
+import { readdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, describe, it } from "node:test";
 import { fileURLToPath } from "node:url";
+import { inflateRawSync } from "node:zlib";
 
 import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
 
 const SITE = path.join(DIRECTORY, "site");
 const EXPLORER = path.join(SITE, "explorer.html");
+const EXPERIMENT = path.join(PROJECT, "scenes/experiment-95.toml");
 const SLOW = { timeout: 300_000 };
 const SIZES = { s: 1, ms: 1e-3, "µs": 1e-6, N: 1, kN: 1e3, mm: 1e-3, "µm": 1e-6, deg: Math.PI / 180, "%": 1 };
 
@@ -21,10 +23,18 @@ before(async () => {
 });
 after(stop);
 
-/** What the native program says of a scene with fields set. */
-function native(scene, set) {
+/** The file of a scene: a shipped one, or one that an address brings whole. */
+function fileOf(scene, text) {
+  if (text === null) return path.join(PROJECT, "scenes", scene);
+  const file = path.join(DIRECTORY, scene);
+  writeFileSync(file, inflateRawSync(Buffer.from(text, "base64url")));
+  return file;
+}
+
+/** What the native program says of a scene file with fields set. */
+function native(file, set) {
   const flags = set.flatMap(([field, value]) => ["--set", `${field}=${value}`]);
-  return JSON.parse(execFileSync(PHALANX, ["run", path.join(PROJECT, "scenes", scene), ...flags, "--json"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
+  return JSON.parse(execFileSync(PHALANX, ["run", file, ...flags, "--json"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
 }
 
 /** How many figures of the explorer are numbers of the native program's, by their keys; each must be the same. */
@@ -41,6 +51,29 @@ function isStated(value, stated) {
   const size = unit === "" ? 1 : SIZES[unit] ?? assert.fail(`${unit} is not known`);
   const last = 10 ** -(number.split(".")[1] ?? "").length;
   return Math.abs(value / size - Number(number)) <= 0.5001 * last;
+}
+
+/** What the explorer says of the grasp at rest. */
+async function atRest(page) {
+  await page.locator("#tab-statics").click();
+  await page.locator("#panel-statics svg").first().waitFor();
+  return page.locator("#panel-statics").innerText();
+}
+
+/** The map that an address asks for is the one that the explorer has, and its points are the native program's. */
+async function isMapped(page, call, [x, y, criterion], file, set) {
+  await page.locator("#tab-map").click();
+  await page.waitForFunction(() => document.getElementById("map-state").textContent.endsWith("closings"), null, { timeout: 120_000 });
+  const chosen = await page.locator("#map-x, #map-y, #map-criterion").evaluateAll((all) => all.map(({ value }) => value));
+  assert.deepEqual(chosen, [x, y, criterion]);
+  const seen = new Set();
+  for (const [i, j] of [[0, 0], [0, 32], [32, 0], [32, 32], [16, 4], [16, 24]]) {
+    const at = await call("mapAt", i, j);
+    const found = criterion.split(".").reduce((part, key) => part?.[key], native(file, [...set.filter(([field]) => field !== x && field !== y), [x, at.x], [y, at.y]]));
+    assert.equal(at.value, typeof found === "boolean" ? (found ? "yes" : "no") : found, `${at.x}, ${at.y}`);
+    seen.add(at.value);
+  }
+  assert.ok(seen.size > 1, "the map has more than one colour");
 }
 
 /** Every link into the explorer, and the page that it is on. */
@@ -73,7 +106,7 @@ describe("the tutorial's site", () => {
         const size = await holder.boundingBox();
         assert.ok(size.height >= 560 && size.height < height, `${size.height} px high: there is page left above or below it`);
         for (const each of [page, frame]) assert.equal(await each.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth), 0);
-        assert.ok(compared(await frame.evaluate(() => window.phalanx.state()), native("experiment-95.toml", [])) > 20);
+        assert.ok(compared(await frame.evaluate(() => window.phalanx.state()), native(EXPERIMENT, [])) > 20);
         // A slider in it is the explorer's.
         const slider = frame.locator('.field[data-path="design.base"] input[type=range]');
         await slider.focus();
@@ -81,7 +114,7 @@ describe("the tutorial's site", () => {
         await frame.waitForFunction(() => window.phalanx.state().set.length === 1);
         await frame.evaluate(() => window.phalanx.settled());
         const moved = await frame.evaluate(() => window.phalanx.state());
-        assert.ok(compared(moved, native("experiment-95.toml", moved.set)) > 20);
+        assert.ok(compared(moved, native(EXPERIMENT, moved.set)) > 20);
         await frame.evaluate(() => window.phalanx.pause());
         await holder.evaluate((each) => each.scrollIntoView({ block: "center" }));
         await page.waitForTimeout(200);
@@ -100,6 +133,7 @@ describe("the tutorial's site", () => {
     for (const { page: name, text, hash, says } of into) {
       const asked = new URLSearchParams(hash.slice(1));
       const [scene, set] = [asked.get("scene"), asked.getAll("set").map((pair) => pair.split(/=(.*)/).slice(0, 2))];
+      const file = fileOf(scene, asked.get("text"));
       const at = `${name}: ${hash}`;
       const { page, state, call, close } = await opened(EXPLORER, { hash });
       await page.waitForFunction(() => window.phalanx);
@@ -108,18 +142,19 @@ describe("the tutorial's site", () => {
       assert.deepEqual([now.file, now.set, now.problems], [scene, set, []], at);
       for (const [field] of set) assert.ok(field in now.fields, `${at}: there is no field ${field}`);
       if (asked.has("t")) assert.equal(now.time_s, Number(asked.get("t")), at);
-      assert.ok(compared(now, native(scene, set)) > 10, at);
+      assert.ok(compared(now, native(file, set)) > 10, at);
       for (const [key, value] of says) {
         const number = value.split(/\s|(?=ms$)/)[0];
         assert.ok(text.includes(number), `${name} does not state ${number}`);
         const figure = now.figures.find((each) => each.key === key);
-        if (key === "verdict") assert.equal((await call("check")).verdict, value.toLowerCase(), at);
+        if (key === "statics") assert.ok((await atRest(page)).includes(value), `${at}: the grasp at rest does not say ${value}`);
+        else if (key === "verdict") assert.equal((await call("check")).verdict, value.toLowerCase(), at);
         else if (key === "t") assert.ok(isStated(now.time_s, value), `${at}: it is at ${now.time_s} s`);
         else if (/^-?\d/.test(value)) assert.ok(isStated(figure?.value, value), `${at}: ${key} is ${figure?.value}, not ${value}`);
         else assert.equal(figure?.text, value, at);
         stated++;
       }
-      if (asked.has("map")) await isMapped(page, call, asked.get("map").split(","), scene, set);
+      if (asked.has("map")) await isMapped(page, call, asked.get("map").split(","), file, set);
       await close();
     }
     test.diagnostic(`${into.length} links, ${stated} figures that are stated`);
