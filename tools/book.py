@@ -105,6 +105,11 @@ def tutorial(text: str) -> str:
     return text.replace("](../../src/docs/", "](reference/").replace("](../../tools/figures/", "](figures/")
 
 
+def fenced(text: str) -> str:
+    """A page whose blocks have their language alone: what the tests read behind it, MkDocs takes for no block."""
+    return re.sub(r"^```(\w+) .*$", r"```\1", text, flags=re.MULTILINE)
+
+
 def reference(text: str) -> str:
     """A document of the library as a page: names of items are not links here, paths are those of the site."""
     text = re.sub(r"\[(`[^`\]]+`)\](?!\()", r"\1", text)
@@ -127,7 +132,7 @@ def gather(pages: Path) -> None:
     else:
         subprocess.run([*phalanx(), "explore", "--module", module_file, "--out", SOURCE / EXPLORER], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
     for path in SOURCE.glob("*.md"):
-        path.write_text(explored(tutorial(path.read_text()), "", module_file is not None))
+        path.write_text(fenced(explored(tutorial(path.read_text()), "", module_file is not None)))
     (SOURCE / "reference").mkdir()
     for document in sorted((ROOT / "src" / "docs").glob("*.md")):
         text = explored(reference(document.read_text()), "../", module_file is not None)
