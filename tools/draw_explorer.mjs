@@ -10,6 +10,7 @@ import path from "node:path";
 import { DIRECTORY, PHALANX, PROJECT, opened, start, stop } from "../tests/clients/browser.mjs";
 
 const FIGURES = path.join(PROJECT, "tools/figures");
+const [WIDTH, HEIGHT] = [1500, 860];
 // The second touch of what is kept as A; B has a smaller base.
 const SECOND_TOUCH_S = 0.006883746;
 const B = [["design.base", "14 mm"]];
@@ -19,7 +20,7 @@ try {
   const file = path.join(DIRECTORY, "explorer.html");
   execFileSync(PHALANX, ["explore", "-o", file], { stdio: ["ignore", "ignore", "inherit"] });
   for (const [scheme, name] of [["light", "explorer.png"], ["dark", "explorer-dark.png"]]) {
-    const { page, call, close } = await opened(file, { width: 1500, height: 860, scheme, reducedMotion: "reduce" });
+    const { page, call, close } = await opened(file, { width: WIDTH, height: HEIGHT, scheme, reducedMotion: "reduce" });
     await page.waitForFunction(() => window.phalanx);
     await call("settled");
     await call("keep");
@@ -29,7 +30,8 @@ try {
     await call("check");
     // The last frame and the last line of the map.
     await page.waitForTimeout(500);
-    await page.screenshot({ path: path.join(FIGURES, name) });
+    const foot = await page.locator("footer").boundingBox();
+    await page.screenshot({ path: path.join(FIGURES, name), clip: { x: 0, y: 0, width: WIDTH, height: Math.min(HEIGHT, Math.floor(foot.y)) } });
     await close();
   }
 } finally {
