@@ -153,10 +153,9 @@ fn crates(text: &str) -> Vec<&'static str> {
 #[test]
 fn every_arrow_between_crates_goes_one_way() {
     let mut stands_on_core = false;
-    for (root, rooms, allowed) in [
-        ("crates/core/src", &CORE[..], &[][..]),
-        ("crates/show/src", &SHOW[..], &["phalanx_core"][..]),
-    ] {
+    for (root, rooms, allowed) in
+        [("crates/core/src", &CORE[..], &[][..]), ("crates/show/src", &SHOW[..], &["phalanx_core"][..])]
+    {
         for path in rooms.iter().flat_map(|room| sources_of(root, room)).chain(sources_of(root, "lib")) {
             let named = crates(&code(&path));
             stands_on_core |= named.contains(&"phalanx_core");
@@ -229,7 +228,10 @@ fn the_analytic_model_uses_nothing_of_the_engine() {
 fn the_reader_finds_what_it_looks_for() {
     let text = "use crate::{law, analytic::Model};\nlet x = crate::engine::build();\n";
     assert_eq!(modules(text, 1), ["law", "analytic", "engine"]);
-    assert_eq!(crates("use phalanx_core::units;\nuse phalanx::scene;\nlet x = phalanx_show_n::y();\n"), ["phalanx_core", "phalanx"]);
+    assert_eq!(
+        crates("use phalanx_core::units;\nuse phalanx::scene;\nlet x = phalanx_show_n::y();\n"),
+        ["phalanx_core", "phalanx"]
+    );
     let over = "use super::super::mode;\nuse super::super::super::engine;\n";
     assert_eq!(modules(over, 2), ["engine"]);
     assert_eq!(modules("use super::super::engine;\n", 1), ["engine"]);
