@@ -21,7 +21,8 @@ use crate::wording::Sheet;
 const MODULE: &str = "phalanx-explorer.wasm.gz";
 /// Names another.
 const VARIABLE: &str = "PHALANX_EXPLORER";
-const HOW: &str = "tools/explorer.sh in the sources of phalanx builds it and puts it there; a release has it beside the program";
+const HOW: &str =
+    "tools/explorer.sh in the sources of phalanx builds it and puts it there; a release has it beside the program";
 
 /// Open the explorer: a page that simulates the scene anew while its sliders move.
 ///
@@ -59,7 +60,8 @@ pub fn run(args: &ExploreArgs) -> Result<Status, Failure> {
     let start = start(args)?;
     let module = module(args.module.as_deref())?;
     let wanted = args.open || args.out.is_none();
-    let browser = wanted.then(Browser::find).transpose().map_err(|why| Failure::bad_input(why.replace("--html", "-o")))?;
+    let browser =
+        wanted.then(Browser::find).transpose().map_err(|why| Failure::bad_input(why.replace("--html", "-o")))?;
     let target = match &args.out {
         Some(target) => {
             if let Some(scene) = &args.scene {

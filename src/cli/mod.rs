@@ -11,8 +11,8 @@ mod answer;
 mod browser;
 mod capture;
 mod completions;
-mod folder;
 mod explore;
+mod folder;
 mod hold;
 mod interrupt;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]

@@ -10,11 +10,11 @@ use super::saved::{broken, save};
 use super::set::SetArgs;
 use super::statics_gripper::{self, GripperArgs, Shared};
 use super::{Failure, Status};
+use crate::grasp::finger::{GraspStudyError, Instead, grasp};
 use crate::plot;
 use crate::report::{StaticsReport, statics_json, statics_text};
 use crate::scene::AnyScene;
 use crate::statics::StaticsError;
-use crate::grasp::finger::{GraspStudyError, Instead, grasp};
 use crate::units::{self, Dimension};
 
 /// Look at the grasp at rest: contact forces, ejection, form and force closure, what acceleration it bears.

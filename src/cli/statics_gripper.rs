@@ -9,11 +9,11 @@ use super::output::{print, show};
 use super::overrides::positive;
 use super::saved::{broken, save};
 use super::{Failure, Status};
+use crate::grasp::gripper::{Asked, GripperGraspError, PostureOf, gripper_grasp};
 use crate::plot;
 use crate::report::{GripperStaticsReport, gripper_statics_json, gripper_statics_text};
 use crate::scene::GripperScene;
 use crate::statics::StaticsError;
-use crate::grasp::gripper::{Asked, GripperGraspError, PostureOf, gripper_grasp};
 use crate::study::posture::{Posture, directions, posture};
 use crate::units::Dimension;
 

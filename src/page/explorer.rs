@@ -1,8 +1,8 @@
 //! The explorer: one self-contained file that simulates while its sliders move.
 
-use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 
+use super::base85::base85;
 use super::html::{Script, filled, in_script};
 use super::presets::{Preset, presets};
 use crate::wording::escaped;
@@ -16,7 +16,7 @@ const STYLES: [&str; 5] = [
     include_str!("assets/explorer/layout.css"),
 ];
 /// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 38] = [
+const SCRIPTS: [&str; 40] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
     include_str!("assets/reading.js"),
@@ -39,6 +39,7 @@ const SCRIPTS: [&str; 38] = [
     include_str!("assets/viewer.js"),
     include_str!("assets/hooks.js"),
     include_str!("assets/explorer/worker.js"),
+    include_str!("assets/explorer/base85.js"),
     include_str!("assets/explorer/line.js"),
     include_str!("assets/explorer/setting.js"),
     include_str!("assets/explorer/range.js"),
@@ -46,6 +47,7 @@ const SCRIPTS: [&str; 38] = [
     include_str!("assets/explorer/fields.js"),
     include_str!("assets/explorer/figures.js"),
     include_str!("assets/explorer/verdict.js"),
+    include_str!("assets/explorer/cloud.js"),
     include_str!("assets/explorer/grid.js"),
     include_str!("assets/explorer/map.js"),
     include_str!("assets/explorer/statics.js"),
@@ -81,6 +83,7 @@ impl Start {
 #[derive(Serialize)]
 struct Data<'a> {
     module: String,
+    module_bytes: usize,
     start: &'a Start,
     presets: Vec<Shown<'a>>,
     version: &'a str,
@@ -106,7 +109,8 @@ pub fn explorer_page(module: &[u8], start: &Start, version: &str) -> String {
     let own = presets.iter().find(|preset| preset.file == start.file);
     let title = own.map_or(&start.file, |preset| &preset.name);
     let data = Data {
-        module: BASE64_STANDARD.encode(module),
+        module: base85(module),
+        module_bytes: module.len(),
         start,
         presets: presets
             .iter()

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{Note, Page, Picture};
-use phalanx_show::film::data;
 use crate::wording::{Sheet, escaped};
+use phalanx_show::film::data;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 4] = [

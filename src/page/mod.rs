@@ -9,10 +9,11 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `explorer`, `presets` | the page that simulates by itself, and the scenes it brings along |
+//! | `explorer`, `presets`, `base85` | the page that simulates by itself, the scenes it brings along, its module as text |
 //! | `volume`, `volume_data` | the page of grasp-state volumes, and its data |
 //! | `html` | JSON, texts and pictures → the file, with the `assets` |
 
+mod base85;
 mod explorer;
 mod html;
 mod presets;

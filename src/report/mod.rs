@@ -28,7 +28,7 @@ pub use paper::{Block, Cell, Figure, Grid, Paper, Section, Text, Tone, paper_htm
 pub use replay::{
     AgainstReport, ApartReport, DifferenceReport, EntryReport, FieldReport, FigureReport, GapReport, Heard, Lost,
     RecoveryReport, ReplayReport, Summary, VerificationReport, WordReport, against_json, against_text, attached,
- recovery_json, recovery_text, replay_json, replay_text, side_by_side,
+    recovery_json, recovery_text, replay_json, replay_text, side_by_side,
 };
 pub use reproduce::{
     Comparison, ReproductionReport, Verdict, comparisons, reproduction_json, reproduction_paper, reproduction_text,

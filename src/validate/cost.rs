@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::subject::with;
 use super::{Subject, steps_only};
-use crate::trace::{GoOn, While};
 use crate::scene::{AnyScene, Preset};
+use crate::trace::{GoOn, While};
 use crate::trace::{Model, Numerics, RunError, run};
 
 /// Time spent on repeating one setting, in earnest and in haste, and how often at most.

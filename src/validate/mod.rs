@@ -44,6 +44,7 @@ mod subject;
 mod track;
 mod verdict;
 
+pub use crate::numeric::plane::turned;
 pub use cost::{Cost, cost};
 pub use difference::{Comparison, Differences, Off, compare, largest, off};
 pub use ensemble::{MEMBERS, TORQUE_STEP, member, member_of_discs};
@@ -54,6 +55,5 @@ pub use room::refuse_too_fine;
 pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
 pub use subject::{Subject, path_bound, reference, sampled, steps_only, until_s};
-pub use crate::numeric::plane::turned;
 pub use track::{Angle, Rate, Track};
 pub use verdict::{Check, Verdict, verdicts};

@@ -1,8 +1,8 @@
 //! A run kept whole.
 
 use super::Impacts;
-use crate::trace::{GoOn, While};
 use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, between, run};
+use crate::trace::{GoOn, While};
 
 /// Everything a run said, in memory.
 #[derive(Clone, Debug, Default, PartialEq)]

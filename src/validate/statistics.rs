@@ -5,9 +5,9 @@
 //! [`RUNS`] times with torques spread evenly over ±[`SPREAD`], far wider than either's error and the same for both, and
 //! their means are compared with the standard error of their difference.
 
-use crate::trace::{GoOn, While};
 use crate::scene::{LogRates, Scene, scaled};
 use crate::trace::{Event, EventKind, Model, Outcome, RunError, Sample, Sink, SinkError, Site, run};
+use crate::trace::{GoOn, While};
 
 /// Runs of each model.
 pub const RUNS: usize = 24;

@@ -2,8 +2,8 @@
 
 use super::subject::{member, with};
 use super::{
-    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Subject, Verdict, compare, cost,
-    ladder, own, path_bound, record_while, reference, sampled, statistics, until_s,
+    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Subject, Verdict, compare, cost, ladder, own,
+    path_bound, record_while, reference, sampled, statistics, until_s,
 };
 use crate::check;
 use crate::invariants::Finding;

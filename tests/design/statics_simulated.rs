@@ -2,10 +2,10 @@
 
 use phalanx::fivebar::dynamics::{Dynamics, inverse_dynamics};
 use phalanx::fivebar::kinematics::reference_gamma;
+use phalanx::grasp::finger::{Grasp, Instead, grasp};
 use phalanx::gripper::{FinalPosture, Posture, joints};
 use phalanx::scene::{self, Scene};
 use phalanx::statics::{Equilibrium, drive_loads, equilibrium, palm_force};
-use phalanx::grasp::finger::{Grasp, Instead, grasp};
 use phalanx::trace::{self, Sample, Site};
 
 fn load(file: &str) -> Scene {

@@ -215,7 +215,7 @@ fn a_mirror_image_moves_as_a_mirror_image() {
             LAST_DIGITS.map(|count| apart(own, end(model, &pushed_gripper(&right, count * f64::EPSILON), 1.0)));
         let rounding = pushed.into_iter().fold(0.0, f64::max);
         let off = apart(own, end(model, &left, -1.0));
-        println!("{what}: {off:.1e} {pushed:.1e?}");
+        println!("{what}: {off:.1e}, last digits {pushed:?}");
         assert!(0.0 < rounding && rounding <= most, "{what}: last digits move it by {rounding:.1e}");
         assert!(off <= OTHER_DRAWS * rounding, "{what}: {off:.1e}, last digits make {rounding:.1e}");
     }

@@ -77,7 +77,8 @@ function lettersOf(m, view, forces) {
     const side = Math.sign((at[0] - inside[0]) * nx + (at[1] - inside[1]) * ny) || 1;
     name(text, "ink", at, [side * nx, side * ny]);
   }
-  const edge = (part) => [part * Math.cos(m.q21) * Math.hypot(...m.a22), part * Math.sin(m.q21) * Math.hypot(...m.a22)];
+  const l21 = Math.hypot(m.a22[0] - m.o[0], m.a22[1] - m.o[1]);
+  const edge = (part) => [m.o[0] + part * Math.cos(m.q21) * l21, m.o[1] + part * Math.sin(m.q21) * l21];
   const out = [Math.sin(m.q21), -Math.cos(m.q21)];
   const [centre, rim] = [edge(0.8), edge(0.8).map((k, i) => k + m.w * out[i])];
   lines.push({ kind: "dimension", points: [view.to(centre), view.to(rim)] });
@@ -163,8 +164,8 @@ function forceLetters(view, arrows) {
   });
 }
 
-// Draws them; returns what was drawn and where. `room` is that at the edges which has buttons over it.
-function drawLetters(ctx, view, linkage, arrows, room) {
+// Draws them; returns what was drawn and where. `room` is that at the edges which has buttons over it, `lit` the letter that stands out.
+function drawLetters(ctx, view, linkage, arrows, room, lit = null) {
   const { lines, letters } = lettersOf(linkage, view, forceLetters(view, arrows));
   ctx.font = LETTER_FONT;
   for (const letter of letters) letter.width = ctx.measureText(letter.text).width + 2;
@@ -194,7 +195,16 @@ function drawLetters(ctx, view, linkage, arrows, room) {
       ctx.strokeStyle = colour("soft");
       ctx.stroke();
     }
-    label(ctx, text, x, y, ink, "center");
+    if (text !== lit) {
+      label(ctx, text, x, y, ink, "center");
+      continue;
+    }
+    ctx.fillStyle = colour("accent");
+    ctx.fillRect(box[0] - 4, box[1] - 1, box[2] - box[0] + 8, box[3] - box[1] + 2);
+    ctx.textAlign = "center";
+    ctx.textBaseline = "middle";
+    ctx.fillStyle = colour("on-accent");
+    ctx.fillText(text, x, y);
   }
   ctx.font = FONT;
   return shown.map(({ text, box }) => ({ text, box }));

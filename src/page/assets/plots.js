@@ -140,6 +140,16 @@ class Plots {
         ctx.globalAlpha = alpha;
         ctx.setLineDash(dash);
         curve(ctx, run.time, values, series.rates[run.index], { x, y, from, to: Math.min(to, run.trusted_s ?? Infinity), logarithmic });
+        // Runs beside it show how far it might be another one.
+        ctx.lineWidth = 1;
+        ctx.globalAlpha = 0.4;
+        ctx.setLineDash([]);
+        for (const other of run.cloud ?? []) {
+          const same = other.panels.find(({ title }) => title === panel.title)?.series.find(({ name }) => name === series.name);
+          if (same) curve(ctx, other.time, same.values, same.rates, { x, y, from: Math.max(from, run.trusted_s ?? from), to, logarithmic });
+        }
+        ctx.lineWidth = width;
+        ctx.globalAlpha = alpha;
         if (run.trusted_s < to) {
           // What follows is one of many courses: points, no curve.
           ctx.setLineDash([1.5, 4]);

@@ -14,7 +14,8 @@ function pictureOf(app) {
     width = Math.max(width, recorder.width);
   };
   const shown = film.runs.filter((run) => run.visible);
-  const how = shown.length > 1 ? `: ${shown[0].label} wide and pale, ${shown[1].label} dashed` : shown.map((run) => `: ${run.label}`).join("");
+  const first = shown[0]?.kept === false ? "solid" : "wide and pale";
+  const how = shown.length > 1 ? `: ${shown[0].label} ${first}, ${shown[1].label} dashed` : shown.map((run) => `: ${run.label}`).join("");
   parts.push(words(`${document.title}, ${timeText(clock.time, film.unit)}${how}`, 8, "ink", 600));
   y += 28;
   put(recorded("stage", stage.canvas, () => stage.draw(clock.time)));
@@ -77,6 +78,8 @@ async function saveAs(app, kind, tell) {
     : kind === "svg" ? new Blob([pictureOf(app).text], { type: "image/svg+xml" })
     : kind === "gif" ? await movieOf(app, tell)
     : await pointsOf(pictureOf(app));
+  // Why there is none has been said.
+  if (!blob) return;
   const address = URL.createObjectURL(blob);
   element("a", { href: address, download: `${name}.${kind}` }).click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);

@@ -11,7 +11,7 @@ class Stage {
     this.arrowsToScale = false;
     // Whether letters were asked for, and where a pointer is.
     this.named = false;
-    // The name of a variable that is under someone's hand: its letter is shown.
+    // The letter of a variable that is under someone's hand: it stands out.
     this.hinted = null;
     this.pointer = null;
     this.letters = [];
@@ -48,13 +48,14 @@ class Stage {
     const known = new Set(first.bodies.filter(fixed).map(signature));
     const other = (body) => fixed(body) && !known.has(signature(body));
     states.forEach((state) => state.run !== first && this.bodies(ctx, view, state.run, state.place, other, 1));
+    for (const { run } of states) for (const other of run.cloud ?? []) this.bodies(ctx, view, other, placeAt(other, time), moving, 2);
     states.forEach((state) => this.bodies(ctx, view, state.run, state.place, moving, state.run.index));
     if (states.length > 0) this.overlaps(ctx, view, states[0]);
     states.forEach((state) => this.contactPoints(ctx, view, state));
     const linkage = this.namedLinkage(view, states[0]);
     states.forEach((state, index) => this.arrows(ctx, view, state, index === 0 && !linkage));
     this.ruler(ctx, view, width, height);
-    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM) : [];
+    this.letters = linkage ? drawLetters(ctx, view, linkage, states[0].arrows, ROOM, this.hinted) : [];
     this.drawn = states;
   }
 
@@ -94,7 +95,7 @@ class Stage {
     return Math.max(0, part) * 0.32 * Math.min(view.width, view.height);
   }
 
-  // Some bodies of a run, in one of two styles: 0 filled, 1 dashed.
+  // Some bodies of a run, in one of three styles: 0 filled, 1 dashed, 2 thin as one of many.
   bodies(ctx, view, run, place, which, style) {
     for (const body of run.bodies.filter(which)) {
       const { fixed } = body;
@@ -112,6 +113,11 @@ class Stage {
           ctx.setLineDash([]);
           ctx.lineWidth = weak ? 0.75 : 1.25;
           ctx.strokeStyle = colour(fixed ? "soft" : "edge");
+        } else if (style === 2) {
+          ctx.globalAlpha = 0.4;
+          ctx.setLineDash([]);
+          ctx.lineWidth = 1;
+          ctx.strokeStyle = colour("warn");
         } else {
           ctx.globalAlpha = weak ? 0.55 : run.kept ? 0.7 : 1;
           ctx.setLineDash([6, 4]);

@@ -2,11 +2,11 @@
 
 use super::Load;
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed};
+use crate::grasp::geometric;
+use crate::grasp::run;
 use crate::gripper::Circle;
 use crate::scene::{GripperScene, Side};
 use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
-use crate::grasp::geometric;
-use crate::grasp::run;
 use crate::trace::Model;
 
 /// The object at a place, and what came of it.

@@ -5,8 +5,8 @@ use super::plan::AFTER_S;
 use super::prepared::Prepared;
 use super::search::Answer;
 use crate::criteria::{Fate, GraspTracker, Travel};
-use crate::scene::GripperScene;
 use crate::grasp::run;
+use crate::scene::GripperScene;
 use crate::trace::Model;
 
 /// A load, and what came of it.

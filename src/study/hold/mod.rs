@@ -39,9 +39,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 
 use crate::criteria::{Fate, GraspTracker};
+use crate::grasp::run;
 use crate::numeric::elementary::{ln, log2};
 use crate::scene::{Axis, GripperScene};
-use crate::grasp::run;
 use crate::study::pool;
 use crate::trace::Sample;
 

@@ -7,9 +7,9 @@ use super::plan::{Loads, Plan};
 use super::prepared::{Prepared, Since};
 use super::rest::Rest;
 use crate::criteria::{Fate, GraspTracker};
+use crate::grasp::run;
 use crate::numeric::elementary::hypot;
 use crate::scene::{Actuation, Axis, Cycle, GripperScene, Motor, Move, ObjectMotion, PalmMotion, torque};
-use crate::grasp::run;
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
 fn standard_cycle() -> PalmMotion {

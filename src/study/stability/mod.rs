@@ -26,8 +26,8 @@ use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
 use crate::scene::{Response, Scene, Stepping};
 use crate::study::pool;
-use crate::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 use crate::trace::While;
+use crate::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 use crate::validate::{Comparison, Recording, member, record_while, reference, sampled};
 
 pub use map::{Cell, Grid, ReferenceRun, Stability, StudyError, Verdict};

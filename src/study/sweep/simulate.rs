@@ -4,8 +4,8 @@ use super::Study;
 use super::row::{Cells, Row, Status};
 use crate::check::check;
 use crate::scene::SceneError;
-use crate::trace::{self, Outcome, RunError, Simulated, Sink};
 use crate::trace::While;
+use crate::trace::{self, Outcome, RunError, Simulated, Sink};
 
 /// Simulates a scene and says in its row what `closing` finds in the sink and the outcome; checks it if the study asks for
 /// that. `None` if it was told to stop.

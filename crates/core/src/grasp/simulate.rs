@@ -1,8 +1,8 @@
 //! A run of a gripper for what its criteria say.
 
 use crate::scene::GripperScene;
-use crate::trace::{self, Model, Outcome, RunError, Sink};
 use crate::trace::While;
+use crate::trace::{self, Model, Outcome, RunError, Sink};
 
 /// Runs a scene into a sink that follows its steps; `None` if it was told to stop, and otherwise what it came to, or why it did not.
 pub fn run(

@@ -111,6 +111,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         let end = step.t1;
         // A damper's force cannot be read off the dense output.
         let pressing = (0..self.places.len()).any(|index| mode[index].presses());
+        let mut impulses = step.start.z;
         self.grid.begin_step(end.min(self.end_s));
         while let Some(t) = self.grid.before(end.min(self.end_s)) {
             // A grid can be so fine that one step holds millions of its points.
@@ -118,9 +119,12 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 break;
             }
             let theta = (t - step.t0) / step.h;
-            self.emit_marks(step, mode, tools, theta)?;
+            self.emit_marks(step, mode, tools, theta, &mut impulses)?;
             if theta > 0.0 {
-                let state = if pressing { tools.resolve(theta) } else { tools.interpolate(theta) };
+                let state = match pressing {
+                    true => self.resolved(step, tools, theta, &mut impulses),
+                    false => tools.interpolate(theta),
+                };
                 self.read_within(t, &state, mode);
                 if pressing {
                     self.take_within();
@@ -129,7 +133,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 self.sink.sample(&self.within)?;
             }
         }
-        self.emit_marks(step, mode, tools, 1.0)?;
+        self.emit_marks(step, mode, tools, 1.0, &mut impulses)?;
         if self.grid.takes_end(end, step.h) || end >= self.end_s {
             self.emitted_s = end;
             self.sink.sample(&self.last)
@@ -147,16 +151,35 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         mode: &R::Mode,
         tools: &mut dyn StepTools<N, Z>,
         theta: f64,
+        impulses: &mut [f64; Z],
     ) -> Result<(), SinkError> {
         while let Some(mark) = self.marks.before(theta) {
             let t = step.t0 + mark * step.h;
             if t > self.emitted_s && t < step.t1 {
-                self.read_within(t, &tools.resolve(mark), mode);
+                let state = self.resolved(step, tools, mark, impulses);
+                self.read_within(t, &state, mode);
                 self.take_within();
                 self.sink.extreme(&self.within)?;
             }
         }
         Ok(())
+    }
+
+    /// A state within the step, as a step of its own ends on it. What that sums up of forces has errors of its own, and no normal
+    /// impulse falls: it lies between that of the sample before, which is in `impulses`, and that of the step's end.
+    fn resolved(
+        &self,
+        step: &Step<N, Z>,
+        tools: &mut dyn StepTools<N, Z>,
+        theta: f64,
+        impulses: &mut [f64; Z],
+    ) -> State<N, Z> {
+        let mut state = tools.resolve(theta);
+        for (index, before) in impulses.iter_mut().enumerate().take(self.places.len()) {
+            *before = state.z[index].min(step.end.z[index]).max(*before);
+            state.z[index] = *before;
+        }
+        state
     }
 
     fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {

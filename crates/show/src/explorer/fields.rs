@@ -15,8 +15,11 @@ pub fn fields(scene: &AnyScene) -> Value {
     let simulated = Simulated::from(scene);
     let shown: toml::Table = show_written(scene).parse().unwrap_or_default();
     let written: toml::Table = source(scene).parse().unwrap_or_default();
+    let order = order(&show_written(scene));
     let mut found = Vec::new();
     collect(schema_of(simulated.kind()), "", Some(&shown), Some(&written), &mut found);
+    let place = |field: &Value| order.iter().position(|path| field["path"] == **path).unwrap_or(order.len());
+    found.sort_by_cached_key(place);
     let design: Vec<&Value> = DESIGN
         .iter()
         .flat_map(|section| found.iter().filter(move |field| field["section"] == *section && is_dial(field)))
@@ -29,6 +32,20 @@ pub fn fields(scene: &AnyScene) -> Value {
         "design": design,
         "fields": found,
     })
+}
+
+/// Paths of fields in the order of a text that names each on a line of its own.
+fn order(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut section = String::new();
+    for line in text.lines() {
+        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            section = format!("{name}.");
+        } else if let Some((key, _)) = line.split_once(" = ").filter(|_| !line.starts_with('#')) {
+            found.push(format!("{section}{key}"));
+        }
+    }
+    found
 }
 
 /// Whether it is something to turn.
@@ -64,7 +81,8 @@ fn collect(
     for (key, part) in &names {
         let (holds, says) = (inner(shown, key), inner(written, key));
         if is_table(part) {
-            let (holds, says) = (holds.as_ref().and_then(toml::Value::as_table), says.as_ref().and_then(toml::Value::as_table));
+            let (holds, says) =
+                (holds.as_ref().and_then(toml::Value::as_table), says.as_ref().and_then(toml::Value::as_table));
             collect(part, &join(key), holds, says, found);
         } else if !(path.is_empty() && ["name", "description", "kind", "extends"].contains(&key.as_str())) {
             found.push(field(path, key, &join(key), part, holds.as_ref(), says.is_some()));

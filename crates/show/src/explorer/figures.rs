@@ -14,7 +14,7 @@ pub enum Flat {
 }
 
 /// What is first looked at, by what keys begin and end with; the others follow by their keys.
-const FIRST: [(&str, &str); 13] = [
+const FIRST: [(&str, &str); 15] = [
     ("criteria.", "class"),
     ("grasp.", "fate"),
     ("criteria.", "tts_s"),
@@ -23,8 +23,10 @@ const FIRST: [(&str, &str); 13] = [
     ("contacts.", "restitution"),
     ("contacts.distal", "peak_normal_n"),
     ("contacts.proximal", "peak_normal_n"),
-    ("contacts.right_distal", "peak_normal_n"),
+    ("grasp.", "form_closed"),
     ("grasp.slip", "displacement_m"),
+    ("contacts.right_distal", "peak_normal_n"),
+    ("contacts.right_proximal", "peak_normal_n"),
     ("contacts.", "final_normal_n"),
     ("contacts.", "first_s"),
     ("contacts.", "peak_normal_n"),

@@ -26,9 +26,9 @@ const NAMES: [(&str, &str); 17] = [
     ("lost", "lost to rebounds"),
     ("first", "first touch"),
     ("touchdowns", "touch-downs"),
-    ("final_normal", "force at the end"),
-    ("final_tangential", "friction at the end"),
-    ("final_torque", "torque at the end"),
+    ("final_normal", "end force"),
+    ("final_tangential", "end friction"),
+    ("final_torque", "end torque"),
     ("peak_normal", "peak force"),
     ("peak_torque", "peak torque"),
     ("max_penetration", "deepest"),
@@ -58,7 +58,9 @@ pub fn label(key: &str) -> String {
     let parts: Vec<String> = bare
         .split('.')
         .filter(|part| !["contacts", "criteria", "grasp", "fingers"].contains(part))
-        .map(|part| NAMES.iter().find(|(name, _)| *name == part).map_or(part.replace('_', " "), |(_, said)| said.to_string()))
+        .map(|part| {
+            NAMES.iter().find(|(name, _)| *name == part).map_or(part.replace('_', " "), |(_, said)| said.to_string())
+        })
         .collect();
     match parts.split_last() {
         Some((last, before)) if !before.is_empty() => format!("{}: {last}", before.join(" ")),

@@ -40,7 +40,9 @@ pub fn answer(request: &str) -> Answer {
     let mut data = Vec::new();
     let found = match serde_json::from_str::<Request>(request) {
         Ok(request) => answered(&request, &mut data),
-        Err(error) => Err(json!([{ "message": format!("no request: {error}"), "help": "this is a fault of the page" }])),
+        Err(error) => {
+            Err(json!([{ "message": format!("no request: {error}"), "help": "this is a fault of the page" }]))
+        }
     };
     let text = match found {
         Ok(found) => found,

@@ -13,9 +13,9 @@ use super::canvas::{
 use super::outline::{Point, View, filled, outline};
 use crate::criteria::Driven;
 use crate::drawing::{Drawing, Part, Shape, poses};
+use crate::grasp::gripper::{GripperGrasp, Holds};
 use crate::scene::GripperScene;
 use crate::statics::{Balance, Balanced};
-use crate::grasp::gripper::{GripperGrasp, Holds};
 use crate::wording::figures::G_M_S2;
 
 /// Side of the polar plot, and room for the words around it.

@@ -9,10 +9,10 @@ use super::canvas::{
 };
 use super::outline::{Point, View, circle, filled, outline};
 use crate::drawing::{Body, Drawing, Part, finger_poses_at};
+use crate::grasp::finger::{Forces, Grasp, Palm};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
 use crate::statics::{Certificate, FormClosure, Unknown};
-use crate::grasp::finger::{Forces, Grasp, Palm};
 
 /// Width of the legend.
 const BESIDE: u32 = 330;

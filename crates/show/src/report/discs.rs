@@ -21,11 +21,7 @@ pub struct DiscReport {
 }
 
 /// Discs that have these names, in order, or the object of a gripper; how they move is `unknown` without a scene that has them.
-pub fn discs(
-    names: &[String],
-    scene: Option<Simulated<'_>>,
-    states: &[BodyState],
-) -> BTreeMap<String, DiscReport> {
+pub fn discs(names: &[String], scene: Option<Simulated<'_>>, states: &[BodyState]) -> BTreeMap<String, DiscReport> {
     let motion = |name: &str| match scene? {
         Simulated::Discs(scene) => match scene.discs.iter().find(|disc| disc.name == name)?.motion {
             DiscMotion::Fixed => Some("fixed"),

@@ -97,20 +97,26 @@ class Fields {
       return box;
     }
     const input = element("input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
+    // What is being typed is not overwritten by what comes from elsewhere.
+    input.addEventListener("input", () => { row.typed = true; });
     const apply = () => {
       const text = input.value.trim();
+      row.typed = false;
       if (text === "" || text === row.text) {
         input.value = row.text;
         return;
       }
       // A bare number is in the unit that stood there.
       const bare = row.field.unit && /^[-+−]?[\d.]+(e[-+]?\d+)?$/i.test(text);
-      put(bare ? asText(text.replace("−", "-"), row.field.unit) : text);
+      row.text = bare ? asText(text.replace("−", "-"), row.field.unit) : text;
+      put(row.text);
     };
     input.addEventListener("change", apply);
     input.addEventListener("keydown", (event) => {
       if (event.key === "Enter") apply();
-      if (event.key === "Escape") input.value = row.text;
+      if (event.key !== "Escape") return;
+      input.value = row.text;
+      row.typed = false;
     });
     return input;
   }
@@ -155,7 +161,7 @@ class Fields {
     row.text = set.get(path) ?? field.text ?? "";
     if (field.kind === "flag") row.entry.checked = value === 1 || value === true || field.text === "true";
     else if (field.kind === "word") choose(row.entry, field.text);
-    else if (document.activeElement !== row.entry) row.entry.value = row.text;
+    else if (!row.typed) row.entry.value = row.text;
     if (row.slider) row.slider.hidden = !isNumeric(field);
     if (!isNumeric(field)) return;
     if (!row.slider) {

@@ -41,8 +41,9 @@ async function videoOf(app, type, tell) {
 function filesOf(app, ask) {
   const textOf = (kind, type) => async () => {
     const heard = await ask(kind);
-    if (!heard?.answer.text) throw new Error(heard?.answer.failed ?? heard?.answer.problems?.[0]?.message ?? "There is no answer.");
-    return new Blob([heard.answer.text], { type });
+    if (heard?.answer.text) return new Blob([heard.answer.text], { type });
+    warn(heard?.answer.problems ?? [{ message: heard?.answer.failed ?? "There is no answer." }]);
+    return null;
   };
   const files = { toml: textOf("toml", "application/toml"), csv: textOf("csv", "text/csv") };
   const video = videoType();

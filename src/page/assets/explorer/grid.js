@@ -5,6 +5,7 @@ const STRIDES = [4, 2, 1];
 // Points are asked for in pieces of about this long, so that other questions need not wait.
 const PIECE_MS = 80;
 const MOST_POINTS = 66;
+const FIRST = 2;
 
 class Grid {
   // `setting` is what all points share; two fields with their ranges go along the axes.
@@ -33,7 +34,7 @@ class Grid {
 
   // Computes all points; resolves when they are there or nobody wants them any more.
   async fill() {
-    let size = 8;
+    let size = FIRST;
     for (const stride of STRIDES) {
       const wanted = [];
       for (let j = 0; j <= FINEST; j += stride) {

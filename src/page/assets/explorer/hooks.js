@@ -19,6 +19,8 @@ function explorerForTests(lab) {
       kept: lab.kept?.figures ?? null,
       samples: lab.run.samples,
       verdict: lab.verdict,
+      cloud: lab.run.cloud?.length ?? 0,
+      trusted_s: lab.run.trusted_s ?? null,
       problems: lab.wrong,
       busy: lab.doneStamp !== lab.stamp,
       ms: lab.ms,
@@ -35,7 +37,8 @@ function explorerForTests(lab) {
     check: async () => {
       await settled();
       // What is wrong is not checked.
-      if (!lab.verdict && lab.wrong.length === 0) await new Promise((resolve) => lab.waiting.push({ verdict: true, resolve }));
+      if (lab.wrong.length > 0) return null;
+      if (!lab.verdict) await new Promise((resolve) => lab.waiting.push({ verdict: true, resolve }));
       return lab.verdict;
     },
     url: () => addressNow(lab),

@@ -3,11 +3,12 @@
 // A request that has taken so long is dropped for a newer one of its kind.
 const PATIENCE_MS = 700;
 
-// The module out of the page: base64 of a compressed file.
-async function moduleOf(base64) {
-  const bytes = Uint8Array.from(atob(base64), (char) => char.charCodeAt(0));
+// The module out of the page: a compressed file in base85.
+async function moduleOf({ module, module_bytes: length }) {
+  const bytes = bytesOf(module, length);
   const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(plain).arrayBuffer());
+  // What has come is compiled while the rest is unpacked.
+  return WebAssembly.compileStreaming(new Response(plain, { headers: { "content-type": "application/wasm" } }));
 }
 
 // One worker and its queue. Of requests of one kind only the newest waits; who asked for an older one hears `null`.

@@ -15,8 +15,9 @@ const unpacked = async (text) => new TextDecoder().decode(await through(unaddres
 
 // A scene within an address: the name of one of the page's own, else its whole text.
 async function sceneInto(query, prefix, { file, text, set }, presets) {
-  query.set(`${prefix}scene`, file);
-  if (presets.find((each) => each.file === file)?.text !== text) query.set(`${prefix}text`, await packed(text));
+  const own = presets.find((each) => each.text === text);
+  query.set(`${prefix}scene`, own?.file ?? file);
+  if (!own) query.set(`${prefix}text`, await packed(text));
   for (const [path, value] of set) query.append(`${prefix}set`, `${path}=${value}`);
 }
 

@@ -8,15 +8,18 @@ const HEADINGS = { finger: "One finger", gripper: "Gripper", discs: "Discs", har
 async function explorer() {
   const page = JSON.parse(byId("explorer").textContent);
   const { presets } = page;
-  const module = moduleOf(page.module);
-  // The first answers the slider, the second everything that may wait.
+  const module = moduleOf(page);
+  // The first answers the slider and nothing else that takes long, the second everything that may wait.
   const lines = { live: new Line(module), patient: null };
   module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
   const opened = await stateOf(location.hash, presets);
   const setting = new Setting(opened.scene ?? page.start);
-  const lab = { page, presets, lines, setting, app: null, run: null, figures: [], kept: null, verdict: null, stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] };
+  const lab = { page, presets, lines, setting, opened, app: null, run: null, figures: [], kept: null, verdict: null, wrong: [] };
+  // Every move has a number; these are of the last one, and of those that are shown and that everything has been done for.
+  Object.assign(lab, { stamp: 0, shownStamp: -1, settledStamp: -1, doneStamp: -1, ms: null, pictures: [], waiting: [] });
 
   chooser(lab);
+  openable(lab);
   lab.put = (path, text) => {
     if (text === null) setting.set.delete(path);
     else setting.set.set(path, text);
@@ -38,7 +41,6 @@ async function explorer() {
   };
   lab.undo = () => setting.go(-1) && lab.take(setting.settled);
   lab.redo = () => setting.go(1) && lab.take(setting.settled);
-  lab.opened = opened;
   await moved(lab);
 }
 
@@ -53,6 +55,7 @@ async function moved(lab) {
     lab.held = true;
   }
   lab.map?.drop();
+  for (const kind of ["check", "cloud", "statics"]) lines.patient?.drop(kind);
   document.body.classList.add("busy");
   lab.resting = setTimeout(() => rested(lab, stamp), SETTLED_MS);
   const shot = setting.copy();
@@ -69,7 +72,8 @@ async function moved(lab) {
 // Puts the answer of a run on the page.
 async function shown(lab, { answer, data, ms }, shot) {
   const { film, figures, problems, failed } = answer;
-  if (!film) {
+  if (!film?.samples) {
+    if (!lab.app) put("waiting", "This scene cannot be simulated here. Choose another one above.");
     wrong(lab, problems ?? [{ message: failed ?? "There is no answer." }]);
     return;
   }
@@ -108,7 +112,6 @@ function filmNow(lab) {
   run.kept = kept ? false : undefined;
   const film = filmOf(kept ? [run, kept.run] : [run]);
   film.unit.decimals = Math.min(film.unit.decimals, 4);
-  run.trusted_s = trustedUntil(lab.verdict, film.start);
   return film;
 }
 
@@ -136,6 +139,8 @@ function begin(lab) {
   };
   app.plots.wanted = drawn;
   addEventListener("scroll", app.changed, { passive: true });
+  app.files = filesOf(app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
+  if (!app.files.webm) byId("save").querySelector("[value='webm']").remove();
   lab.strip = new Figures(byId("strip"), byId("table"));
   lab.tabs = tabs(byId("tabs"), () => {
     app.changed();
@@ -173,21 +178,17 @@ async function rested(lab, stamp) {
   if (!lab.app) return done(lab, stamp);
   lines.patient ??= new Line(lines.live.module);
   if (!lab.fields) furnish(lab);
-  lab.app.events.renew();
-  lab.app.changed();
   const still = () => stamp === lab.stamp;
   const base = await baseOf(lab);
-  const heard = await lines.live.ask("fields", setting.asks("fields"));
+  const heard = await lines.patient.ask("fields", setting.asks("fields"), -1);
   if (!still()) return undefined;
   if (heard?.answer.fields && base) {
     lab.fields.show(heard.answer, base, setting.set);
     lab.known = heard.answer;
     title(lab, heard.answer);
-    // Sliders whose fields are back as they were are told apart by what is set.
-    lab.map.choices();
   }
   buttons(lab);
-  if (lab.opened.kept) await keptAgain(lab);
+  if (lab.opened.kept) await keptAgain(lab, lab.opened.kept);
   done(lab, stamp);
   if (lab.held) lab.resuming = setTimeout(() => lab.held && lab.app.clock.play(), RESUMED_MS);
   if (lab.wrong.length > 0) return undefined;
@@ -198,9 +199,23 @@ async function rested(lab, stamp) {
     showVerdict(lab.verdict);
     lab.run.trusted_s = trustedUntil(lab.verdict, lab.app.film.start);
     lab.app.changed();
-    lab.waiting.splice(0).forEach(({ verdict, resolve }) => verdict && resolve());
+    lab.waiting = lab.waiting.filter(({ verdict, resolve }) => !verdict || resolve());
+    await clouded(lab, still);
   }
   return undefined;
+}
+
+// Of a run that cannot be trusted, its neighbours, and from when on they part.
+async function clouded(lab, still) {
+  const { verdict, run, of, lines, known, app } = lab;
+  if (!known || run.trusted_s === undefined) return;
+  const cloud = await cloudOf(lines.patient, of, known.fields, still);
+  if (!cloud || !still()) return;
+  run.cloud = cloud;
+  const parted = verdict.from_s ?? parting(run, cloud, verdict.error_rad ?? verdict.error ?? 0);
+  run.trusted_s = parted ?? app.film.start;
+  if (parted !== null) sayDoubt(verdict, ` from ${timeText(parted, app.film.unit, 2)} on, where its neighbours part`);
+  app.changed();
 }
 
 // Whoever waits for the page to be up to date hears that it is.
@@ -217,6 +232,12 @@ function seen(lab) {
   if (lab.settledStamp !== lab.stamp) return;
   lab.map?.renew();
   lab.statics?.renew();
+  // A scene may have thousands of events.
+  if (lab.tabs.shown() === "panel-events" && lab.listed !== lab.app.film.events) {
+    lab.listed = lab.app.film.events;
+    lab.app.events.renew();
+    lab.app.changed();
+  }
 }
 
 // The fields of the scene alone, once for each.
@@ -224,7 +245,7 @@ async function baseOf(lab) {
   const { setting, lines } = lab;
   const { file, text } = setting;
   if (lab.base?.file === file && lab.base.text === text) return lab.base.answer;
-  const heard = await lines.live.ask("base", { ask: "fields", scene: { file, text }, set: [] });
+  const heard = await lines.patient.ask("base", { ask: "fields", scene: { file, text }, set: [] }, -1);
   if (!heard?.answer.fields) return null;
   lab.base = { file, text, answer: heard.answer };
   return heard.answer;
@@ -236,7 +257,7 @@ function furnish(lab) {
   lab.fields = new Fields(byId("fields"), {
     put: lab.put,
     hint: (key) => {
-      app.stage.hinted = LETTERED.has(key) ? key : null;
+      app.stage.hinted = LETTERS.get(key) ?? null;
       app.changed();
     },
   });
@@ -275,7 +296,7 @@ function drop(lab) {
 
 function compared(lab) {
   refilm(lab);
-  lab.app.events.renew();
+  seen(lab);
   lab.strip.show(lab.figures, lab.kept?.figures ?? null);
   buttons(lab);
   linkSoon(lab);
@@ -290,8 +311,7 @@ function swap(lab) {
 }
 
 // What an address keeps as A is simulated once more.
-async function keptAgain(lab) {
-  const { kept: scene } = lab.opened;
+async function keptAgain(lab, scene) {
   lab.opened.kept = null;
   const heard = await lab.lines.live.ask("kept", { ask: "run", scene: { file: scene.file, text: scene.text }, set: scene.set });
   const { film, figures } = heard?.answer ?? {};

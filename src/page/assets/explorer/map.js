@@ -36,11 +36,8 @@ class DesignMap {
   }
 
   criteria() {
-    const names = [...this.grid.words, ...this.grid.columns];
-    if (names.length === 0) return;
-    // In the order of the figures, which has the most telling first.
-    const rank = new Map(this.figures().map(({ key }, index) => [key, index]));
-    names.sort((a, b) => (rank.get(a) ?? 1e3) - (rank.get(b) ?? 1e3));
+    // In the order of the figures, which has the most telling first; a point may lack what others have.
+    const names = [...new Set([...this.figures().map(({ key }) => key), ...this.grid.words, ...this.grid.columns])];
     if (!names.includes(this.criterion)) this.criterion = names.find((name) => name.endsWith("tts_s")) ?? names[0];
     options(byId("map-criterion"), names.map((name) => [name, this.figureOf(name)?.label ?? name.replaceAll("_", " ")]), this.criterion);
   }
@@ -72,6 +69,7 @@ class DesignMap {
     Object.assign(grid, { key, ranges });
     this.grid = grid;
     this.cross = null;
+    this.criteria();
     this.ready = grid.fill();
     this.draw();
   }

@@ -1,13 +1,17 @@
 // The parts of the explorer's page that are no film: the choice of a scene, buttons, warnings, the title, the address.
 
-// Variables that have a letter in the drawing of the linkage.
-const LETTERED = new Set(["base", "l11", "l12", "l21", "l22", "t22", "phi22", "width", "l21_fraction", "arm_ratio"]);
+// The letters of variables in the drawing of the linkage.
+const SAME = ["base", "l11", "l12", "l21", "l22", "t22", "w", "q11", "q21"].map((each) => [each, each]);
+const LETTERS = new Map([...SAME, ["phi22", "φ22"], ["l21_fraction", "l21"], ["arm_ratio", "l22"], ["width", "w"]]);
 const EXPLORER_KEYS = [
   [["Ctrl z", "Ctrl Shift z"], "undo, redo"],
   [["k"], "keep this run as A, to compare with"],
   [["/"], "find a field"],
   [["←", "→"], "on a slider: a step; with shift ten"],
 ];
+
+// The file of the scene: of one that comes with the page, as it is there.
+const nameOf = ({ presets, setting: { file, text } }) => presets.find((each) => each.text === text)?.file ?? file;
 
 // The list of scenes that come with the page.
 function chooser(lab) {
@@ -18,7 +22,7 @@ function chooser(lab) {
     groups.get(group).append(element("option", { value: file, title: title ?? "" }, name));
   }
   select.append(...groups.values());
-  choose(select, lab.setting.file);
+  choose(select, nameOf(lab));
   select.addEventListener("change", () => lab.preset(select.value));
 }
 
@@ -44,7 +48,7 @@ function title(lab, { name, description }) {
   if (document.title !== words) document.title = words;
   put("name", words);
   put("description", description ?? "");
-  choose(byId("preset"), lab.setting.file);
+  choose(byId("preset"), nameOf(lab));
   lab.app.name = words;
 }
 
@@ -102,22 +106,36 @@ function controlsOf(lab) {
     else lab.undo();
   });
   addEventListener("hashchange", async () => {
-    const { scene, time_s } = await stateOf(location.hash, lab.presets);
+    const { scene, kept, time_s } = await stateOf(location.hash, lab.presets);
     if (scene && !same(scene, lab.setting.copy())) lab.take(scene);
+    if (kept) await keptAgain(lab, kept);
     if (time_s !== null) {
       lab.app.pause();
       lab.app.seek(time_s);
     }
   });
-  lab.app.files = filesOf(lab.app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
-  if (!lab.app.files.webm) byId("save").querySelector("[value='webm']").remove();
+}
+
+// A scene of one's own, from a file that is chosen or dropped on the page.
+function openable(lab) {
+  const take = async (file) => {
+    if (file) lab.take({ file: file.name, text: await file.text(), set: [] });
+  };
+  byId("scene-file").addEventListener("change", ({ target }) => take(target.files[0]));
+  const isFile = (event) => event.dataTransfer.types.includes("Files");
+  document.addEventListener("dragover", (event) => isFile(event) && event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    if (!isFile(event)) return;
+    event.preventDefault();
+    take(event.dataTransfer.files[0]);
+  });
 }
 
 const addressNow = (lab) => fragmentOf({
   scene: lab.setting.settled,
   kept: lab.kept?.scene,
   time_s: lab.app.clock.playing || lab.held ? NaN : lab.app.clock.time,
-  map: lab.map?.grid ? [lab.map.axes.x, lab.map.axes.y, lab.map.criterion] : null,
+  map: lab.map?.axes.x ? [lab.map.axes.x, lab.map.axes.y, lab.map.criterion] : null,
 }, lab.presets);
 
 // The address follows when nothing moves: browsers refuse addresses that change all the time.

@@ -2,8 +2,9 @@
 
 const STEPS = 200;
 const ANGLES = new Map([["deg", 30], ["rad", Math.PI / 6]]);
-// A slider of what is 0 goes so far, by its unit.
-const FROM_ZERO = new Map([["mm", 10], ["m", 0.01], ["ms", 10], ["s", 0.01], ["g", 100], ["kg", 0.1], ["N", 10], ["N*m", 0.5], ["N*mm", 100]]);
+// A slider of what is 0 goes so far, by its unit: to both sides of what has a direction.
+const FROM_ZERO = new Map([["mm", 10], ["m", 0.01], ["ms", 10], ["s", 0.01], ["g", 100], ["kg", 0.1], ["kg*m^2", 1e-5], ["N", 10], ["N*m", 0.5], ["N*mm", 100]]);
+const DIRECTED = new Set(["mm", "m", "m/s", "mm/s", "rad/s", "deg/s", "m/s^2"]);
 
 const isNumeric = (field) => ["quantity", "number", "integer"].includes(field.kind) && Number.isFinite(field.value);
 
@@ -18,7 +19,7 @@ function rangeOf(field, about = field.value) {
     const angle = ANGLES.get(field.unit);
     const size = FROM_ZERO.get(field.unit) ?? (field.kind === "integer" ? 10 : 1);
     if (angle) [from, to] = [about - angle, about + angle];
-    else if (about === 0) [from, to] = [-size, size];
+    else if (about === 0) [from, to] = [DIRECTED.has(field.unit) ? -size : 0, size];
     else [from, to] = about > 0 ? [about / 2, about * 2] : [about * 2, about / 2];
   }
   [from, to] = [Math.max(from, low), Math.min(to, high)];

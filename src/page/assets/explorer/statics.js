@@ -15,7 +15,11 @@ class Statics {
     this.key = key;
     this.holder.classList.add("stale");
     const heard = await this.line.ask("statics", setting.asks("statics"), 1);
-    if (!heard || key !== this.key) return;
+    if (key !== this.key) return;
+    if (!heard) {
+      this.key = null;
+      return;
+    }
     this.holder.classList.remove("stale");
     const { answer } = heard;
     const trouble = answer.problems?.map(({ message, help }) => [message, help].filter(Boolean).join(" ")).join(" ") ?? answer.failed;

@@ -16,11 +16,14 @@ function showVerdict(verdict) {
   badge.title = verdict ? verdictWords(verdict) : "The check of this run is under way.";
   const doubtful = kind === "uncertain" || kind === "chaotic";
   byId("doubt").hidden = !doubtful;
-  if (doubtful) put("doubt", `This run is ${kind}: ${verdictWords(verdict)}`);
+  if (doubtful) sayDoubt(verdict, "");
 }
 
-// What the check says, without the head of its table.
-const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/\s*\n\s*/g, "; ").replace(/;;/g, ";");
+// `since` says from when on.
+const sayDoubt = (verdict, since) => put("doubt", `This run is ${verdict.verdict}${since}: ${verdictWords(verdict)}`);
+
+// What the check says, without the head of its table and what it advises to do at a terminal.
+const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; ask for .*$/, "");
 
 // The time up to which a run is what it says, `undefined` where all of it is.
 function trustedUntil(verdict, start) {

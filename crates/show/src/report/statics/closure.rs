@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::motion::{FingerMotionReport, MotionReport, RateReport};
 use super::words::{motion_words, palm};
+use crate::grasp::finger::Palm;
 use crate::gripper::Site;
 use crate::statics::{Certificate, Decision, FormClosure, GripperRow, Kind, Row, Unknown};
-use crate::grasp::finger::Palm;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosureReport {

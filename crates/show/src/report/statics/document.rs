@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::closure::ClosureReport;
+use crate::grasp::finger::{Contact, Drive, Forces, Grasp};
 use crate::gripper::{Placement, Site, SpringKind};
 use crate::statics::{Ejection, Equilibrium, GripperRow};
-use crate::grasp::finger::{Contact, Drive, Forces, Grasp};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticsReport {

@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::closure::ClosureReport;
 use crate::criteria::Fate;
+use crate::grasp::finger::Palm;
+use crate::grasp::gripper::{GripperGrasp, Holds, Source, Touching};
 use crate::gripper::Site;
 use crate::report::grasp::ForceClosureReport;
 use crate::scene::{Place, Side};
@@ -11,8 +13,6 @@ use crate::statics::{
     Balance, Balanced, Blocked, Drive, FormClosure, GripperRow, HandMotion, Held, Limit, MetAt, Spot, StaticsError,
     Yields,
 };
-use crate::grasp::finger::Palm;
-use crate::grasp::gripper::{GripperGrasp, Holds, Source, Touching};
 use crate::trace::FingerState;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
