@@ -1,7 +1,7 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
 //! Modules depend on each other in one direction only:
-//! `units ← gripper, law ← fivebar ← sizing, statics ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants, check ← live, validate, study ← report, plot, page ← cli`; `numeric` and
+//! `units ← gripper, law ← fivebar ← sizing, statics ← scene ← analytic, engine ← trace, drawing ← log, criteria, invariants, check ← grasp, live, validate, study ← report, plot, page ← cli`; `numeric` and
 //! `integrator` know nothing of grippers.
 //!
 //! A scene file in, a closing out:

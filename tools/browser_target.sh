@@ -14,7 +14,7 @@ browser_target() {
     fi
     need "$1" "a compiler for $target ('rustup target add $target' is enough)" "rustc-web cargo-web rust-web-src lld-19" debians_compiler
     # RUSTC_BOOTSTRAP: building std is not stable yet.
-    # shellcheck disable=SC2054  # a comma of rust's own flag
+    # shellcheck disable=SC2034,SC2054  # for who sources this; a comma of rust's own flag
     build=(env RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER="$(command -v wasm-ld-19)"
         /usr/bin/cargo build -Zbuild-std=std,panic_abort)
 }

@@ -14,7 +14,10 @@ cd "$(dirname "$0")/.."
 . tools/browser_target.sh
 
 browser_target "the explorer"
-built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+# Whole, without the realpath of GNU: releases are made on macOS too.
+built=${CARGO_TARGET_DIR:-target}
+mkdir -p "$built"
+built=$(cd "$built" && pwd)
 say "explorer: the module"
 "${build[@]}" --release --locked --quiet --manifest-path crates/explorer/Cargo.toml --target "$target" --target-dir "$built/wasm"
 module=$built/wasm/$target/release/phalanx_explorer.wasm

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A release for one system: the program, built from the lock file, packed with its manual pages, completions, licences and README
-# into target/dist/phalanx-VERSION-TARGET.tar.gz (.zip for Windows), with its SHA-256 beside it. The same commit gives the same
+# A release for one system: the program, built from the lock file, packed with the explorer's module, manual pages, completions,
+# licences and README into target/dist/phalanx-VERSION-TARGET.tar.gz (.zip for Windows), with its SHA-256 beside it. The same commit gives the same
 # archive: names are sorted, and times are that of the commit.
 # Usage: tools/release.sh [TARGET]      (default: this machine's, as `rustc -vV` says it)
 set -euo pipefail
@@ -36,7 +36,9 @@ name=phalanx-$version-$target
 dist=target/dist
 rm -rf "${dist:?}/$name" "$dist/$name".*
 mkdir -p "$dist/$name/completions"
-cp "$built/$program" README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT "$dist/$name"
+# The module is of no system; it lies beside the program, where that looks for it.
+tools/explorer.sh
+cp "$built/$program" "${CARGO_TARGET_DIR:-target}/release/phalanx-explorer.wasm.gz" README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT "$dist/$name"
 # The program of another system does not run here; its pages are the same as those of this one's.
 teller=$built/$program
 if ! "$teller" --version >/dev/null 2>&1; then

@@ -29,7 +29,7 @@ cargo fmt --check
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
-for apart in benches/solvers tests/fuzz tests/wasm python; do
+for apart in benches/solvers crates/explorer tests/fuzz tests/wasm python; do
     if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
         echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
         exit 1

@@ -21,6 +21,9 @@ pub mod equations {}
 #[doc = include_str!("errata.md")]
 pub mod errata {}
 
+#[doc = include_str!("explorer.md")]
+pub mod explorer {}
+
 #[doc = include_str!("grippers.md")]
 pub mod grippers {}
 

@@ -31,19 +31,22 @@ export async function stop() {
   rmSync(DIRECTORY, { recursive: true });
 }
 
-/** A page in a browser that fails on anything it complains of or asks for. */
-export async function opened(file, { width = 1280, height = 800, scheme = "light", hash = "", ...more } = {}) {
+/** A page (a file or an address) in a browser that fails on anything it complains of or asks for, but what is under the address `beside`. */
+export async function opened(file, { width = 1280, height = 800, scheme = "light", hash = "", beside = null, ...more } = {}) {
+  const address = file.startsWith("http:") ? file : pathToFileURL(file).href;
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
   const page = await context.newPage();
   const complaints = [];
-  page.on("console", (message) => complaints.push(message.text()));
+  // A page of ours says nothing; that of a site may tell of its search.
+  page.on("console", (message) => beside !== null && message.type() === "log" || complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(error.stack));
   page.on("request", (request) => {
     // What the page saves is its own; everything else would come from somewhere.
     const own = request.url().startsWith("data:") || request.url().startsWith("blob:");
-    if (request.url().split("#")[0] !== pathToFileURL(file).href && !own) complaints.push(request.url());
+    const near = beside !== null && request.url().startsWith(beside);
+    if (request.url().split("#")[0] !== address && !own && !near) complaints.push(request.url());
   });
-  await page.goto(pathToFileURL(file).href + hash);
+  await page.goto(address + hash);
   return {
     page,
     complaints,

@@ -1,5 +1,9 @@
 """The tutorial: its site is built, its links lead somewhere, its commands do what it shows."""
 
+import base64
+import contextlib
+import importlib.util
+import io
 import os
 import re
 import shlex
@@ -8,7 +12,9 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 from pathlib import Path
+from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "book" / "pages"
@@ -19,6 +25,14 @@ NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 def build(*arguments: str) -> subprocess.CompletedProcess:
     command = [sys.executable, ROOT / "tools" / "book.py", *arguments]
     return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+
+
+def book():
+    """tools/book.py as a module."""
+    spec = importlib.util.spec_from_file_location("book", ROOT / "tools" / "book.py")
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
 
 
 def same(shown: str, printed: str) -> bool:
@@ -104,9 +118,51 @@ class Site(unittest.TestCase):
             self.assertIn("<iframe", (site / "the-page.html").read_text())
             self.assertIn("experiment-95", (site / "live" / "closing.html").read_text())
             self.assertTrue((site / "reference" / "accuracy.html").exists())
+            self.assertIn('<iframe class="explorer" src="explorer.html"', (site / "index.html").read_text())
+            self.assertIn('id="explorer"', (site / "explorer.html").read_text())
+            for page in (page for page in site.rglob("*.html") if page.parent.name != "live" and page.name != "explorer.html"):
+                text = page.read_text()
+                self.assertNotIn("<!-- explorer", text, page.name)
+                self.assertNotIn("```", text, page.name)
+
+    def test_without_a_compiler_for_the_browser_it_is_built_without_the_explorer(self):
+        program = book()
+        with tempfile.TemporaryDirectory() as out, mock.patch.object(program, "module", return_value=None), io.StringIO() as said:
+            with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+                program.main(out)
+            self.assertIn("without the explorer", said.getvalue())
+            site = Path(out)
+            self.assertFalse((site / "explorer.html").exists())
+            self.assertFalse([page.name for page in site.glob("**/*.html") if "explorer.html#" in page.read_text() or 'class="explore' in page.read_text()])
+
+    def test_only_a_missing_compiler_is_done_without(self):
+        program = book()
+        with mock.patch.dict(os.environ, {"PHALANX": "/nowhere/phalanx"}), mock.patch.object(program.subprocess, "run") as run:
+            os.environ.pop("PHALANX_EXPLORER", None)
+            run.return_value.returncode = 1
+            self.assertIsNone(program.module())
+            run.return_value.returncode = 0
+            self.assertEqual(program.module().name, program.MODULE)
+            # A compiler that fails.
+            run.return_value.returncode = 101
+            self.assertRaises(SystemExit, program.module)
+
+    def test_comments_about_the_explorer_become_links(self):
+        program = book()
+        comment = '<!-- explorer scene=gripper/design-95.toml set="design.base=14 mm" set=gravity=0 t=0.0069 says="a=1 ms" says=b=2 -->'
+        link = program.explored(comment, "../", True)
+        self.assertIn('href="../explorer.html#scene=gripper%2Fdesign-95.toml&amp;set=design.base%3D14+mm&amp;set=gravity%3D0&amp;t=0.0069"', link)
+        self.assertIn('data-says="a=1 ms; b=2"', link)
+        self.assertEqual(program.explored(f"a{comment}b", "", False), "ab")
+        own = program.explored('```toml file=own.toml\n[design]\n```\n<!-- explorer scene=own.toml called="mine & yours" -->', "", True)
+        text = re.search(r"#scene=own.toml&amp;text=([\w-]+)", own)[1]
+        self.assertEqual(zlib.decompress(base64.urlsafe_b64decode(text + "=" * (-len(text) % 4)), -15), b"[design]\n")
+        self.assertIn(">Open in the explorer: mine &amp; yours</a>", own)
+        for wrong in ("scene=a.toml at=3", "scene=a.toml there"):
+            self.assertRaises(SystemExit, program.explored, f"<!-- explorer {wrong} -->", "", True)
 
     def test_dead_links_end_it(self):
-        for broken in ("[x](no-page.md)", "[x](index.md#no-such-place)", '<img src="figures/no.svg">'):
+        for broken in ("[x](no-page.md)", "[x](index.md#no-such-place)", '<img src="figures/no.svg">', "<!-- explorer scene=no-such.toml -->"):
             with self.subTest(link=broken), tempfile.TemporaryDirectory() as scratch:
                 pages = Path(scratch) / "pages"
                 shutil.copytree(PAGES, pages)

@@ -176,9 +176,9 @@ fn circle(arrows: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
 
 #[test]
 fn no_file_uses_one_that_uses_it() {
-    for root in ["crates/core/src", "src"] {
+    for (root, least) in [("crates/core/src", 300), ("crates/show/src", 60), ("src", 300)] {
         let arrows = House::read(root).arrows();
-        assert!(arrows.values().map(BTreeSet::len).sum::<usize>() > 300, "{root}: arrows are found");
+        assert!(arrows.values().map(BTreeSet::len).sum::<usize>() > least, "{root}: arrows are found");
         let found = circle(&arrows).map(|way| way.iter().map(|module| module.join("/")).collect::<Vec<_>>());
         assert!(
             found.is_none(),

@@ -62,6 +62,7 @@ fn index() -> BTreeMap<Number, Vec<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
     sources(&root.join("crates/core/src"), &mut files);
+    sources(&root.join("crates/show/src"), &mut files);
     sources(&root.join("src"), &mut files);
     let mut found: BTreeMap<Number, Vec<String>> = BTreeMap::new();
     for path in files {

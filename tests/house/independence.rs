@@ -86,7 +86,7 @@ fn check(directory: &str, allowed: &[&str], foreign: &[&str]) {
 }
 
 /// Each may use those before it. What `ARCHITECTURE.md` says, in its order.
-const CORE: [&str; 17] = [
+const CORE: [&str; 18] = [
     "numeric",
     "integrator",
     "units",
@@ -104,8 +104,11 @@ const CORE: [&str; 17] = [
     "criteria",
     "invariants",
     "check",
+    "grasp",
 ];
-/// The same of the shell, which may use all of the core.
+/// What says and shows; it may use all of the core.
+const SHOW: [&str; 5] = ["wording", "plot", "film", "report", "explorer"];
+/// The same of the shell, which may use both.
 const SHELL: [&str; 12] =
     ["files", "scene", "table", "log", "validate", "study", "live", "wording", "plot", "page", "report", "cli"];
 
@@ -129,18 +132,64 @@ fn wrong_arrows(root: &str, order: &[&str]) -> Vec<(String, String)> {
 #[test]
 fn every_arrow_between_rooms_goes_one_way() {
     assert_eq!(wrong_arrows("crates/core/src", &CORE), []);
+    assert_eq!(wrong_arrows("crates/show/src", &SHOW), []);
     assert_eq!(wrong_arrows("src", &SHELL), []);
+}
+
+/// Crates that a source names, of those here.
+fn crates(text: &str) -> Vec<&'static str> {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    let named = |name: &&str| {
+        text.match_indices(*name).any(|(at, _)| {
+            let alone = !text[..at].ends_with(part) && !text[at + name.len()..].starts_with(part);
+            // In texts the program has the name of its crate.
+            alone && text[at + name.len()..].starts_with("::")
+        })
+    };
+    ["phalanx_core", "phalanx_show", "phalanx"].into_iter().filter(named).collect()
+}
+
+/// The shell stands on what shows, and that on the core; not even a test leads back.
+#[test]
+fn every_arrow_between_crates_goes_one_way() {
+    let mut stands_on_core = false;
+    for (root, rooms, allowed) in
+        [("crates/core/src", &CORE[..], &[][..]), ("crates/show/src", &SHOW[..], &["phalanx_core"][..])]
+    {
+        for path in rooms.iter().flat_map(|room| sources_of(root, room)).chain(sources_of(root, "lib")) {
+            let named = crates(&code(&path));
+            stands_on_core |= named.contains(&"phalanx_core");
+            assert!(named.iter().all(|name| allowed.contains(name)), "{} uses {named:?}", path.display());
+        }
+    }
+    assert!(stands_on_core);
+}
+
+/// What shows a run names rooms of its own and of the core, no others.
+#[test]
+fn what_shows_uses_the_core_and_itself() {
+    let mut of_core = Vec::new();
+    for room in SHOW {
+        for path in sources_of("crates/show/src", room) {
+            for used in modules(&code(&path), depth_in(&path, "crates/show/src", room)) {
+                let core = CORE.contains(&used.as_str());
+                assert!(core || SHOW.contains(&used.as_str()), "{} uses `{used}`", path.display());
+                of_core.extend(core.then_some(used));
+            }
+        }
+    }
+    assert!(of_core.len() > 20, "{} arrows into the core", of_core.len());
 }
 
 /// The lists above are all rooms there are.
 #[test]
 fn every_room_is_in_the_order() {
     let outside = ["lib", "main", "docs", "limits"];
-    for (root, order) in [("crates/core/src", &CORE[..]), ("src", &SHELL[..])] {
+    for (root, order) in [("crates/core/src", &CORE[..]), ("crates/show/src", &SHOW[..]), ("src", &SHELL[..])] {
         let mut rooms: Vec<String> = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(root))
             .expect("a directory of sources")
             .map(|entry| entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned())
-            .filter(|room| root == "crates/core/src" && room != "lib" || !outside.contains(&room.as_str()))
+            .filter(|room| root != "src" && room != "lib" || !outside.contains(&room.as_str()))
             .collect();
         rooms.sort();
         let mut listed = order.to_vec();
@@ -179,6 +228,10 @@ fn the_analytic_model_uses_nothing_of_the_engine() {
 fn the_reader_finds_what_it_looks_for() {
     let text = "use crate::{law, analytic::Model};\nlet x = crate::engine::build();\n";
     assert_eq!(modules(text, 1), ["law", "analytic", "engine"]);
+    assert_eq!(
+        crates("use phalanx_core::units;\nuse phalanx::scene;\nlet x = phalanx_show_n::y();\n"),
+        ["phalanx_core", "phalanx"]
+    );
     let over = "use super::super::mode;\nuse super::super::super::engine;\n";
     assert_eq!(modules(over, 2), ["engine"]);
     assert_eq!(modules("use super::super::engine;\n", 1), ["engine"]);
