@@ -50,6 +50,7 @@ mod size;
 mod statics;
 mod statics_gripper;
 mod study;
+mod study_args;
 mod study_stability;
 mod sweep;
 mod sweep_merge;

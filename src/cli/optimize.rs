@@ -12,6 +12,7 @@ use super::output::{note, print, show};
 use super::own::{Form, writable};
 use super::progress::Count;
 use super::saved::{broken, save};
+use super::study_args::StudyArgs;
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -74,21 +75,8 @@ pub struct OptimizeArgs {
     #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = count)]
     best: usize,
 
-    /// Begin anew, whatever is there of an earlier search
-    #[arg(long)]
-    restart: bool,
-
-    /// Show what would be searched, and run nothing
-    #[arg(long)]
-    list: bool,
-
-    /// Print the JSON Schema of these files, for editors
-    #[arg(long, conflicts_with_all = ["study", "out", "list"])]
-    schema: bool,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long, conflicts_with = "list")]
-    json: bool,
+    #[command(flatten)]
+    how: StudyArgs,
 }
 
 /// Runs the command.
@@ -101,7 +89,7 @@ pub fn run(args: &OptimizeArgs) -> Result<Status, Failure> {
     if let Some(model) = args.model {
         of.simulate_with(model.into());
     }
-    let (Some(out), false) = (&args.out, args.list) else {
+    let (Some(out), false) = (&args.out, args.how.list) else {
         show(&optimisation_list(&of))?;
         return Ok(Status::Done);
     };
@@ -116,7 +104,7 @@ pub fn run(args: &OptimizeArgs) -> Result<Status, Failure> {
 /// Makes the runs that are not there yet, and says what was found.
 fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, Failure> {
     let place = runs_beside(out);
-    let (store, mut runs_table) = match open(of.study(), &place, u64::MAX, args.restart)? {
+    let (store, mut runs_table) = match open(of.study(), &place, u64::MAX, args.how.restart)? {
         Stored::Complete(table) => {
             note(&format!(
                 "{} has all runs of this search already: nothing was run. --restart runs them again.",
@@ -160,7 +148,7 @@ fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, 
     table::write(out, &optimize::table(of, &found)).map_err(Failure::incomplete)?;
     let report = OptimisationReport::new(of, &found, reasons, SweepWork::new(runs, simulations, threads, wall_s));
     write_others(args, of, &found, &report)?;
-    match args.json {
+    match args.how.json {
         true => print(&optimisation_json(&report)),
         false => show(&optimisation_text(of, &found, &report, args.best)),
     }?;

@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 
 use super::interrupt::Interrupt;
 use super::output::{note, print, show};
+use super::study_args::StudyArgs;
 use super::sweep_merge::{self, MergeArgs};
 use super::sweep_progress::SoFar;
 use super::sweep_shard::{self, Place, ShardOf, shard_of};
@@ -71,21 +72,8 @@ pub struct SweepArgs {
     #[arg(long, value_name = "K/N", value_parser = shard_of, conflicts_with_all = ["limit", "list", "schema"])]
     shard: Option<ShardOf>,
 
-    /// Begin anew, whatever is there of an earlier sweep
-    #[arg(long)]
-    restart: bool,
-
-    /// Show what would be run, and run nothing
-    #[arg(long)]
-    list: bool,
-
-    /// Print the JSON Schema of study files, for editors
-    #[arg(long, conflicts_with_all = ["study", "out", "list"])]
-    schema: bool,
-
-    /// Print one JSON document with SI units in its keys instead of tables
-    #[arg(long, conflicts_with = "list")]
-    json: bool,
+    #[command(flatten)]
+    how: StudyArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -123,16 +111,16 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
         study.model = model.into();
     }
     study.checked = args.check;
-    let (Some(out), false) = (&args.out, args.list) else {
+    let (Some(out), false) = (&args.out, args.how.list) else {
         show(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
         return Ok(Status::Done);
     };
     if let Some(of) = args.shard {
-        let place = Place { out, threads: args.threads, restart: args.restart, json: args.json };
+        let place = Place { out, threads: args.threads, restart: args.how.restart, json: args.how.json };
         return sweep_shard::run(&study, of, &place);
     }
     let most = args.limit.unwrap_or(u64::MAX);
-    match open(&study, out, most, args.restart)? {
+    match open(&study, out, most, args.how.restart)? {
         Found::Complete(table) => {
             note(&format!(
                 "{} has all runs of this study already: nothing was run. --restart runs them again.",
@@ -191,7 +179,7 @@ fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWo
         found,
         now,
     };
-    match args.json {
+    match args.how.json {
         true => print(&sweep_json(&report)),
         false => show(&sweep_text(&report)),
     }?;

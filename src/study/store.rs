@@ -1,7 +1,7 @@
-//! Results of a sweep on the disk: rows are added to `OUT.partial.csv` as they are found, so that nothing that ended a sweep
+//! Runs of a sweep or a search on the disk: rows are added to `OUT.partial.csv` as they are found, so that nothing that ended it
 //! loses a finished run; at the end all of them are written as OUT, in order.
 //!
-//! Beside OUT stands `OUT.study.json`: which study the results are of, with its exact text. It says whether a sweep that is
+//! Beside OUT stands `OUT.study.json`: which study the results are of, with its exact text. It says whether a command that is
 //! started again may go on from what is there.
 
 use std::ffi::OsString;
@@ -17,7 +17,7 @@ use super::sweep::{Study, columns, in_one_piece, sorted};
 use crate::files::{checksum, replace};
 use crate::table::{self, Column, Table, Value};
 
-/// How the file of unfinished results begins.
+/// How the file of unfinished results begins, of a search too.
 const MAGIC: &str = "# phalanx sweep";
 
 /// Results that grow.
@@ -51,7 +51,7 @@ impl StoreError {
     }
 }
 
-/// What is there of a sweep.
+/// What is there of the runs.
 pub enum Found {
     /// All that is wanted.
     Complete(Table),
@@ -62,7 +62,7 @@ pub enum Found {
 /// Opens the results of a study, of which the first `most` runs are wanted.
 ///
 /// # Errors
-/// A place where results cannot be, results of another study, or another sweep that writes them.
+/// A place where results cannot be, results of another study, or another command that writes them.
 pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found, StoreError> {
     table::format(out).map_err(StoreError::refused)?;
     in_one_piece(study, most).map_err(StoreError::refused)?;
@@ -89,7 +89,7 @@ pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found
     if restart {
         return Ok(Found::Begun(store));
     }
-    // Another sweep may have finished while this one waited for nothing.
+    // Another command may have finished while this one waited for nothing.
     match finished(study, out) {
         Some(table) if complete(&table) => {
             let _ = fs::remove_file(&store.partial);
@@ -159,7 +159,7 @@ impl Store {
         Ok(table)
     }
 
-    /// Takes the rows of an earlier sweep of this study; says whether there is one.
+    /// Takes the rows of an earlier run of this study; says whether there was one.
     fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, StoreError> {
         let mut bytes = Vec::new();
         self.file.read_to_end(&mut bytes).map_err(|error| self.failed(&error))?;
@@ -208,12 +208,12 @@ fn head(study: &Study, columns: &[Column]) -> String {
     format!("{MAGIC} {} of {}, unfinished\n{}", study.fingerprint(), study.runs(), table::line(&names))
 }
 
-/// Refuses to replace, also for `--restart`, what no sweep has written, and what has been changed since.
+/// Refuses to replace, also for `--restart`, what no run of a study has written, and what has been changed since.
 fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), StoreError> {
     let beside = beside(out);
     let refused = |path: &Path, whose: &str| {
         Err(StoreError::refused(format!(
-            "{} is there already, and not as a sweep {whose}left it, so it is left alone; give another --out, or delete it \
+            "{} is there already, and not as a run {whose}left it, so it is left alone; give another --out, or delete it \
              first",
             path.display()
         )))
@@ -225,7 +225,7 @@ fn refuse_foreign(study: &Study, out: &Path, partial: &Path) -> Result<(), Store
         return Ok(());
     }
     let left = matches!(&beside, Some(Ok(beside)) if beside.is_of(out));
-    // A sweep that was killed between its last two files has left the rows too.
+    // A command that was killed between its last two files has left the rows too.
     let killed = || partial.exists() && rows(study, out).is_some();
     if left || killed() { Ok(()) } else { refused(out, "of this study ") }
 }
@@ -239,7 +239,7 @@ fn rows(study: &Study, out: &Path) -> Option<Table> {
     (table.columns == columns(study)).then_some(table)
 }
 
-/// Results that a sweep of this study has written and nobody has touched since.
+/// Results that a run of this study has written and nobody has touched since.
 fn finished(study: &Study, out: &Path) -> Option<Table> {
     let beside = beside(out)?.ok()?;
     if beside.fingerprint != study.fingerprint() || !beside.is_of(out) {
@@ -248,7 +248,7 @@ fn finished(study: &Study, out: &Path) -> Option<Table> {
     rows(study, out)
 }
 
-/// Opens the file that grows and locks it, so that no two sweeps write one.
+/// Opens the file that grows and locks it, so that no two commands write one.
 fn claim(out: &Path, partial: &Path) -> Result<File, StoreError> {
     let failed = |error: io::Error| {
         StoreError::refused(format!("cannot write {}: {error}; give a place where you may write", partial.display()))
@@ -260,14 +260,14 @@ fn claim(out: &Path, partial: &Path) -> Result<File, StoreError> {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(StoreError::refused(format!(
-                    "another sweep is writing {} (its rows are in {}); wait for it, or give another --out",
+                    "another command is writing {} (its rows are in {}); wait for it, or give another --out",
                     out.display(),
                     partial.display()
                 )));
             }
             Err(TryLockError::Error(error)) => return Err(failed(error)),
         }
-        // The sweep that held it may have removed it between the two.
+        // The command that held it may have removed it between the two.
         if same_file(&file, partial) {
             return Ok(file);
         }

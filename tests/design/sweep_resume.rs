@@ -152,7 +152,7 @@ fn what_is_complete_is_not_run_again() {
     fs::write(&out, &changed).expect("written");
     let output = sweep(&study, &out, &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("not as a sweep of this study left it"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("not as a run of this study left it"), "{}", stderr(&output));
     assert_eq!(fs::read_to_string(&out).expect("there"), changed);
     assert!(!partial(&out).exists());
 }
@@ -200,7 +200,7 @@ fn two_sweeps_do_not_write_one_table() {
     wait_for_rows(&out, 5);
     let output = sweep(&study, &out, &["--restart"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("another sweep is writing"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("another command is writing"), "{}", stderr(&output));
     assert!(first.wait().expect("ends").success());
     assert_eq!(lines(&out), 6001);
 }

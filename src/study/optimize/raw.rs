@@ -1,15 +1,13 @@
 //! The file of an optimisation as it is written. Doc comments become the descriptions of the JSON Schema.
 
 use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
 use serde::Deserialize;
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
 use super::problem::{Algorithm, Goal, Of, Over};
 use crate::scene::entry::{Entry, Section};
 use crate::scene::kinds::{Choice, Count, Text, Words};
-use crate::scene::schema::unwrap_lines;
-use crate::study::sweep::{Anything, List, RawAxis, RawFilter, Spacing, swept};
+use crate::study::sweep::{Anything, List, RawAxis, RawFilter, Spacing, schema_of_study, schema_text};
 use crate::trace::Model;
 
 /// An optimisation: a scene, the fields of it that may change, what is to be made small or large, and what has to hold.
@@ -125,23 +123,10 @@ impl Words for Algorithm {
 
 /// JSON Schema of the files of optimisations, as text.
 pub fn schema() -> String {
-    let mut schema = schema_json();
-    let text = schema["properties"]["scene"].take();
-    let [finger, gripper] = swept();
-    schema["properties"]["scene"] =
-        json!({ "description": text["description"], "anyOf": [{ "type": "string" }, finger, gripper] });
-    let set = schema["properties"]["set"].take();
-    schema["properties"]["set"] = json!({ "description": set["description"], "anyOf": swept() });
-    format!("{schema:#}\n")
+    schema_text(schema_json())
 }
 
 /// The schema by which unknown keys are found. A [scene] or [set] that is a table is judged as a scene, not by this.
 pub(super) fn schema_json() -> Json {
-    let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
-    let mut schema = settings.into_generator().into_root_schema_for::<RawOptimisation>().to_value();
-    unwrap_lines(&mut schema);
-    let [mut set, _] = swept();
-    set["description"] = "Fields of the base scene that the whole optimisation replaces.".into();
-    schema["properties"]["set"] = set;
-    schema
+    schema_of_study::<RawOptimisation>("optimisation")
 }

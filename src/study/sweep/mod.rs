@@ -50,7 +50,7 @@ mod trust;
 pub(in crate::study) use axis::{Axis as SweepAxis, Range, Spacing};
 pub(in crate::study) use designs::{Designs, of_designs};
 pub(in crate::study) use document::{Document, document, refused};
-pub(in crate::study) use raw::{Anything, List, RawAxis, RawFilter, swept};
+pub(in crate::study) use raw::{Anything, List, RawAxis, RawFilter, schema_of_study, schema_text};
 pub(in crate::study) use read::{filter_of, stem, text_of};
 pub(in crate::study) use read_axis::{axes, between, field, read};
 pub(in crate::study) use row::found;

@@ -144,18 +144,21 @@ impl Words for Method {
 
 /// JSON Schema of study files, as text.
 pub fn schema() -> String {
-    let mut schema = schema_json();
-    let text = schema["properties"]["scene"].take();
+    schema_text(schema_json())
+}
+
+/// The schema of files with a base scene and [set], whose keys are those of a scene of either kind.
+pub(in crate::study) fn schema_text(mut schema: Json) -> String {
+    let [scene, set] = ["scene", "set"].map(|key| schema["properties"][key]["description"].take());
     let [finger, gripper] = swept();
-    schema["properties"]["scene"] =
-        json!({ "description": text["description"], "anyOf": [{ "type": "string" }, finger, gripper] });
-    let set = schema["properties"]["set"].take();
-    schema["properties"]["set"] = json!({ "description": set["description"], "anyOf": swept() });
+    let file = json!({ "type": "string" });
+    schema["properties"]["scene"] = json!({ "description": scene, "anyOf": [file, finger, gripper] });
+    schema["properties"]["set"] = json!({ "description": set, "anyOf": swept() });
     format!("{schema:#}\n")
 }
 
 /// The kinds of scenes that a study takes.
-pub(in crate::study) fn swept() -> [Json; 2] {
+fn swept() -> [Json; 2] {
     [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
         let mut schema = schema_of(kind).clone();
         schema.as_object_mut().map(|map| map.remove("$schema"));
@@ -165,11 +168,16 @@ pub(in crate::study) fn swept() -> [Json; 2] {
 
 /// The schema by which unknown keys are found. A [scene] or [set] that is a table is judged as a scene, not by this.
 pub(super) fn schema_json() -> Json {
+    schema_of_study::<RawStudy>("study")
+}
+
+/// The same of any file with a base scene and [set], by what it is.
+pub(in crate::study) fn schema_of_study<R: JsonSchema>(whole: &str) -> Json {
     let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
-    let mut schema = settings.into_generator().into_root_schema_for::<RawStudy>().to_value();
+    let mut schema = settings.into_generator().into_root_schema_for::<R>().to_value();
     unwrap_lines(&mut schema);
     let [mut set, _] = swept();
-    set["description"] = "Fields of the base scene that the whole study replaces.".into();
+    set["description"] = format!("Fields of the base scene that the whole {whole} replaces.").into();
     schema["properties"]["set"] = set;
     schema
 }

@@ -16,7 +16,7 @@ mod runs;
 
 use path::Path;
 pub use path::{Errors, LENGTH_M};
-use runs::{Way, is_comparable, run, run_heard, words};
+use runs::{Way, is_comparable, run, words};
 pub use runs::{pushed, pushed_bodies, pushed_gripper};
 
 use crate::integrator::Reason;
@@ -97,20 +97,20 @@ pub fn check_heard<'a>(
 ) -> Check {
     let scene = scene.into();
     let way = Way { finer: false, push: 0.0, budget: u64::MAX, go_on };
-    let own = run(scene, model, &way);
+    let own = run(scene, model, &way, &mut ());
     let budget = Way { budget: STEPS_PER_STEP * own.steps + BESIDE, ..way };
     let finer = Way { finer: true, ..budget };
     let analytic =
-        (model == Model::Analytic || is_comparable(scene)).then(|| run_heard(scene, Model::Analytic, &finer, held_to));
+        (model == Model::Analytic || is_comparable(scene)).then(|| run(scene, Model::Analytic, &finer, held_to));
     // The analytic model speaks for the engine as far as it gets; beyond, the engine itself does.
     let as_far =
         if model == Model::Engine { analytic.as_ref().map_or(0.0, |path| path::difference(&own, path)) } else { 0.0 };
     let speaks = |path: &Path| model == Model::Analytic || path.failure.is_none() || own.failure.is_some();
     let (second, judge) = match analytic.filter(speaks) {
         Some(analytic) => (analytic, Model::Analytic),
-        None => (run_heard(scene, Model::Engine, &finer, held_to), Model::Engine),
+        None => (run(scene, Model::Engine, &finer, held_to), Model::Engine),
     };
-    let pushed = run_heard(scene, judge, &Way { push: PUSH, ..finer }, pushed);
+    let pushed = run(scene, judge, &Way { push: PUSH, ..finer }, pushed);
     let bar = match model {
         Model::Engine => ENGINE_BAR,
         Model::Analytic if own.events > MANY_EVENTS => MANY_EVENTS_BAR,

@@ -115,13 +115,8 @@ fn changed(scene: Simulated<'_>, way: &Way<'_>) -> AnyScene {
     changed
 }
 
-/// Runs the scene, and keeps its path.
-pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>) -> Path {
-    run_heard(scene, model, way, &mut ())
-}
-
-/// The same with somebody else who hears it.
-pub fn run_heard(scene: Simulated<'_>, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
+/// Runs the scene, and keeps its path; `heard` hears it as well.
+pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
     let layout = scene.layout();
     let surfaces: Vec<usize> = layout.surfaces().collect();
     let mut keep = Keep::new(scene.duration_s(), way.go_on);
