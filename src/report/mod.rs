@@ -59,11 +59,11 @@ use phalanx_show::report::{check, contacts, csv, discs, document, document_text,
 pub use crate::wording::{Quantity, Sheet, condition_name, criterion_key, criterion_name, duration, percent_of};
 pub use phalanx_show::report::{
     AnglesReport, BalanceReport, BirglenReport, Came, ClosureReport, ContactPlaceReport, Contacts, CycleReport,
-    DirectionReport, DiscReport, DriveReport, Dynamics, Energies, EngineUsed, Failure, Final, FinalPostureReport,
-    FingerContacts, FingerMotionReport, ForceClosureReport, ForceReport, ForcesReport, GraspReport,
-    GripperClosureReport, GripperContactReport, GripperPostureReport, GripperStaticsReport, HandMotionReport,
-    HeldContactReport, HoldsReport, IntegratorUsed, LimitReport, MotionReport, MotorReport, MultiplierReport, Named,
-    NecessaryReport, PairReport, PhalanxReport, PlaceReport, RateReport, RunCheckReport, RunReport, SpringReport,
-    StaticsReport, TravelReport, WorkReport, csv_head, csv_sample, gripper_statics_json, gripper_statics_text,
-    is_samples, json, statics_json, statics_text, text,
+    DirectionReport, DiscReport, DriveReport, Dynamics, Energies, Failure, Final, FinalPostureReport, FingerContacts,
+    FingerMotionReport, ForceClosureReport, ForceReport, ForcesReport, GraspReport, GripperClosureReport,
+    GripperContactReport, GripperPostureReport, GripperStaticsReport, HandMotionReport, HeldContactReport, HoldsReport,
+    LimitReport, MotionReport, MotorReport, MultiplierReport, Named, NecessaryReport, PairReport, PhalanxReport,
+    PlaceReport, RateReport, RunCheckReport, RunReport, SpringReport, StaticsReport, TravelReport, Used, WorkReport,
+    csv_head, csv_sample, gripper_statics_json, gripper_statics_text, is_samples, json, statics_json, statics_text,
+    text,
 };

@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use phalanx::gripper::Design;
 use phalanx::scene::schema::schema_of;
 use phalanx::scene::table::drive::{Motor, Springs};
-use phalanx::scene::table::finger::{Material, Start};
+use phalanx::scene::table::finger::{Material, Object, Start};
 use phalanx::scene::table::law::{Contact, Limit};
 use phalanx::scene::table::{self, Table};
 use phalanx::scene::words::SceneKind;
@@ -54,6 +55,8 @@ fn defaults_are_what_a_scene_has_that_says_nothing() {
     check::<LogRates>("log");
     check::<Contact>("contact");
     check::<Limit>("limit");
+    check::<Design>("design");
+    check::<Object>("object");
     check::<Material>("material");
     check::<Start>("initial");
     check::<Motor>("motor");

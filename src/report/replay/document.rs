@@ -6,15 +6,15 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, finals};
+use super::super::document::{Dynamics, Energies, Failure, Final, Used, finals};
 use super::super::grasp::GraspReport;
 use super::super::named::Named;
 use super::summary::Summary;
 use super::verify::VerificationReport;
 use crate::criteria::{Criteria, GraspCriteria};
 use crate::log::{Loss, Reading, Solver, settings};
-use crate::scene::AnyScene;
 use crate::scene::words::SceneKind;
+use crate::scene::{AnyScene, Engine, Integrator};
 use crate::trace::{Outcome, Simulated};
 
 /// One log.
@@ -41,8 +41,8 @@ pub struct ReplayReport {
     /// Samples on the grid, per second.
     pub log_numeric_hz: Option<f64>,
     /// Settings of the model that ran, as in the run's own report; null for the other, and where they cannot be read.
-    pub integrator: Option<IntegratorUsed>,
-    pub engine: Option<EngineUsed>,
+    pub integrator: Option<Used<Integrator>>,
+    pub engine: Option<Used<Engine>>,
     /// Everything that the log records of itself, as it stands there: versions, model, settings in SI.
     pub settings: BTreeMap<String, String>,
     /// What a log recovered from a damaged one says of that; null for any other.
@@ -133,8 +133,8 @@ impl ReplayReport {
         let number = |key: &str| entry(key).and_then(|text| text.parse().ok());
         let stopped = reading.ended.as_ref().and_then(|ended| Some((ended.time_s, ended.stopped.clone()?)));
         let (integrator, engine) = match settings(&reading.metadata).map(|settings| settings.solver) {
-            Ok(Solver::Analytic(integrator)) => (Some(IntegratorUsed::from(&integrator)), None),
-            Ok(Solver::Engine(engine)) => (None, Some(EngineUsed::from(&engine))),
+            Ok(Solver::Analytic(integrator)) => (Some(Used(integrator)), None),
+            Ok(Solver::Engine(engine)) => (None, Some(Used(engine))),
             Err(_) => (None, None),
         };
         ReplayReport {

@@ -90,40 +90,10 @@ impl<'a> Checker<'a> {
         self.get(key, entry).unwrap_or(default)
     }
 
-    /// A number within bounds; `None` if it is left out or wrong.
-    pub fn number<K: Kind<Value = f64>>(&mut self, key: &str, entry: &Entry<K>, bound: Bound) -> Option<f64> {
-        let value = self.get(key, entry)?;
-        if (bound.allowed)(value) {
-            return Some(value);
-        }
-        self.beyond(key, entry.span(), bound);
-        None
-    }
-
     /// Notes that a number is not within bounds.
     pub fn beyond(&mut self, key: &str, span: Option<Range<usize>>, bound: Bound) {
         let message = format!("`{key}` is {}, but must be {}", self.quoted(span.clone()), bound.text);
         self.push(span, message, "not allowed", format!("give a value {}", bound.text));
-    }
-
-    /// A number within bounds, or its default.
-    pub fn number_or<K: Kind<Value = f64>>(&mut self, key: &str, entry: &Entry<K>, bound: Bound, default: f64) -> f64 {
-        self.number(key, entry, bound).unwrap_or(default)
-    }
-
-    /// A number within bounds that `section` must have.
-    pub fn required<K: Kind<Value = f64>, T>(
-        &mut self,
-        key: &str,
-        entry: &Entry<K>,
-        bound: Bound,
-        section: &Section<T>,
-        help: &str,
-    ) -> Option<f64> {
-        if !entry.is_given() {
-            self.missing(key, section, help);
-        }
-        self.number(key, entry, bound)
     }
 
     /// Notes that a section lacks a key.

@@ -85,6 +85,11 @@ impl<T> Section<T> {
         Section { span: Some(span), body }
     }
 
+    /// What stands before all sections has no header.
+    pub fn whole(body: T) -> Self {
+        Section { span: None, body }
+    }
+
     pub fn is_given(&self) -> bool {
         self.span.is_some()
     }

@@ -11,18 +11,18 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-use super::entry::{Entry, Section};
-use super::kinds::{Acceleration, Choice, Flag, Length, Pair, Text, Time};
+use super::entry::Section;
 use super::over::{EITHER, KINDS};
 use super::raw::RawScene;
+use super::sections::sections;
 use super::table::bounds::GripperBounds;
 use super::table::drive::BoughtMotor;
 use super::table::gripper::{Seesaw, Support};
 use super::table::keys::Keys;
 use super::table::law::GripperContact;
 use super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
+use super::table::top::GripperKeys;
 use super::table::{self, Table};
-use super::words::SceneKind;
 use super::{Engine, GripperObject, Integrator, LogRates, Side};
 
 /// Keys and sections that a gripper shares with the scene of a finger.
@@ -43,47 +43,21 @@ pub const OF_FINGER: [&str; 11] = [
 /// What a finger of a gripper has as well, though with keys of its own.
 pub const OF_SIDE: [&str; 2] = ["motor", "contact"];
 
-/// A scene of kind "gripper": two fingers close on an object that may move, before a palm and perhaps a table. A scene says only what
-/// differs from the defaults. Quantities are texts with a unit: "15 mm", "120 deg", "480 N*mm".
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(default)]
-#[schemars(title = "scene of a gripper", deny_unknown_fields)]
-pub struct RawGripper {
-    /// Scene file that this one extends, seen from the directory of this one: whatever is not said here is as it is there, but for
-    /// its name and description. A section that says its `type` or `profile` replaces the one there; [lengths] replaces [design].
-    pub extends: Entry<Text>,
-    /// Name in reports and logs. Default: the file's name without its extension.
-    pub name: Entry<Text>,
-    /// What the scene is for; not used by the simulation.
-    pub description: Entry<Text>,
-    /// Kind of scene: "gripper" are two fingers and what they grasp. Required.
-    pub kind: Entry<Choice<SceneKind>>,
-    /// Simulated time.
-    #[schemars(extend("default" = "20 ms"))]
-    pub duration: Entry<Time>,
-    /// Gravity as x along and y out of the palm; the gripper hangs upside down by default.
-    #[schemars(extend("default" = ["0 m/s^2", "9.81 m/s^2"]))]
-    pub gravity: Entry<Pair<Acceleration>>,
-    /// Whether the palm, the half plane y ≤ 0, is there; only the object meets it.
-    #[schemars(extend("default" = true))]
-    pub palm: Entry<Flag>,
-    /// Distance between the ground joints of both fingers. Default: twice the base of [design]; required with [lengths].
-    pub palm_width: Entry<Length>,
-    /// Largest positioning error that starts and `sizing` are made for: both fingers start where the one that is nearer to the object
-    /// would, at either end of the error, and have the larger motor and spring of both ends (of one, where the other is out of a finger's reach). Default: that of the object's offset.
-    pub positioning_error: Entry<Length>,
-    pub object: Section<Keys<GripperObject>>,
-    pub table: Section<Keys<Support>>,
-    pub differential: Section<Keys<Seesaw>>,
-    pub moves: Section<Named<MoveKeys>>,
-    pub vibrations: Section<Named<VibrationKeys>>,
-    pub path: Section<Keys<PathKeys>>,
-    pub motor: Section<Keys<BoughtMotor>>,
-    pub contact: Section<Keys<GripperContact>>,
-    pub integrator: Section<Keys<Integrator>>,
-    pub engine: Section<Keys<Engine>>,
-    pub validate: Section<Keys<GripperBounds>>,
-    pub log: Section<Keys<LogRates>>,
+sections! {
+    "scene of a gripper", RawGripper: GripperKeys {
+        object: Keys<GripperObject>,
+        table: Keys<Support>,
+        differential: Keys<Seesaw>,
+        moves: Named<MoveKeys>,
+        vibrations: Named<VibrationKeys>,
+        path: Keys<PathKeys>,
+        motor: Keys<BoughtMotor>,
+        contact: Keys<GripperContact>,
+        integrator: Keys<Integrator>,
+        engine: Keys<Engine>,
+        validate: Keys<GripperBounds>,
+        log: Keys<LogRates>,
+    }
 }
 
 /// Sections of one kind, each under a name of its own.

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::check::RunCheckReport;
 use super::contacts::Contacts;
@@ -12,8 +12,10 @@ use super::discs::{DiscReport, discs};
 use super::grasp::GraspReport;
 use super::named::Named;
 use crate::criteria::{Criteria, GraspCriteria, Rebound};
+use crate::scene::table::held::Written;
+use crate::scene::table::{Table, columns};
 use crate::scene::words::SceneKind;
-use crate::scene::{Engine, Integrator, Stepping, Words};
+use crate::scene::{Engine, Integrator, Words};
 use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Simulated, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came; what a kind of
@@ -59,9 +61,9 @@ pub struct RunReport {
     pub energy: Option<Energies>,
     pub work: Option<WorkReport>,
     /// Settings of the analytic model; null for a run of the engine.
-    pub integrator: Option<IntegratorUsed>,
+    pub integrator: Option<Used<Integrator>>,
     /// Settings of the engine model; null for a run of the analytic one.
-    pub engine: Option<EngineUsed>,
+    pub engine: Option<Used<Engine>>,
     /// Of a finger or a gripper: largest opening of a joint of the engine; null for the analytic model, whose loop is closed by construction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loop_gap_m: Option<Option<f64>>,
@@ -127,29 +129,14 @@ pub struct WorkReport {
     pub newton_iterations: u64,
 }
 
-/// The integrator settings in force.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct IntegratorUsed {
-    pub preset: &'static str,
-    pub method: &'static str,
-    pub rtol: f64,
-    pub atol_angle_rad: f64,
-    pub atol_rate_rad_s: f64,
-    pub max_steps: u64,
-}
+/// The settings in force of one model, under the names of the table of settings; null is what a choice among them leaves out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Used<T>(pub T);
 
-/// The engine settings in force; null is what the stepping does not have.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct EngineUsed {
-    pub construction: &'static str,
-    /// `scene`: the scene's contact laws; `rapier`: rapier's own rigid contact.
-    pub law: &'static str,
-    pub stepping: &'static str,
-    pub step_s: Option<f64>,
-    pub tolerance_m: Option<f64>,
-    pub max_step_s: Option<f64>,
-    pub iterations: u32,
-    pub max_steps: u64,
+impl<T: Table> Serialize for Used<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(columns(&self.0).into_iter().map(|(name, value)| (name, value.map(Written::si))))
+    }
 }
 
 /// What a run came to, as far as it did.
@@ -192,8 +179,8 @@ impl RunReport {
             error,
             energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
             work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
-            integrator: (!engine).then(|| IntegratorUsed::from(scene.integrator())),
-            engine: engine.then(|| EngineUsed::from(scene.engine())),
+            integrator: (!engine).then(|| Used(*scene.integrator())),
+            engine: engine.then(|| Used(*scene.engine())),
             loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,
@@ -263,38 +250,6 @@ impl From<&Work> for WorkReport {
             events: work.events,
             contact_substeps: work.contact_substeps,
             newton_iterations: work.newton_iterations,
-        }
-    }
-}
-
-impl From<&Integrator> for IntegratorUsed {
-    fn from(integrator: &Integrator) -> Self {
-        IntegratorUsed {
-            preset: integrator.preset.word(),
-            method: integrator.method.word(),
-            rtol: integrator.rtol,
-            atol_angle_rad: integrator.atol_angle_rad,
-            atol_rate_rad_s: integrator.atol_rate_rad_s,
-            max_steps: integrator.max_steps,
-        }
-    }
-}
-
-impl From<&Engine> for EngineUsed {
-    fn from(engine: &Engine) -> Self {
-        let (step_s, tolerance_m, max_step_s) = match engine.stepping {
-            Stepping::Fixed { step_s } => (Some(step_s), None, None),
-            Stepping::Adaptive { tolerance_m, max_step_s } => (None, Some(tolerance_m), Some(max_step_s)),
-        };
-        EngineUsed {
-            construction: engine.construction.word(),
-            law: engine.response.word(),
-            stepping: engine.stepping.word(),
-            step_s,
-            tolerance_m,
-            max_step_s,
-            iterations: engine.iterations,
-            max_steps: engine.max_steps,
         }
     }
 }

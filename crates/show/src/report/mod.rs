@@ -24,7 +24,7 @@ pub mod text;
 pub use check::RunCheckReport;
 pub use contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 pub use discs::DiscReport;
-pub use document::{Came, Dynamics, Energies, EngineUsed, Failure, Final, IntegratorUsed, RunReport, WorkReport};
+pub use document::{Came, Dynamics, Energies, Failure, Final, RunReport, Used, WorkReport};
 pub use grasp::{CycleReport, ForceClosureReport, GraspReport, HeldContactReport, TravelReport};
 pub use named::Named;
 pub use samples::{csv_head, csv_sample, is_samples};

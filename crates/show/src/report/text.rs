@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use super::check;
-use super::document::{EngineUsed, IntegratorUsed, RunReport};
+use super::document::{RunReport, Used};
 use super::grasp::GraspReport;
 use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, grasp, object};
+use crate::scene::{Engine, Integrator, Response, Stepping, Words};
 use crate::wording::duration;
 use crate::wording::figures::figure;
 use crate::wording::sheet::Sheet;
@@ -61,22 +62,21 @@ fn heading(report: &RunReport) -> Sheet {
     text
 }
 
-pub fn integrator(used: &IntegratorUsed) -> String {
-    format!(", {} (rtol {:e}, {} preset)", used.method, used.rtol, used.preset)
+pub fn integrator(Used(used): &Used<Integrator>) -> String {
+    format!(", {} (rtol {:e}, {} preset)", used.method.word(), used.rtol, used.preset.word())
 }
 
-pub fn engine(used: &EngineUsed, joints: bool) -> String {
-    let stepping = match (used.step_s, used.tolerance_m, used.max_step_s) {
-        (Some(step_s), ..) => format!("steps of {}", duration(step_s)),
-        (None, Some(tolerance_m), Some(max_step_s)) => {
+pub fn engine(Used(used): &Used<Engine>, joints: bool) -> String {
+    let stepping = match used.stepping {
+        Stepping::Fixed { step_s } => format!("steps of {}", duration(step_s)),
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
             let what = if joints { "joints" } else { "discs" };
             format!("{what} within {} m a step, steps up to {}", figure(tolerance_m, 3), duration(max_step_s))
         }
-        _ => String::new(),
     };
-    let law = if used.law == "rapier" { ", rapier's own contact" } else { "" };
+    let law = if matches!(used.response, Response::Rapier { .. }) { ", rapier's own contact" } else { "" };
     match joints {
-        true => format!(", {} construction ({stepping}, {} sweeps{law})", used.construction, used.iterations),
+        true => format!(", {} construction ({stepping}, {} sweeps{law})", used.construction.word(), used.iterations),
         false => format!(", {stepping}{law}"),
     }
 }

@@ -5,19 +5,18 @@ use super::super::entry::Section;
 use super::super::error::Problem;
 use super::super::raw_bodies::RawBodiesScene;
 use super::super::table::keys::Keys;
+use super::super::table::top::{BODIES_GRAVITY_M_S2, BodiesKeys};
 use super::super::table::{Table, read};
 use super::super::{BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator};
 use super::disc::{Placed, disc, judge_starts};
-use super::{Heading, contact, heading, run};
+use super::{contact, heading, run};
 use crate::limits::MOST_DISCS;
-
-const NO_GRAVITY_M_S2: [f64; 2] = [0.0, 0.0];
 
 /// Resolves a scene of discs; `file_name` gives its default name.
 pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Result<BodiesScene, Vec<Problem>> {
-    let Heading { name, description, duration } =
-        heading(&mut c, &raw.kind, [&raw.name, &raw.description, &raw.extends], &raw.duration, file_name);
-    let gravity_m_s2 = c.or("gravity", &raw.gravity, NO_GRAVITY_M_S2);
+    let BodiesKeys { heading: said } = read(&mut c, "", &raw.keys, BodiesKeys::usual());
+    let (name, duration) = heading(&mut c, &raw.keys, &said, file_name);
+    let gravity_m_s2 = said.gravity_m_s2;
     let discs = discs(&mut c, raw, gravity_m_s2);
     let half_plane = raw.half_plane.is_given().then(|| read(&mut c, "half_plane", &raw.half_plane, HalfPlane::usual()));
     let contact = contact::contact(&mut c, &raw.contact);
@@ -34,7 +33,7 @@ pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Resu
     match (discs, contact, duration) {
         (Some(discs), Some(contact), Some(duration_s)) if c.is_clean() => Ok(BodiesScene {
             name,
-            description,
+            description: said.description,
             source: c.text.to_string(),
             discs: discs.into_iter().map(|placed| placed.disc).collect(),
             half_plane,
@@ -79,8 +78,8 @@ fn discs(c: &mut Checker<'_>, raw: &RawBodiesScene, gravity_m_s2: [f64; 2]) -> O
         );
     }
     let free = |placed: &Placed| matches!(placed.disc.motion, DiscMotion::Free { .. });
-    if gravity_m_s2 != NO_GRAVITY_M_S2 && !all.iter().any(free) {
-        c.unused("gravity", &raw.gravity, "without a disc of motion = \"free\"");
+    if gravity_m_s2 != BODIES_GRAVITY_M_S2 && !all.iter().any(free) {
+        c.unused_at("gravity", raw.keys.span("gravity"), "without a disc of motion = \"free\"");
     }
     Some(all)
 }

@@ -4,9 +4,12 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::check::{Checker, POSITIVE};
+use super::super::check::Checker;
 use super::super::entry::Section;
-use super::super::raw_bodies::RawDisc;
+use super::super::kinds::Choice;
+use super::super::table::disc::DiscKeys;
+use super::super::table::keys::Keys;
+use super::super::table::{Table, read};
 use super::super::words::Motion;
 use super::super::{DiscMotion, HalfPlane, NamedDisc};
 use crate::numeric::elementary::{hypot, powi};
@@ -22,41 +25,30 @@ pub struct Placed {
 }
 
 /// One disc; `None` where something is wrong with it.
-pub fn disc(c: &mut Checker<'_>, name: &Spanned<String>, raw: &Section<RawDisc>) -> Option<Placed> {
+pub fn disc(c: &mut Checker<'_>, name: &Spanned<String>, raw: &Section<Keys<DiscKeys>>) -> Option<Placed> {
     let named = judge_name(c, name);
     let name = name.get_ref();
-    let key = |key: &str| format!("discs.{name}.{key}");
-    let radius = c.required(&key("radius"), &raw.radius, POSITIVE, raw, "add its size: radius = \"10 mm\"");
-    if !raw.centre.is_given() {
-        c.missing(&key("centre"), raw, "add where it starts: centre = [\"0 mm\", \"10 mm\"]");
-    }
-    let centre = c.get(&key("centre"), &raw.centre);
+    let said = read(c, &format!("discs.{name}"), raw, DiscKeys::usual());
     // An unknown motion says nothing about the other keys.
-    let motion = match raw.motion.is_given() {
-        true => c.get(&key("motion"), &raw.motion)?,
-        false => Motion::Free,
-    };
-    refuse_unused(c, name, raw, motion);
-    let velocity_m_s = c.or(&key("velocity"), &raw.velocity, [0.0; 2]);
-    let acceleration_m_s2 = c.or(&key("acceleration"), &raw.acceleration, [0.0; 2]);
-    let spin_rad_s = c.or(&key("spin"), &raw.spin, 0.0);
-    let motion = match motion {
-        Motion::Fixed => Some(DiscMotion::Fixed),
-        Motion::Driven => Some(DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s }),
+    if !raw.is_known::<Choice<Motion>>("motion") {
+        return None;
+    }
+    let DiscKeys { radius_m, centre_m, velocity_m_s, acceleration_m_s2, mass_kg, spin_rad_s, .. } = said;
+    let motion = match said.motion {
+        Motion::Fixed => DiscMotion::Fixed,
+        Motion::Driven => DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s },
         Motion::Free => {
-            let help = "add its mass: mass = \"100 g\"; or drive it: motion = \"driven\" with velocity";
-            let mass = c.required(&key("mass"), &raw.mass, POSITIVE, raw, help);
-            let inertia = inertia(c, name, raw, mass, radius);
-            mass.zip(inertia).map(|(mass_kg, inertia_kg_m2)| DiscMotion::Free {
-                mass_kg,
-                inertia_kg_m2,
-                velocity_m_s,
-                spin_rad_s,
-            })
+            let inertia_kg_m2 = inertia(c, name, raw, &said)?;
+            if mass_kg.is_nan() {
+                return None;
+            }
+            DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s }
         }
     };
-    let disc = NamedDisc { name: named?, radius_m: radius?, centre_m: centre?, motion: motion? };
-    Some(Placed { disc, span: raw.centre.span() })
+    if radius_m.is_nan() || centre_m[0].is_nan() {
+        return None;
+    }
+    Some(Placed { disc: NamedDisc { name: named?, radius_m, centre_m, motion }, span: raw.span("centre") })
 }
 
 /// Names stand in topics, keys and columns, joined by `-` in those of pairs.
@@ -79,45 +71,26 @@ fn judge_name(c: &mut Checker<'_>, name: &Spanned<String>) -> Option<String> {
     None
 }
 
-fn refuse_unused(c: &mut Checker<'_>, name: &str, raw: &RawDisc, motion: Motion) {
-    let key = |key: &str| format!("discs.{name}.{key}");
-    if motion == Motion::Fixed {
-        c.unused(&key("velocity"), &raw.velocity, "with motion = \"fixed\"");
-        c.unused(&key("spin"), &raw.spin, "with motion = \"fixed\"");
-    }
-    if motion != Motion::Driven {
-        c.unused(&key("acceleration"), &raw.acceleration, "without motion = \"driven\"");
-    }
-    if motion != Motion::Free {
-        c.unused(&key("mass"), &raw.mass, "without motion = \"free\"");
-        c.unused(&key("inertia"), &raw.inertia, "without motion = \"free\"");
-        c.unused(&key("rotates"), &raw.rotates, "without motion = \"free\"");
-    }
-}
-
 /// Inertia of a free disc: `Some(None)` if it does not turn, `None` where it is wrong.
-fn inertia(
-    c: &mut Checker<'_>,
-    name: &str,
-    raw: &RawDisc,
-    mass: Option<f64>,
-    radius: Option<f64>,
-) -> Option<Option<f64>> {
-    let key = |key: &str| format!("discs.{name}.{key}");
-    if !c.or(&key("rotates"), &raw.rotates, true) {
-        c.unused(&key("inertia"), &raw.inertia, "with rotates = false");
-        c.unused(&key("spin"), &raw.spin, "with rotates = false");
+fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<DiscKeys>, said: &DiscKeys) -> Option<Option<f64>> {
+    if !said.rotates {
+        for key in ["inertia", "spin"] {
+            c.unused_at(&format!("discs.{name}.{key}"), raw.span(key), "with rotates = false");
+        }
         return Some(None);
     }
-    if raw.inertia.is_given() {
-        return c.number(&key("inertia"), &raw.inertia, POSITIVE).map(Some);
+    if raw.has("inertia") {
+        return Some(said.inertia_kg_m2).filter(|inertia| !inertia.is_nan()).map(Some);
     }
-    let homogeneous = 0.5 * mass? * powi(radius?, 2);
+    let homogeneous = 0.5 * said.mass_kg * powi(said.radius_m, 2);
+    if homogeneous.is_nan() {
+        return None;
+    }
     if homogeneous.is_normal() {
         return Some(Some(homogeneous));
     }
     c.push(
-        raw.mass.span(),
+        raw.span("mass"),
         format!("the mass and radius of `discs.{name}` give an inertia of {homogeneous:e} kg m^2"),
         "no finite number above 0",
         "check mass and radius, give `inertia`, or say rotates = false",

@@ -1,23 +1,16 @@
 //! The finger: lengths from a design or as given, and bodies from outlines, material and overrides.
 
-use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
-use super::super::check::{Bound, Checker, POSITIVE};
-use super::super::defaults;
+use super::super::check::Checker;
 use super::super::entry::Section;
-use super::super::raw::{RawBody, RawDesign, RawScene};
-use super::super::table::finger::{Material, PHI22};
+use super::super::raw::RawScene;
+use super::super::table::finger::{Bodies, Material};
 use super::super::table::keys::Keys;
+use super::super::table::top::FingerKeys;
 use super::super::table::{Table, read};
-use crate::gripper::{
-    self, Assembly, BodyOverride, Design, DesignError, Finger, HEIGHT_RATIO, Lengths, MassError, ProximalLength,
-    TIP_CONTACT_MIN_RAD,
-};
+use crate::gripper::{self, Assembly, BodyOverride, Design, DesignError, Finger, Lengths, MassError, ProximalLength};
 use crate::numeric::elementary::{cos, hypot, sin};
-
-const FRACTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
-const TIP_CONTACT: Bound = Bound { allowed: |x| x.abs() < FRAC_PI_2, text: "between -90 and 90 deg, both excluded" };
 
 /// The finger as far as its lengths.
 pub struct Plan {
@@ -27,15 +20,9 @@ pub struct Plan {
     pub base_m: Option<f64>,
 }
 
-/// Half width w of every link.
-pub fn half_width(c: &mut Checker<'_>, raw: &RawScene) -> f64 {
-    c.number_or("half_width", &raw.half_width, POSITIVE, defaults::HALF_WIDTH_M)
-}
-
 /// Lengths from [design] or [lengths].
-pub fn plan(c: &mut Checker<'_>, raw: &RawScene, object_radius_m: f64) -> Plan {
-    let half_width_m = half_width(c, raw);
-    let assembly = c.or("assembly", &raw.assembly, Assembly::Reference);
+pub fn plan(c: &mut Checker<'_>, raw: &RawScene, keys: &FingerKeys, object_radius_m: f64) -> Plan {
+    let FingerKeys { half_width_m, assembly, .. } = *keys;
     let (mut lengths, mut base_m) = (None, None);
     match (raw.design.is_given(), raw.lengths.is_given()) {
         (true, true) => c.push(
@@ -65,60 +52,39 @@ pub fn plan(c: &mut Checker<'_>, raw: &RawScene, object_radius_m: f64) -> Plan {
 
 pub fn design(
     c: &mut Checker<'_>,
-    raw: &Section<RawDesign>,
+    raw: &Section<Keys<Design>>,
     half_width_m: f64,
     object_radius_m: f64,
 ) -> Option<Design> {
-    let base_m =
-        c.required("design.base", &raw.base, POSITIVE, raw, "add the distance to the object: base = \"15.5 mm\"");
-    let l21 = match (raw.l21.is_given(), raw.l21_fraction.is_given()) {
-        (true, true) => {
+    let mut usual = Design { half_width_m, object_radius_m, ..Design::usual() };
+    if raw.has("l21") {
+        usual.l21 = ProximalLength::Length(f64::NAN);
+        if raw.has("l21_fraction") {
             c.push(
-                raw.l21_fraction.span(),
+                raw.span("l21_fraction"),
                 "the proximal phalanx is given twice, by `l21` and by `l21_fraction`",
                 "and here again",
                 "keep one of them",
             );
-            None
         }
-        (false, false) => {
-            let help = "give the proximal phalanx: l21_fraction = 1.0, or a length l21 = \"24 mm\"";
-            c.missing("design.l21_fraction", raw, help);
-            None
-        }
-        (true, false) => c.number("design.l21", &raw.l21, POSITIVE).map(ProximalLength::Length),
-        (false, true) => c.number("design.l21_fraction", &raw.l21_fraction, FRACTION).map(ProximalLength::Fraction),
-    };
-    let phi22_rad =
-        c.required("design.phi22", &raw.phi22, PHI22, raw, "add the angle of the distal phalanx: phi22 = \"120 deg\"");
-    let arm_ratio = c.required("design.arm_ratio", &raw.arm_ratio, POSITIVE, raw, "add l22 / l11: arm_ratio = 0.5");
-    let l11_m = c.number_or("design.l11", &raw.l11, POSITIVE, defaults::L11_M);
-    let height_ratio = c.number_or("design.height_ratio", &raw.height_ratio, POSITIVE, HEIGHT_RATIO);
-    let tip_contact_min_rad =
-        c.number_or("design.tip_contact_min", &raw.tip_contact_min, TIP_CONTACT, TIP_CONTACT_MIN_RAD);
-    Some(Design {
-        base_m: base_m?,
-        l21: l21?,
-        phi22_rad: phi22_rad?,
-        arm_ratio: arm_ratio?,
-        l11_m,
-        half_width_m,
-        object_radius_m,
-        height_ratio,
-        tip_contact_min_rad,
-    })
+    }
+    let design = read(c, "design", raw, usual);
+    let (ProximalLength::Length(l21) | ProximalLength::Fraction(l21)) = design.l21;
+    let said = [design.base_m, l21, design.phi22_rad, design.arm_ratio];
+    let is_whole = said.iter().all(|value| value.is_finite()) && !(raw.has("l21") && raw.has("l21_fraction"));
+    is_whole.then_some(design)
 }
 
-fn refuse_design(c: &mut Checker<'_>, raw: &Section<RawDesign>, error: &DesignError) {
+fn refuse_design(c: &mut Checker<'_>, raw: &Section<Keys<Design>>, error: &DesignError) {
     let place = match error {
         DesignError::BaseTooSmall { .. } | DesignError::BaseTooLarge { .. } | DesignError::NoProximalRange { .. } => {
-            raw.base.span()
+            raw.span("base")
         }
         DesignError::ProximalOutOfRange { .. } | DesignError::TipNotPositive { .. } | DesignError::Fraction { .. } => {
-            raw.l21.span().or(raw.l21_fraction.span())
+            raw.span("l21").or(raw.span("l21_fraction"))
         }
-        DesignError::Phi22 { .. } => raw.phi22.span(),
-        DesignError::TipContactMin { .. } => raw.tip_contact_min.span(),
+        DesignError::Phi22 { .. } => raw.span("phi22"),
+        DesignError::TipContactMin { .. } => raw.span("tip_contact_min"),
         _ => None,
     };
     geometry(c, place.or(raw.span.clone()), "no finger has this design", &error.to_string());
@@ -153,7 +119,7 @@ pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger
         Ok(bodies) => Some(Finger { lengths, bodies, assembly: plan.assembly }),
         Err(e) => {
             let place = match e {
-                MassError::DegenerateTriangle { .. } => raw.lengths.span("phi22").or(raw.design.phi22.span()),
+                MassError::DegenerateTriangle { .. } => raw.lengths.span("phi22").or(raw.design.span("phi22")),
                 _ => raw.material.span.clone(),
             };
             geometry(c, place, "the links have no mass", &e.to_string());
@@ -171,20 +137,8 @@ pub struct Matter {
 pub fn matter(c: &mut Checker<'_>, raw: &RawScene) -> Matter {
     Matter {
         material: read(c, "material", &raw.material, Material::usual()),
-        overrides: [
-            body(c, "bodies.l11", &raw.bodies.l11),
-            body(c, "bodies.l12", &raw.bodies.l12),
-            body(c, "bodies.l21", &raw.bodies.l21),
-            body(c, "bodies.l22", &raw.bodies.l22),
-        ],
-    }
-}
-
-fn body(c: &mut Checker<'_>, path: &str, raw: &Section<RawBody>) -> BodyOverride {
-    BodyOverride {
-        mass_kg: c.number(&format!("{path}.mass"), &raw.mass, POSITIVE),
-        com_m: c.get(&format!("{path}.com"), &raw.com),
-        inertia_kg_m2: c.number(&format!("{path}.inertia"), &raw.inertia, POSITIVE),
+        overrides: Bodies::NAMES
+            .map(|name| read(c, &format!("bodies.{name}"), &raw.bodies.inner(name), BodyOverride::default())),
     }
 }
 

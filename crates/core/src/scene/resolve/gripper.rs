@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use super::super::check::{Checker, POSITIVE};
+use super::super::check::Checker;
 use super::super::entry::Section;
 use super::super::error::Problem;
 use super::super::raw_gripper::{RawFinger, RawGripper};
 use super::super::table::drive::BoughtMotor;
 use super::super::table::gripper::{Seesaw, Support};
 use super::super::table::keys::Keys;
+use super::super::table::top::{FingerKeys, GripperKeys};
 use super::super::table::{Table as Settings, read};
 use super::super::words::SceneKind;
 use super::super::{
@@ -17,7 +18,7 @@ use super::super::{
 };
 use super::finger::Plan;
 use super::sizing::Sized;
-use super::{Heading, contact, drive, finger, heading, motion, run, sizing, start};
+use super::{contact, drive, finger, heading, motion, run, sizing, start};
 use crate::gripper::{Circle, Finger, Lengths};
 use crate::numeric::elementary::hypot;
 use crate::units::{Dimension, format};
@@ -32,29 +33,31 @@ pub fn gripper(
     mut c: Checker<'_>,
     file_name: &str,
 ) -> Result<GripperScene, Vec<Problem>> {
-    let Heading { name, description, duration } =
-        heading(&mut c, &raw.kind, [&raw.name, &raw.description, &raw.extends], &raw.duration, file_name);
-    let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
+    let keys = read(&mut c, "", &raw.keys, GripperKeys::usual());
+    let (name, duration) = heading(&mut c, &raw.keys, &keys.heading, file_name);
+    let (gravity_m_s2, palm) = (keys.heading.gravity_m_s2, keys.palm);
     let object = object(&mut c, &raw.object);
-    let plans = fingers.each_ref().map(|finger| finger::plan(&mut c, &finger.raw, object.radius_m));
-    let palm_width = palm_width(&mut c, raw, &plans);
+    let finger_keys = fingers.each_ref().map(|finger| read(&mut c, "", &finger.raw.keys, FingerKeys::usual()));
+    let plans = Side::BOTH
+        .map(|side| finger::plan(&mut c, &fingers[side as usize].raw, &finger_keys[side as usize], object.radius_m));
+    let palm_width = palm_width(&mut c, raw, &keys, &plans);
     let table = raw.table.is_given().then(|| read(&mut c, "table", &raw.table, Support::usual()));
     let table = table.filter(|table| table.present);
-    let palm = c.or("palm", &raw.palm, true);
     let [_, height] = object.centre_m;
     let level_m = table.map(|table| if table.level_m.is_nan() { height + object.radius_m } else { table.level_m });
     let before = c.count();
     judge_object(&mut c, raw, object, palm, level_m);
-    let mut room = palm_width.and_then(|palm_width_m| room(&mut c, raw, object, palm_width_m));
+    let mut room = palm_width.and_then(|palm_width_m| room(&mut c, raw, &keys, object, palm_width_m));
     room = room.filter(|_| c.count() == before);
 
     let seesaw = raw.differential.is_given().then(|| read(&mut c, "differential", &raw.differential, Seesaw::usual()));
     let seesaw = seesaw.filter(|seesaw| seesaw.present);
     let mut sized = [Sized::Not; 2];
-    let span = raw.object.span("offset").or(raw.palm_width.span()).or(raw.object.span.clone());
+    let span = raw.object.span("offset").or(raw.keys.span("palm_width")).or(raw.object.span.clone());
     let resolved = Side::BOTH.map(|side| {
         let (raw, plan) = (&fingers[side as usize], &plans[side as usize]);
-        let place = Place { side, gravity_m_s2, seesaw, object, span: span.clone() };
+        let keys = &finger_keys[side as usize];
+        let place = Place { side, keys, gravity_m_s2, seesaw, object, span: span.clone() };
         let (sizing, finger) = resolve_finger(&mut c, raw, plan, place, &mut room);
         sized[side as usize] = sizing;
         finger
@@ -80,7 +83,7 @@ pub fn gripper(
         {
             Ok(GripperScene {
                 name,
-                description,
+                description: keys.heading.description,
                 source: c.text.to_string(),
                 fingers: [right, left],
                 palm_width_m,
@@ -120,9 +123,9 @@ fn object(c: &mut Checker<'_>, raw: &Section<Keys<GripperObject>>) -> GripperObj
 }
 
 /// Given, or twice the base that both fingers are made for.
-fn palm_width(c: &mut Checker<'_>, raw: &RawGripper, plans: &[Plan; 2]) -> Option<f64> {
-    if raw.palm_width.is_given() {
-        return c.number("palm_width", &raw.palm_width, POSITIVE);
+fn palm_width(c: &mut Checker<'_>, raw: &RawGripper, keys: &GripperKeys, plans: &[Plan; 2]) -> Option<f64> {
+    if raw.keys.has("palm_width") {
+        return Some(keys.palm_width_m).filter(|width_m| !width_m.is_nan());
     }
     let [right, left] = plans.each_ref().map(|plan| plan.base_m);
     let by_lengths = plans.iter().any(|plan| plan.lengths.is_some() && plan.base_m.is_none());
@@ -147,17 +150,25 @@ struct Room {
 }
 
 /// The palm's width and the positioning error, which must be no less than the object's.
-fn room(c: &mut Checker<'_>, raw: &RawGripper, object: GripperObject, palm_width_m: f64) -> Option<Room> {
+fn room(
+    c: &mut Checker<'_>,
+    raw: &RawGripper,
+    keys: &GripperKeys,
+    object: GripperObject,
+    palm_width_m: f64,
+) -> Option<Room> {
     let offset = object.centre_m[0];
-    let given = c.get("positioning_error", &raw.positioning_error);
-    let error_m = if raw.positioning_error.is_given() { given? } else { offset.abs() };
+    let error_m = if raw.keys.has("positioning_error") { keys.positioning_error_m } else { offset.abs() };
+    if error_m.is_nan() {
+        return None;
+    }
     let room = Room { half_palm_m: 0.5 * palm_width_m, error_m };
     if offset.abs() <= error_m {
         return Some(room);
     }
     let [error, offset] = [error_m, offset.abs()].map(|value| format(value, Dimension::Length));
     c.push(
-        raw.positioning_error.span(),
+        raw.keys.span("positioning_error"),
         format!("`positioning_error` is {error}, but the object is {offset} off the middle of the palm"),
         "the object is further off",
         "raise it, bring `object.offset` nearer to 0, or leave it out: it is the object's own then",
@@ -166,8 +177,9 @@ fn room(c: &mut Checker<'_>, raw: &RawGripper, object: GripperObject, palm_width
 }
 
 /// What a finger stands in.
-struct Place {
+struct Place<'a> {
     side: Side,
+    keys: &'a FingerKeys,
     gravity_m_s2: [f64; 2],
     seesaw: Option<Seesaw>,
     object: GripperObject,
@@ -180,7 +192,7 @@ fn resolve_finger(
     c: &mut Checker<'_>,
     RawFinger { raw, .. }: &RawFinger,
     plan: &Plan,
-    Place { side, gravity_m_s2: [x, y], seesaw, object, span: place }: Place,
+    Place { side, keys, gravity_m_s2: [x, y], seesaw, object, span: place }: Place<'_>,
     room: &mut Option<Room>,
 ) -> (Sized, Option<GripperFinger>) {
     let finger = finger::finger(c, raw, plan);
@@ -193,8 +205,8 @@ fn resolve_finger(
         *room = None;
     }
     let sized = match (finger.as_ref(), seen) {
-        (Some(finger), Some(seen)) => ends_sized(c, raw, finger, seen.ends, [side.mirror() * x, y]),
-        _ => sizing::sizing(c, raw, None, [x, y]),
+        (Some(finger), Some(seen)) => ends_sized(c, raw, keys, finger, seen.ends, [side.mirror() * x, y]),
+        _ => sizing::sizing(c, raw, keys, None, [x, y]),
     };
     let motor = match seesaw {
         Some(_) => Some(Motor::NONE),
@@ -251,6 +263,7 @@ fn is_clear(c: &mut Checker<'_>, place: Option<Range<usize>>, side: Side, seen: 
 fn ends_sized(
     c: &mut Checker<'_>,
     raw: &super::super::raw::RawScene,
+    keys: &FingerKeys,
     finger: &Finger,
     ends: [Disc; 2],
     gravity_m_s2: [f64; 2],
@@ -258,7 +271,7 @@ fn ends_sized(
     let differ = ends[0] != ends[1];
     let tried = ends.map(|disc| {
         let mut aside = c.aside();
-        let sized = sizing::sizing(&mut aside, raw, Some((finger, &Some(disc))), gravity_m_s2);
+        let sized = sizing::sizing(&mut aside, raw, keys, Some((finger, &Some(disc))), gravity_m_s2);
         if differ {
             let base = -disc.centre_m[0] * 1e3;
             let more =

@@ -22,27 +22,27 @@ pub use template::template;
 use std::path::Path;
 
 use super::check::{Checker, POSITIVE};
-use super::defaults;
-use super::entry::Entry;
 use super::error::Problem;
-use super::kinds::{Choice, Text, Time};
+use super::kinds::Time;
 use super::raw::RawScene;
+use super::table::finger::Object;
+use super::table::keys::Keys;
+use super::table::top::{FingerKeys, Heading};
 use super::table::{Table, read};
-use super::words::SceneKind;
 use super::{Integrator, Scene};
 
 /// Resolves the scene of a finger; `file_name` gives its default name.
 pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
-    let Heading { name, description, duration } =
-        heading(&mut c, &raw.kind, [&raw.name, &raw.description, &raw.extends], &raw.duration, file_name);
-    let gravity_m_s2 = c.or("gravity", &raw.gravity, defaults::GRAVITY_M_S2);
-    let palm = c.or("palm", &raw.palm, true);
+    let keys = read(&mut c, "", &raw.keys, FingerKeys::usual());
+    let (name, duration) = heading(&mut c, &raw.keys, &keys.heading, file_name);
+    let gravity_m_s2 = keys.heading.gravity_m_s2;
 
-    let radius_m = object::radius(&mut c, raw);
-    let plan = finger::plan(&mut c, raw, radius_m);
+    let said = read(&mut c, "object", &raw.object, Object::usual());
+    let radius_m = said.radius_m;
+    let plan = finger::plan(&mut c, raw, &keys, radius_m);
     let finger = finger::finger(&mut c, raw, &plan);
-    let object = object::object(&mut c, raw, radius_m, plan.base_m);
-    let sized = sizing::sizing(&mut c, raw, finger.as_ref().zip(object.as_ref()), gravity_m_s2);
+    let object = object::object(&mut c, raw, said, plan.base_m);
+    let sized = sizing::sizing(&mut c, raw, &keys, finger.as_ref().zip(object.as_ref()), gravity_m_s2);
     let actuation = drive::motor(&mut c, &raw.motor, sized);
     let spring = drive::spring(&mut c, &raw.spring, sized);
     let limit = contact::limit(&mut c, &raw.limit);
@@ -66,11 +66,11 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
             Some((duration_s, initial)),
         ) if c.is_clean() => Ok(Scene {
             name,
-            description,
+            description: keys.heading.description,
             source: c.text.to_string(),
             finger,
             object,
-            palm,
+            palm: keys.palm,
             actuation,
             spring,
             limit,
@@ -87,40 +87,21 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
     }
 }
 
-/// What every scene begins with.
-struct Heading {
-    name: String,
-    description: String,
-    /// `None` where it is wrong.
-    duration: Option<f64>,
-}
-
-fn heading(
-    c: &mut Checker<'_>,
-    kind: &Entry<Choice<SceneKind>>,
-    [name, description, extends]: [&Entry<Text>; 3],
-    duration: &Entry<Time>,
-    file_name: &str,
-) -> Heading {
-    // The kind is known already, as far as it can be; a wrong word is noted here.
-    c.get("kind", kind);
-    if extends.is_given() {
+/// What every scene begins with: its name, and how long it is unless that is wrong.
+fn heading<T>(c: &mut Checker<'_>, raw: &Keys<T>, said: &Heading, file_name: &str) -> (String, Option<f64>) {
+    if !said.extends.is_empty() {
         let message = "`extends` names another file, but this text is read by itself".to_string();
         c.push(
-            extends.span(),
+            raw.span("extends"),
             message,
             "no file to look from",
             "give the scene as a file, or put what it extends into it",
         );
     }
-    Heading {
-        description: c.get("description", description).unwrap_or_default(),
-        name: c.get("name", name).unwrap_or_else(|| stem(file_name)),
-        duration: match duration.is_given() {
-            true => c.number("duration", duration, POSITIVE),
-            false => Some(defaults::DURATION_S),
-        },
-    }
+    let name = if said.name.is_empty() { stem(file_name) } else { said.name.clone() };
+    // A wrong one is noted already.
+    let is_sound = !raw.has("duration") || raw.value::<Time>("duration").is_some_and(POSITIVE.allowed);
+    (name, is_sound.then_some(said.duration_s))
 }
 
 /// The file's name without its extension.

@@ -1,26 +1,21 @@
 //! The object to be grasped.
 
-use super::super::check::{Checker, POSITIVE};
+use super::super::Disc;
+use super::super::check::Checker;
 use super::super::raw::RawScene;
-use super::super::{Disc, defaults};
-
-/// Radius r_c: of the object, and what a design is made for even where the object itself is left out.
-pub fn radius(c: &mut Checker<'_>, raw: &RawScene) -> f64 {
-    c.number_or("object.radius", &raw.object.radius, POSITIVE, defaults::OBJECT_RADIUS_M)
-}
+use super::super::table::finger::Object;
 
 /// The disc: `Some(None)` where the scene has none, `None` where it is wrong.
-pub fn object(c: &mut Checker<'_>, raw: &RawScene, radius_m: f64, base_m: Option<f64>) -> Option<Option<Disc>> {
+pub fn object(c: &mut Checker<'_>, raw: &RawScene, said: Object, base_m: Option<f64>) -> Option<Option<Disc>> {
+    let Object { present, radius_m, centre_m } = said;
     let object = &raw.object;
-    let centre = c.get("object.centre", &object.centre);
-    if !c.or("object.present", &object.present, true) {
-        c.unused("object.centre", &object.centre, "with present = false");
+    if !present {
         if !raw.design.is_given() {
-            c.unused("object.radius", &object.radius, "with present = false and no [design]");
+            c.unused_at("object.radius", object.span("radius"), "with present = false and no [design]");
         }
         return Some(None);
     }
-    if !object.centre.is_given() && raw.lengths.is_given() {
+    if !object.has("centre") && raw.lengths.is_given() {
         c.missing(
             "object.centre",
             object,
@@ -29,9 +24,7 @@ pub fn object(c: &mut Checker<'_>, raw: &RawScene, radius_m: f64, base_m: Option
         );
         return None;
     }
-    let centre_m = match object.centre.is_given() {
-        true => centre?,
-        false => [-base_m?, radius_m],
-    };
-    Some(Some(Disc { radius_m, centre_m }))
+    let centre_m = if object.has("centre") { centre_m } else { [-base_m?, radius_m] };
+    // A wrong one is noted already.
+    centre_m[0].is_finite().then_some(Some(Disc { radius_m, centre_m }))
 }

@@ -1,12 +1,13 @@
 //! Motor and spring sized to the finger, where the scene says so.
 
-use super::super::check::{Checker, POSITIVE};
+use super::super::check::Checker;
 use super::super::kinds::Choice;
 use super::super::raw::RawScene;
+use super::super::table::top::FingerKeys;
 use super::super::{Actuation, Disc, Placement, SpringKind};
 use super::finger::geometry;
 use crate::gripper::{Circle, Finger, contact_angle_proximal};
-use crate::sizing::{CLOSING_S, INTERVALS, Sizing, SizingError, Task, size_with};
+use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
 /// Whether motor and spring come from a sizing.
 #[derive(Clone, Copy, Debug)]
@@ -52,23 +53,23 @@ impl Sized {
 pub fn sizing(
     c: &mut Checker<'_>,
     raw: &RawScene,
+    keys: &FingerKeys,
     sound: Option<(&Finger, &Option<Disc>)>,
     gravity_m_s2: [f64; 2],
 ) -> Sized {
-    if !raw.sizing.is_given() {
-        c.unused("closing_time", &raw.closing_time, "without sizing = \"rigid\" or \"whole\"");
+    if !raw.keys.has("sizing") {
+        c.unused_at("closing_time", raw.keys.span("closing_time"), "without sizing = \"rigid\" or \"whole\"");
         return Sized::Not;
     }
     refuse_given(c, raw);
-    let closing_s = c.number_or("closing_time", &raw.closing_time, POSITIVE, CLOSING_S);
-    let rule = c.get("sizing", &raw.sizing);
+    let FingerKeys { sizing: rule, closing_s, .. } = *keys;
     let placement = raw.spring.value::<Choice<Placement>>("placement").unwrap_or(Placement::Phalanges);
     let (Some((finger, object)), Some(rule)) = (sound, rule) else {
         return Sized::Wrong;
     };
     let Some(disc) = object else {
         c.push(
-            raw.sizing.span(),
+            raw.keys.span("sizing"),
             "`sizing` needs the object that the finger closes on, and this scene has none",
             "nothing to close on",
             "give [motor] torque and [spring] torque instead, or remove [object] present = false",
@@ -146,5 +147,5 @@ fn opening(c: &mut Checker<'_>, raw: &RawScene, finger: &Finger, disc: Circle) -
 pub const NOT_SIZED: &str = "this finger cannot be sized";
 
 fn refuse(c: &mut Checker<'_>, raw: &RawScene, error: &SizingError) {
-    geometry(c, raw.sizing.span(), NOT_SIZED, &error.to_string());
+    geometry(c, raw.keys.span("sizing"), NOT_SIZED, &error.to_string());
 }

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::super::check::{Checker, POSITIVE};
+use super::super::check::Checker;
 use super::super::raw::RawScene;
-use super::super::table::finger::Start;
+use super::super::table::finger::{Object, Start};
 use super::super::table::{Table, read};
-use super::super::{Disc, Initial, defaults};
+use super::super::{Disc, Initial};
 use super::finger::{Plan, geometry};
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
@@ -84,7 +84,7 @@ pub fn initial(
 /// What stands for the start in messages.
 fn place(raw: &RawScene) -> Option<Range<usize>> {
     let given = ["q11", "q21", "offset"].into_iter().find_map(|key| raw.initial.span(key));
-    given.or(raw.initial.span.clone()).or(raw.object.centre.span()).or(raw.design.base.span())
+    given.or(raw.initial.span.clone()).or(raw.object.span("centre")).or(raw.design.span("base"))
 }
 
 /// q21 = q_c21 − q_0 (2-design §2.1), for the object or else for the one the design is made for.
@@ -100,7 +100,7 @@ fn before_contact(
     let circle = match (object, plan.base_m) {
         (Some(disc), _) => disc.circle(),
         (None, Some(base_m)) => {
-            let radius_m = c.number_or("object.radius", &raw.object.radius, POSITIVE, defaults::OBJECT_RADIUS_M);
+            let Object { radius_m, .. } = read(c, "object", &raw.object, Object::usual());
             Circle { radius_m, centre_m: [-base_m, radius_m] }
         }
         (None, None) => {
@@ -116,7 +116,7 @@ fn before_contact(
     match first {
         Ok(contact) => Some(contact - offset),
         Err(e) => {
-            let place = raw.object.centre.span().or(place(raw));
+            let place = raw.object.span("centre").or(place(raw));
             geometry(c, place, "leaves no place to start from", &e.to_string());
             None
         }
@@ -127,7 +127,7 @@ fn before_contact(
 fn straight(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, lengths: &Lengths, q21_rad: f64) -> Option<f64> {
     if plan.assembly == Assembly::Other {
         c.push(
-            raw.assembly.span(),
+            raw.keys.span("assembly"),
             "the other assembly mode has no straight configuration to start from",
             "needs a start",
             "give both angles: [initial] q11 = \"...\" and q21 = \"...\"",

@@ -1,20 +1,23 @@
 //! A sound scene as the template of many designs.
 
-use super::super::check::{Checker, POSITIVE};
+use super::super::check::Checker;
 use super::super::error::Problem;
 use super::super::raw::RawScene;
+use super::super::table::finger::Object;
+use super::super::table::top::FingerKeys;
+use super::super::table::{Table, read};
 use super::super::{Scene, Template};
-use super::{finger, object, start};
+use super::{finger, start};
 use crate::gripper::Design;
 use crate::law::ContactLaw;
-use crate::sizing::CLOSING_S;
 
 /// Reads once more what a resolved scene does not keep; `scene` is the same one, resolved.
 pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
-    let design = design(&mut c, raw);
-    if raw.object.centre.is_given() {
+    let keys = read(&mut c, "", &raw.keys, FingerKeys::usual());
+    let design = design(&mut c, raw, &keys);
+    if raw.object.has("centre") {
         c.push(
-            raw.object.centre.span(),
+            raw.object.span("centre"),
             "designs are made for an object that stands on the palm at their base, but this scene places it",
             "one place for all bases",
             "leave the centre out: the base places the object",
@@ -34,8 +37,6 @@ pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Tem
     }
     let finger::Matter { material, overrides } = finger::matter(&mut c, raw);
     let opening_rad = start::start(&mut c, raw).0;
-    let closing_s = c.number_or("closing_time", &raw.closing_time, POSITIVE, CLOSING_S);
-    let rule = c.get("sizing", &raw.sizing);
     let mu = |law: &ContactLaw| law.friction.map_or(0.0, |friction| friction.mu_static);
     match design {
         Some(design) if c.is_clean() => Ok(Template {
@@ -47,15 +48,15 @@ pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Tem
             assembly: scene.finger.assembly,
             opening_rad,
             gravity_m_s2: scene.gravity_m_s2,
-            closing_s,
-            rule,
+            closing_s: keys.closing_s,
+            rule: keys.sizing,
             mu_static: [mu(&scene.contact.proximal), mu(&scene.contact.distal)],
         }),
         _ => Err(c.into_problems()),
     }
 }
 
-fn design(c: &mut Checker<'_>, raw: &RawScene) -> Option<Design> {
+fn design(c: &mut Checker<'_>, raw: &RawScene, keys: &FingerKeys) -> Option<Design> {
     if raw.lengths.is_given() {
         c.push(
             raw.lengths.span.clone(),
@@ -65,7 +66,6 @@ fn design(c: &mut Checker<'_>, raw: &RawScene) -> Option<Design> {
         );
         return None;
     }
-    let radius_m = object::radius(c, raw);
-    let half_width_m = finger::half_width(c, raw);
-    finger::design(c, &raw.design, half_width_m, radius_m)
+    let Object { radius_m, .. } = read(c, "object", &raw.object, Object::usual());
+    finger::design(c, &raw.design, keys.half_width_m, radius_m)
 }

@@ -4,13 +4,13 @@ use super::super::table::bounds::GripperBounds;
 use super::super::table::drive::BoughtMotor;
 use super::super::table::gripper::{Seesaw, Support};
 use super::super::table::motion;
-use super::super::table::show as show_table;
+use super::super::table::top::{GripperKeys, HEADING};
+use super::super::table::{Table as _, show as show_table, show_keys};
 use super::super::words::SceneKind;
 use super::super::{GripperFinger, GripperScene, PalmMotion, Side};
-use super::finger::{bodies, laws, links, spring_and_limit, start};
+use super::finger::{bodies, laws, show_links, spring_and_limit, start};
 use super::out::Out;
 use super::parts::{contact, heading};
-use crate::units::Dimension;
 
 /// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
 /// excepted).
@@ -21,13 +21,14 @@ pub fn show_gripper(scene: &GripperScene) -> String {
 pub(super) fn shown(scene: &GripperScene, mut out: Out) -> String {
     let to = &mut out;
     let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
-    heading(to, SceneKind::Gripper, heading_of);
+    let (heading, palm) = (heading(to, SceneKind::Gripper, heading_of), scene.palm.is_some());
+    let keys = GripperKeys { heading, palm, palm_width_m: scene.palm_width_m, ..GripperKeys::usual() };
+    show_keys(to, &keys, |key| HEADING.contains(&key));
     let [right, left] = &scene.fingers;
     if right == left {
-        links(to, &right.finger);
+        show_links(to, &right.finger);
     }
-    to.raw("palm", scene.palm.is_some());
-    to.quantity("palm_width", scene.palm_width_m, Dimension::Length);
+    show_keys(to, &keys, |key| !HEADING.contains(&key));
     show_table(to, "object", &scene.object);
     let level_m = scene.table.map_or(f64::NAN, |table| table.level_m);
     show_table(to, "table", &Support { present: scene.table.is_some(), level_m });
@@ -37,7 +38,7 @@ pub(super) fn shown(scene: &GripperScene, mut out: Out) -> String {
         false => Side::BOTH.into_iter().for_each(|side| {
             to.section(side.word());
             let of = scene.finger(side);
-            links(to, &of.finger);
+            show_links(to, &of.finger);
             finger(to, &format!("{}.", side.word()), of, scene.differential.is_none());
         }),
     }

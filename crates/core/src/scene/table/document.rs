@@ -3,16 +3,18 @@
 use serde_json::Value;
 
 use super::bounds::{BodiesBounds, Bounds, GripperBounds};
+use super::disc::DiscKeys;
 use super::drive::{BoughtMotor, Motor, Springs};
 use super::engine::Engine;
-use super::finger::{Material, Start};
+use super::finger::{Material, Object, Start};
 use super::gripper::{Seesaw, Support};
 use super::integrator::Integrator;
 use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
 use super::motion::{MoveKeys, PathKeys, VibrationKeys};
+use super::top::{BodiesKeys, FingerKeys, GripperKeys};
 use super::{Field, Table, default, range};
-use crate::gripper::Lengths;
+use crate::gripper::{BodyOverride, Design, Lengths};
 use crate::law::FrictionLaw;
 use crate::scene::check::ANY;
 use crate::scene::{GripperObject, HalfPlane};
@@ -21,11 +23,20 @@ use crate::units::Dimension;
 /// Every section of the table with its keys.
 pub fn markdown() -> String {
     [
+        section::<FingerKeys>("Before the sections of a finger"),
+        section::<BodiesKeys>("Before the sections of a scene of discs"),
+        section::<GripperKeys>(
+            "Before the sections of a gripper, besides `half_width`, `assembly`, `sizing` and `closing_time`",
+        ),
+        section::<Design>("`[design]`"),
         section::<Lengths>("`[lengths]`"),
         section::<Material>("`[material]`"),
+        section::<BodyOverride>("`[bodies.NAME]`, of `l11`, `l12`, `l21` and `l22`"),
+        section::<Object>("`[object]`"),
         section::<Motor>("`[motor]`"),
         section::<Springs>("`[spring]`"),
         section::<Start>("`[initial]`"),
+        section::<DiscKeys>("`[discs.NAME]` of a scene of discs"),
         section::<HalfPlane>("`[half_plane]` of a scene of discs"),
         section::<GripperObject>("`[object]` of a gripper"),
         section::<Support>("`[table]` of a gripper"),

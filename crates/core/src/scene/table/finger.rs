@@ -1,16 +1,58 @@
-//! `[lengths]`, `[material]` and `[initial]` of a finger.
+//! `[design]`, `[lengths]`, `[material]`, `[bodies]`, `[object]` and `[initial]` of a finger.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::lines;
-use crate::gripper::Lengths;
+use crate::gripper::{BodyOverride, Design, HEIGHT_RATIO, Lengths, ProximalLength, TIP_CONTACT_MIN_RAD};
 use crate::scene::check::{Bound, POSITIVE};
-use crate::scene::kinds::{Angle, AngularRate, Density, Length};
+use crate::scene::kinds::{Angle, AngularRate, Density, Flag, Inertia, Length, Mass, Number, Pair};
 use crate::scene::{Initial, defaults};
 
-pub const PHI22: Bound = Bound { allowed: |x| x > 0.0 && x < PI, text: "between 0 and 180 deg, both excluded" };
+const PHI22: Bound = Bound { allowed: |x| x > 0.0 && x < PI, text: "between 0 and 180 deg, both excluded" };
+
+const FRACTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "from 0 to 1" };
+const TIP_CONTACT: Bound = Bound { allowed: |x| x.abs() < FRAC_PI_2, text: "between -90 and 90 deg, both excluded" };
 
 const GIVEN: f64 = f64::NAN;
+
+lines! {
+    /// The finger by the few free numbers of a design, made for the object. Either this or [lengths].
+    Design = Self {
+        base_m: GIVEN,
+        l21: ProximalLength::Fraction(GIVEN),
+        phi22_rad: GIVEN,
+        arm_ratio: GIVEN,
+        l11_m: defaults::L11_M,
+        half_width_m: GIVEN,
+        object_radius_m: GIVEN,
+        height_ratio: HEIGHT_RATIO,
+        tip_contact_min_rad: TIP_CONTACT_MIN_RAD,
+    }, d;
+    /// Distance along the palm from the ground joints to the object's centre. Required.
+    "base": Length = Some(&mut d.base_m), allowed(POSITIVE),
+        needed("add the distance to the object: base = \"15.5 mm\"");
+    /// Proximal phalanx l21. Either this or l21_fraction.
+    "l21": Length = match &mut d.l21 {
+        ProximalLength::Length(l21_m) => Some(l21_m),
+        ProximalLength::Fraction(_) => None,
+    }, allowed(POSITIVE);
+    /// Proximal phalanx as a fraction, 0 to 1, of the range of l21 that the base allows.
+    "l21_fraction": Number = match &mut d.l21 {
+        ProximalLength::Fraction(fraction) => Some(fraction),
+        ProximalLength::Length(_) => None,
+    }, allowed(FRACTION), needed("give the proximal phalanx: l21_fraction = 1.0, or a length l21 = \"24 mm\"");
+    /// Angle from the arm l22 to the distal phalanx. Required.
+    "phi22": Angle = Some(&mut d.phi22_rad), allowed(PHI22),
+        needed("add the angle of the distal phalanx: phi22 = \"120 deg\"");
+    /// l22 / l11. Required.
+    "arm_ratio": Number = Some(&mut d.arm_ratio), allowed(POSITIVE), needed("add l22 / l11: arm_ratio = 0.5");
+    /// Driven link.
+    "l11": Length = Some(&mut d.l11_m), allowed(POSITIVE);
+    /// Height of the closed finger over the object's diameter.
+    "height_ratio": Number = Some(&mut d.height_ratio), allowed(POSITIVE);
+    /// Smallest contact angle of the distal phalanx; sets the shortest l21.
+    "tip_contact_min": Angle = Some(&mut d.tip_contact_min_rad), allowed(TIP_CONTACT);
+}
 
 lines! {
     /// The finger by its link lengths. Either this or [design].
@@ -45,6 +87,50 @@ lines! {
     "density": Density = Some(&mut m.density_kg_m3), allowed(POSITIVE);
     /// Extent of the links out of the plane.
     "depth": Length = Some(&mut m.depth_m), allowed(POSITIVE);
+}
+
+/// Sections of bodies alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Bodies;
+
+impl Bodies {
+    /// Bodies that may be given.
+    pub const NAMES: [&str; 4] = ["l11", "l12", "l21", "l22"];
+}
+
+lines! {
+    /// Mass properties that replace those from the outlines, body by body.
+    Bodies = Self, _none, "l11": BodyOverride, "l12": BodyOverride, "l21": BodyOverride, "l22": BodyOverride;
+}
+
+lines! {
+    /// One body. A mass given without inertia scales the inertia of the outline with it.
+    BodyOverride = Self::default(), b;
+    "mass": Mass = b.mass_kg.as_mut(), put(|b, mass_kg| b.mass_kg = Some(mass_kg)), allowed(POSITIVE);
+    /// Centre of mass along the link and to its left, from the joint before it.
+    "com": Pair<Length> = b.com_m.as_mut(), put(|b, com_m| b.com_m = Some(com_m));
+    /// Moment of inertia about the centre of mass.
+    "inertia": Inertia = b.inertia_kg_m2.as_mut(), put(|b, inertia_kg_m2| b.inertia_kg_m2 = Some(inertia_kg_m2)),
+        allowed(POSITIVE);
+}
+
+/// A disc or none.
+#[derive(Clone, Copy, Debug)]
+pub struct Object {
+    pub present: bool,
+    pub radius_m: f64,
+    pub centre_m: [f64; 2],
+}
+
+lines! {
+    /// The disc to be grasped; it is fixed.
+    Object = Self { present: true, radius_m: defaults::OBJECT_RADIUS_M, centre_m: [GIVEN; 2] }, o;
+    /// Whether there is an object; false lets the finger swing freely.
+    "present": Flag = Some(&mut o.present);
+    "radius": Length = Some(&mut o.radius_m), allowed(POSITIVE);
+    /// Default with [design]: (−base, radius), resting on the palm. Required with [lengths].
+    "centre": Pair<Length> = o.present.then_some(&mut o.centre_m), follows(),
+        beside("present", "with present = false");
 }
 
 /// A start; not a number what is not given.

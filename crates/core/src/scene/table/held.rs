@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::scene::kinds::{Choice, Count, Flag, Kind, List, Measured, Number, Pair, Sweeps, Words};
+use crate::scene::kinds::{Choice, Count, Flag, Kind, List, Measured, Number, Pair, Sweeps, Text, Words};
 use crate::scene::show::Out;
 use crate::units::{self, Dimension};
 
@@ -15,6 +15,7 @@ pub enum Written {
     Whole(u64),
     Flag(bool),
     Word(&'static str),
+    Text(String),
 }
 
 /// A kind of value in the table.
@@ -42,6 +43,7 @@ impl Written {
     pub fn is_given(&self) -> bool {
         match self {
             Written::Quantities(values, _) => !values.is_empty(),
+            Written::Text(text) => !text.is_empty(),
             other => other.number().is_none_or(f64::is_finite),
         }
     }
@@ -65,6 +67,16 @@ impl Written {
             Written::Whole(count) => json!(count),
             Written::Flag(flag) => json!(flag),
             Written::Word(word) => json!(word),
+            Written::Text(text) => json!(text),
+        }
+    }
+
+    /// As a figure of a document: in SI.
+    pub fn si(self) -> Value {
+        match self {
+            Written::Quantity(value, _) => json!(value),
+            Written::Quantities(values, _) => json!(values),
+            other => other.json(),
         }
     }
 
@@ -78,6 +90,7 @@ impl Written {
             Written::Whole(count) => count.to_string(),
             Written::Flag(flag) => flag.to_string(),
             Written::Word(word) => word.to_string(),
+            Written::Text(text) => text,
         }
     }
 
@@ -89,6 +102,7 @@ impl Written {
             Written::Whole(count) => out.raw(key, count),
             Written::Flag(flag) => out.raw(key, flag),
             Written::Word(word) => out.text(key, word),
+            Written::Text(text) => out.text(key, &text),
         }
     }
 }
@@ -160,6 +174,16 @@ impl Held for Flag {
 
     fn recall(text: &str) -> Option<bool> {
         text.parse().ok()
+    }
+}
+
+impl Held for Text {
+    fn written(value: &String) -> Written {
+        Written::Text(value.clone())
+    }
+
+    fn recall(text: &str) -> Option<String> {
+        Some(text.to_string()).filter(|text| !text.trim().is_empty())
     }
 }
 

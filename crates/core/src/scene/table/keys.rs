@@ -25,6 +25,10 @@ pub struct Keys<T> {
 }
 
 impl<T> Keys<T> {
+    pub fn of(given: BTreeMap<String, Spanned<Any>>) -> Self {
+        Keys { given, table: PhantomData }
+    }
+
     pub fn get(&self, key: &str) -> Option<&Spanned<Any>> {
         self.given.get(key)
     }
@@ -46,7 +50,7 @@ impl<T> Keys<T> {
     /// The section under a key.
     pub fn inner<U>(&self, key: &str) -> Section<Keys<U>> {
         match self.get(key).map(|given| (given.span(), given.get_ref())) {
-            Some((span, Any::Table(given))) => Section::of(span, Keys { given: given.clone(), table: PhantomData }),
+            Some((span, Any::Table(given))) => Section::of(span, Keys::of(given.clone())),
             _ => Section::default(),
         }
     }
@@ -61,7 +65,7 @@ impl<T> Section<Keys<T>> {
     /// The same section with some of its keys as those of another table.
     pub fn recast<U>(&self) -> Section<Keys<U>> {
         match &self.span {
-            Some(span) => Section::of(span.clone(), Keys { given: self.given.clone(), table: PhantomData }),
+            Some(span) => Section::of(span.clone(), Keys::of(self.given.clone())),
             None => Section::default(),
         }
     }
@@ -69,7 +73,7 @@ impl<T> Section<Keys<T>> {
 
 impl<T> Default for Keys<T> {
     fn default() -> Self {
-        Keys { given: BTreeMap::new(), table: PhantomData }
+        Keys::of(BTreeMap::new())
     }
 }
 

@@ -15,6 +15,7 @@
 //! | all others | a section each |
 
 pub mod bounds;
+pub mod disc;
 mod document;
 pub mod drive;
 pub mod engine;
@@ -29,6 +30,7 @@ mod line;
 pub mod log;
 pub mod motion;
 mod section;
+pub mod top;
 
 use serde_json::Value;
 use toml::Spanned;
@@ -79,7 +81,8 @@ macro_rules! of {
 
 use {lines, of};
 
-/// A section with what the scene says put in place of `base`; `path` is its own, such as `engine`. What is wrong is noted.
+/// A section with what the scene says put in place of `base`; `path` is its own, such as `engine`, or empty for what stands before all
+/// sections. What is wrong is noted.
 pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<T>>, mut base: T) -> T {
     let mut unknown: Vec<&str> = Vec::new();
     for line in T::LINES {
@@ -88,14 +91,14 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<T>>, m
         if beside.is_some_and(|(choice, _)| unknown.contains(&choice)) {
             continue;
         }
-        let whole = format!("{path}.{key}");
+        let whole = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
         match (raw.get(key), line.get(&mut base).is_some()) {
             (None, true) => needed.into_iter().for_each(|help| c.missing(&whole, raw, help)),
             (None, false) => {}
-            (Some(given), false) => {
+            (Some(given), false) if beside.is_some() => {
                 beside.into_iter().for_each(|(_, why)| c.unused_at(&whole, Some(given.span()), why));
             }
-            (Some(given), true) => match line.read(&whole, given, &mut base) {
+            (Some(given), _) => match line.read(&whole, given, &mut base) {
                 Ok(true) => {}
                 Ok(false) => c.beyond(&whole, Some(given.span()), allowed),
                 Err(problems) => {
@@ -135,7 +138,13 @@ pub fn set<T: Table>(section: &mut T, path: &str, key: &str, text: &str) -> Resu
 /// Writes a section with everything it has.
 pub fn show<T: Table>(out: &mut Out, path: &str, section: &T) {
     out.section(path);
-    values(section).for_each(|(about, value)| value.show(out, about.key));
+    show_keys(out, section, |_| true);
+}
+
+/// Writes the keys that are wanted of a section, as far as they have a value.
+pub fn show_keys<T: Table>(out: &mut Out, section: &T, wanted: impl Fn(&str) -> bool) {
+    let shown = values(section).filter(|(about, value)| wanted(about.key) && value.is_given());
+    shown.for_each(|(about, value)| value.show(out, about.key));
 }
 
 /// What a log keeps of a section: keys with their units, and values that read back to the same bits.
@@ -170,12 +179,30 @@ fn values<T: Table>(section: &T) -> impl Iterator<Item = (&'static About, Writte
     T::LINES.iter().filter_map(move |line| Some((line.about(), line.get(&mut section)?)))
 }
 
-/// The name of a value in records: with its unit in SI.
+/// Every key of a section under its name in records, and its value as far as it has one.
+pub fn columns<T: Table>(section: &T) -> Vec<(String, Option<Written>)> {
+    let mut section = section.clone();
+    let mut chosen: Vec<T> = T::LINES.iter().flat_map(|choice| choice.variants()).collect();
+    let column = |line: &&'static dyn Field<T>| {
+        let value = line.get(&mut section);
+        // The unit of what has a meaning beside a choice only is that which it has there.
+        let unit = value.clone().or_else(|| chosen.iter_mut().find_map(|section| line.get(section)))?;
+        Some((name(line.about(), &unit), value))
+    };
+    T::LINES.iter().filter_map(column).collect()
+}
+
+/// The name of a value in records of several sections.
 fn column(path: &str, about: &About, value: &Written) -> String {
+    format!("{path}_{}", name(about, value))
+}
+
+/// The name of a value: with its unit in SI.
+fn name(about: &About, value: &Written) -> String {
     match (about.column, value.suffix()) {
-        (Some(name), _) => format!("{path}_{name}"),
-        (None, Some(unit)) => format!("{path}_{}_{unit}", about.key),
-        (None, None) => format!("{path}_{}", about.key),
+        (Some(name), _) => name.to_string(),
+        (None, Some(unit)) => format!("{}_{unit}", about.key),
+        (None, None) => about.key.to_string(),
     }
 }
 
@@ -187,6 +214,7 @@ pub fn range<T>(line: &dyn Field<T>) -> String {
         (_, Some("integer"), Value::Null) => "a whole number from 1".to_string(),
         (_, Some("integer"), most) => format!("a whole number from 1 to {most}"),
         (_, Some("boolean"), _) => "true or false".to_string(),
+        _ if kind.get("minLength").is_some() => "a text".to_string(),
         _ if line.about().allowed.text == ANY.text => ANY.text.to_string(),
         _ => format!("a number {}", line.about().allowed.text),
     }
