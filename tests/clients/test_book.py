@@ -19,6 +19,8 @@ from unittest import mock
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "book" / "pages"
 BLOCK = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+# tools/clients.sh names the module wherever it can be built, and says where it cannot.
+EXPLORER = "PHALANX_EXPLORER" in os.environ
 NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -118,8 +120,9 @@ class Site(unittest.TestCase):
             self.assertIn("<iframe", (site / "the-page.html").read_text())
             self.assertIn("experiment-95", (site / "live" / "closing.html").read_text())
             self.assertTrue((site / "reference" / "accuracy.html").exists())
-            self.assertIn('<iframe class="explorer" src="explorer.html"', (site / "index.html").read_text())
-            self.assertIn('id="explorer"', (site / "explorer.html").read_text())
+            if EXPLORER:
+                self.assertIn('<iframe class="explorer" src="explorer.html"', (site / "index.html").read_text())
+                self.assertIn('id="explorer"', (site / "explorer.html").read_text())
             for page in (page for page in site.rglob("*.html") if page.parent.name != "live" and page.name != "explorer.html"):
                 text = page.read_text()
                 self.assertNotIn("<!-- explorer", text, page.name)
@@ -162,7 +165,8 @@ class Site(unittest.TestCase):
             self.assertRaises(SystemExit, program.explored, f"<!-- explorer {wrong} -->", "", True)
 
     def test_dead_links_end_it(self):
-        for broken in ("[x](no-page.md)", "[x](index.md#no-such-place)", '<img src="figures/no.svg">', "<!-- explorer scene=no-such.toml -->"):
+        scene = ["<!-- explorer scene=no-such.toml -->"] if EXPLORER else []
+        for broken in ("[x](no-page.md)", "[x](index.md#no-such-place)", '<img src="figures/no.svg">', *scene):
             with self.subTest(link=broken), tempfile.TemporaryDirectory() as scratch:
                 pages = Path(scratch) / "pages"
                 shutil.copytree(PAGES, pages)
