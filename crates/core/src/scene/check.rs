@@ -13,6 +13,47 @@ pub struct Bound {
     pub text: &'static str,
 }
 
+/// An end of what is allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    Open,
+    At(f64),
+    /// All numbers up to it, and not itself.
+    Before(f64),
+}
+
+impl Bound {
+    /// Where what is allowed begins and ends; it is one interval, in which 0.1 is or which begins above.
+    pub fn ends(&self) -> [End; 2] {
+        let inside = [0.1, 1.5].into_iter().find(|x| (self.allowed)(*x)).unwrap_or(0.1);
+        [-1.0, 1.0].map(|way| self.end(inside, way))
+    }
+
+    /// The end on one side of a number that is allowed: of neighbouring numbers the last, or the first that is not if it is a rounder one.
+    fn end(&self, inside: f64, way: f64) -> End {
+        if (self.allowed)(way * f64::MAX) {
+            return End::Open;
+        }
+        let (mut within, mut beyond) = (inside, way * f64::MAX);
+        loop {
+            let middle = 0.5 * within + 0.5 * beyond;
+            if middle == within || middle == beyond {
+                break;
+            }
+            if (self.allowed)(middle) { within = middle } else { beyond = middle }
+        }
+        // Halving comes as near to 0 as numbers go, and to other ends as their last digits.
+        let digits = |x: f64| if x.abs() < f64::MIN_POSITIVE { 0 } else { format!("{x:e}").len() };
+        match digits(beyond) < digits(within) {
+            true if beyond.abs() < f64::MIN_POSITIVE => End::Before(0.0),
+            true => End::Before(beyond),
+            false if within.abs() < f64::MIN_POSITIVE && !(self.allowed)(0.0) => End::Before(0.0),
+            false if within.abs() < f64::MIN_POSITIVE => End::At(0.0),
+            false => End::At(within),
+        }
+    }
+}
+
 pub const ANY: Bound = Bound { allowed: |_| true, text: "any finite number" };
 pub const POSITIVE: Bound = Bound { allowed: |x| x > 0.0, text: "above 0" };
 pub const NOT_NEGATIVE: Bound = Bound { allowed: |x| x >= 0.0, text: "at least 0" };
@@ -122,5 +163,27 @@ impl<'a> Checker<'a> {
     /// The text at a place of the file, without quotes.
     fn quoted(&self, span: Option<Range<usize>>) -> &'a str {
         span.and_then(|s| self.text.get(s)).unwrap_or("this").trim_matches(['"', '\''])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_are_found_from_what_is_allowed() {
+        use std::f64::consts::PI;
+        let bound = |allowed| Bound { allowed, text: "" };
+        for (found, ends) in [
+            (ANY, [End::Open, End::Open]),
+            (POSITIVE, [End::Before(0.0), End::Open]),
+            (NOT_NEGATIVE, [End::At(0.0), End::Open]),
+            (bound(|x| (0.0..=1.0).contains(&x)), [End::At(0.0), End::At(1.0)]),
+            (bound(|x| x > 0.0 && x < PI), [End::Before(0.0), End::Before(PI)]),
+            (bound(|x| x > -1.0 && x <= 0.5), [End::Before(-1.0), End::At(0.5)]),
+            (bound(|x| x >= 1.0), [End::At(1.0), End::Open]),
+        ] {
+            assert_eq!(found.ends(), ends);
+        }
     }
 }

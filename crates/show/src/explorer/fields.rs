@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::scene::schema::schema_of;
 use crate::scene::{AnyScene, Words, show_written};
 use crate::trace::Simulated;
-use crate::units::split;
+use crate::units::{Dimension, parse, split};
 
 /// Sections of design variables, in the order in which a designer turns to them.
 const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.friction"];
@@ -100,10 +100,8 @@ fn is_table(part: &Value) -> bool {
 }
 
 fn field(section: &str, key: &str, path: &str, part: &Value, holds: Option<&toml::Value>, given: bool) -> Value {
-    let bound = |name: &str| part.get(name).and_then(Value::as_f64);
-    let first = bound("minimum").or(bound("exclusiveMinimum"));
-    let last = bound("maximum").or(bound("exclusiveMaximum"));
     let (value, unit) = held(holds);
+    let [first, last] = ends(part, &unit);
     let units = part.get("x-units").cloned().unwrap_or(Value::Null);
     json!({
         "path": path,
@@ -119,6 +117,20 @@ fn field(section: &str, key: &str, path: &str, part: &Value, holds: Option<&toml
         "high": last,
         "about": part.get("description").cloned().unwrap_or(Value::Null),
         "given": given,
+    })
+}
+
+/// Where what is allowed begins and ends, in a unit; a number that is an end itself and not allowed is as good for a slider.
+fn ends(part: &Value, unit: &str) -> [Option<f64>; 2] {
+    let bound = |name: &str| part.get(name).and_then(Value::as_f64);
+    let first = part.pointer("/x-units/0").and_then(Value::as_str);
+    let dimension = Dimension::ALL.into_iter().find(|of| Some(of.units()[0].name) == first);
+    let unit_si = dimension.and_then(|of| parse(&format!("1 {unit}"), of).ok());
+    [["minimum", "exclusiveMinimum"], ["maximum", "exclusiveMaximum"]].map(|[at, before]| {
+        let plain = bound(at).or(bound(before));
+        // In SI.
+        let own = bound(&format!("x-{at}")).or(bound(&format!("x-{before}")));
+        plain.or(own.zip(unit_si).map(|(end, unit_si)| end / unit_si))
     })
 }
 

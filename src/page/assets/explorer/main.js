@@ -280,6 +280,8 @@ function furnish(lab) {
   }
   lab.statics = new Statics(lines.patient, byId("panel-statics"), { setting: () => setting, wanted: () => lab.tabs.shown() === "panel-statics" });
   controlsOf(lab);
+  // An address that has a map is of one who looked at it.
+  if (map) lab.tabs.show("panel-map");
 }
 
 // Keeps the present film as the pale one.

@@ -135,7 +135,7 @@ const addressNow = (lab) => fragmentOf({
   scene: lab.setting.settled,
   kept: lab.kept?.scene,
   time_s: lab.app.clock.playing || lab.held ? NaN : lab.app.clock.time,
-  map: lab.map?.axes.x ? [lab.map.axes.x, lab.map.axes.y, lab.map.criterion] : null,
+  map: lab.map?.axes.x && lab.tabs.shown() === "panel-map" ? [lab.map.axes.x, lab.map.axes.y, lab.map.criterion] : null,
 }, lab.presets);
 
 // The address follows when nothing moves: browsers refuse addresses that change all the time.

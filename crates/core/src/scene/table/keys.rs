@@ -12,6 +12,7 @@ use toml::Spanned;
 
 use super::section::{Field, Table, default};
 use crate::scene::any::Any;
+use crate::scene::check::End;
 use crate::scene::entry::Section;
 use crate::scene::kinds::Kind;
 
@@ -109,5 +110,22 @@ fn property<T: Table>(line: &dyn Field<T>) -> Value {
     if let Some(default) = default(line) {
         schema["default"] = default;
     }
+    let number = schema["type"] == "number";
+    if number || schema.get("x-units").is_some() {
+        bounds(&mut schema, line.about().allowed.ends(), number);
+    }
     schema
+}
+
+/// Ends of what is allowed: as JSON Schema has them for numbers, and under keys of our own for quantities, in SI.
+fn bounds(schema: &mut Value, ends: [End; 2], number: bool) {
+    let own = if number { "" } else { "x-" };
+    for (end, [at, before]) in ends.into_iter().zip([["minimum", "exclusiveMinimum"], ["maximum", "exclusiveMaximum"]])
+    {
+        match end {
+            End::Open => {}
+            End::At(end) => schema[format!("{own}{at}")] = end.into(),
+            End::Before(end) => schema[format!("{own}{before}")] = end.into(),
+        }
+    }
 }
