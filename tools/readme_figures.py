@@ -7,8 +7,9 @@
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
 block of the same name in the page that has it; nothing else changes. Blocks: summary, accuracy, scenes, memory, engine,
-validate, log, reproduce, design. Needs only Python's own library, and GNU time for the block memory. The blocks scenes, engine
-and reproduce also put their pictures into tools/figures.
+validate, log, reproduce, design, explorer. Needs only Python's own library, GNU time for the block memory, and for the block
+explorer what tools/explorer.sh and tools/clients.sh need. The blocks scenes, engine and reproduce also put their pictures into
+tools/figures.
 """
 
 import argparse
@@ -309,9 +310,18 @@ def summary(_):
     return table(["", "angle error", "time"], body)
 
 
+def explorer(scratch):
+    """What the explorer's page weighs, and how soon it answers; the table is the script's own."""
+    call("tools/clients.sh", "setup", stdout=sys.stderr)
+    call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    call("tools/explorer.sh", stdout=sys.stderr)
+    environment = {**os.environ, "PHALANX": str(PHALANX)}
+    return call("node", "tools/explorer_cost.mjs", stdout=subprocess.PIPE, text=True, env=environment).stdout.rstrip()
+
+
 BLOCKS = {
     "summary": summary, "accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log,
-    "reproduce": reproduce, "design": design,
+    "reproduce": reproduce, "design": design, "explorer": explorer,
 }
 
 

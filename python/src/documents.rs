@@ -1,13 +1,13 @@
 //! What commands print as JSON, as dictionaries: the same figures, under the same keys.
 
+use phalanx::grasp::finger::{Instead, grasp};
+use phalanx::grasp::gripper::{Asked, gripper_grasp};
 use phalanx::report::{
     CaptureReport, GripperStaticsReport, HoldReport, SizingReport, StaticsReport, ValidationReport, capture_json,
     gripper_statics_json, hold_json, sizing_json, statics_json, validation_json,
 };
 use phalanx::scene::{AnyScene, Axis};
 use phalanx::study::capture::{CaptureError, Plan as Places, Source};
-use phalanx::grasp::finger::{Instead, grasp};
-use phalanx::grasp::gripper::{Asked, gripper_grasp};
 use phalanx::study::hold::{HoldError, Loads, Plan};
 use phalanx::study::only_gripper;
 use phalanx::study::posture::{directions, posture};
