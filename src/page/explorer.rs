@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::base85::base85;
-use super::html::{Script, filled, in_script};
+use super::html::{Script, VIEWER, filled, in_script};
 use super::presets::{Preset, presets};
 use crate::wording::escaped;
 
@@ -15,29 +15,8 @@ const STYLES: [&str; 5] = [
     include_str!("assets/pictures.css"),
     include_str!("assets/explorer/layout.css"),
 ];
-/// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 40] = [
-    include_str!("assets/format.js"),
-    include_str!("assets/data.js"),
-    include_str!("assets/reading.js"),
-    include_str!("assets/clock.js"),
-    include_str!("assets/axis.js"),
-    include_str!("assets/canvas.js"),
-    include_str!("assets/recorder.js"),
-    include_str!("assets/camera.js"),
-    include_str!("assets/shapes.js"),
-    include_str!("assets/letters.js"),
-    include_str!("assets/stage.js"),
-    include_str!("assets/plots.js"),
-    include_str!("assets/events.js"),
-    include_str!("assets/gif.js"),
-    include_str!("assets/movie.js"),
-    include_str!("assets/save.js"),
-    include_str!("assets/controls.js"),
-    include_str!("assets/help.js"),
-    include_str!("assets/keys.js"),
-    include_str!("assets/viewer.js"),
-    include_str!("assets/hooks.js"),
+/// Behind what shows films, in the order of their dependence; they share one scope.
+const SCRIPTS: [&str; 19] = [
     include_str!("assets/explorer/worker.js"),
     include_str!("assets/explorer/base85.js"),
     include_str!("assets/explorer/line.js"),
@@ -119,7 +98,7 @@ pub fn explorer_page(module: &[u8], start: &Start, version: &str) -> String {
         version,
     };
     let data = in_script(&serde_json::to_string(&data).expect("texts can be written"));
-    let Script { nonce, script } = Script::new(&data, &SCRIPTS);
+    let Script { nonce, script } = Script::new(&data, &[&VIEWER[..], &SCRIPTS].concat());
     let fields = [
         ("nonce", nonce),
         ("title", escaped(title)),

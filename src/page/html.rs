@@ -13,8 +13,8 @@ const STYLES: [&str; 4] = [
     include_str!("assets/layout.css"),
     include_str!("assets/pictures.css"),
 ];
-/// In the order of their dependence; they share one scope.
-const SCRIPTS: [&str; 22] = [
+/// What shows films, on any page that does. In the order of their dependence; they share one scope.
+pub(super) const VIEWER: [&str; 21] = [
     include_str!("assets/format.js"),
     include_str!("assets/data.js"),
     include_str!("assets/reading.js"),
@@ -36,13 +36,13 @@ const SCRIPTS: [&str; 22] = [
     include_str!("assets/keys.js"),
     include_str!("assets/viewer.js"),
     include_str!("assets/hooks.js"),
-    include_str!("assets/main.js"),
 ];
+const MAIN: &str = include_str!("assets/main.js");
 
 /// The whole file. The same page gives the same bytes.
 pub fn page(page: &Page) -> String {
     let data = in_script(&data::json(&page.runs));
-    let Script { nonce, script } = Script::new(&data, &SCRIPTS);
+    let Script { nonce, script } = Script::new(&data, &[&VIEWER[..], &[MAIN]].concat());
     let fields = [
         ("nonce", nonce),
         ("title", escaped(&page.title)),

@@ -2,6 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use phalanx_show::explorer::source;
+
 use crate::scene::{self, AnyScene, Layer, SceneError};
 use crate::trace::Simulated;
 
@@ -84,13 +86,8 @@ fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
 
 /// The text of a scene: as it was written, or put together of those it extends.
 pub fn whole(scene: &AnyScene, own: &str) -> String {
-    let source = match scene {
-        AnyScene::Finger(scene) => &scene.source,
-        AnyScene::Bodies(scene) => &scene.source,
-        AnyScene::Gripper(scene) => &scene.source,
-    };
     // A scene is read from a text without the key that it extends by.
-    if scene::extended(own).is_some() { source.clone() } else { own.to_string() }
+    if scene::extended(own).is_some() { source(scene).to_string() } else { own.to_string() }
 }
 
 /// A shipped scene after those that it extends.

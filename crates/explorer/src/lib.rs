@@ -5,6 +5,7 @@
 
 use std::cell::RefCell;
 use std::panic;
+use std::sync::Once;
 
 use phalanx_show::explorer;
 
@@ -21,6 +22,8 @@ thread_local! {
     static HELD: RefCell<Held> = RefCell::default();
 }
 
+static HOOKED: Once = Once::new();
+
 /// Room for a request of so many bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn room(bytes: usize) -> *mut u8 {
@@ -33,15 +36,17 @@ pub extern "C" fn room(bytes: usize) -> *mut u8 {
 /// Answers the request of so many bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer(bytes: usize) -> *const u32 {
-    panic::set_hook(Box::new(|said| {
-        let said = said.to_string();
-        // A trap follows: what is held must be free for who asks after it.
-        HELD.with(|held| {
-            if let Ok(mut held) = held.try_borrow_mut() {
-                held.trouble = said;
-            }
-        });
-    }));
+    HOOKED.call_once(|| {
+        panic::set_hook(Box::new(|said| {
+            let said = said.to_string();
+            // A trap follows: what is held must be free for who asks after it.
+            HELD.with(|held| {
+                if let Ok(mut held) = held.try_borrow_mut() {
+                    held.trouble = said;
+                }
+            });
+        }));
+    });
     let request = HELD.with_borrow_mut(|held| std::mem::take(&mut held.request));
     let request = String::from_utf8_lossy(&request[..bytes.min(request.len())]).into_owned();
     let found = explorer::answer(&request);

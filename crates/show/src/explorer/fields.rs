@@ -13,9 +13,10 @@ const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.frict
 /// All fields: those that hold something, and those that could.
 pub fn fields(scene: &AnyScene) -> Value {
     let simulated = Simulated::from(scene);
-    let shown: toml::Table = show_written(scene).parse().unwrap_or_default();
+    let text = show_written(scene);
+    let shown: toml::Table = text.parse().unwrap_or_default();
     let written: toml::Table = source(scene).parse().unwrap_or_default();
-    let order = order(&show_written(scene));
+    let order = order(&text);
     let mut found = Vec::new();
     collect(schema_of(simulated.kind()), "", Some(&shown), Some(&written), &mut found);
     let place = |field: &Value| order.iter().position(|path| field["path"] == **path).unwrap_or(order.len());
