@@ -21,8 +21,7 @@ use crate::wording::Sheet;
 const MODULE: &str = "phalanx-explorer.wasm.gz";
 /// Names another.
 const VARIABLE: &str = "PHALANX_EXPLORER";
-const HOW: &str =
-    "tools/explorer.sh in the sources of phalanx builds it and puts it there; a release has it beside the program";
+const HOW: &str = "tools/explorer.sh in the sources of phalanx builds it as target/release/phalanx-explorer.wasm.gz; a release has it beside the program";
 
 /// Open the explorer: a page that simulates the scene anew while its sliders move.
 ///
@@ -117,7 +116,7 @@ fn module(given: Option<&Path>) -> Result<Vec<u8>, Failure> {
     let path = given.map(Path::to_path_buf).or(named).or(beside).unwrap_or_else(|| MODULE.into());
     let bytes = fs::read(&path).map_err(|error| {
         Failure::bad_input(format!(
-            "the explorer needs its module {}, which cannot be read: {error}\n  = help: {HOW}; or name one with --module {MODULE}",
+            "the explorer needs its module {}, which cannot be read: {error}\n  = help: {HOW}; or name one with --module FILE, or in {VARIABLE}",
             path.display()
         ))
     })?;
