@@ -72,7 +72,7 @@ const WORST_RESOLVED: f64 = 10.0;
 /// Tries to land on one event.
 const MAX_LANDINGS: usize = 12;
 
-/// Integrates from `t0` to `t_end` with every event located.
+/// Integrates from `t0` to `t_end` with every event located, by a method that is known where this is compiled.
 pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     system: &Y,
     options: &Options,
@@ -86,12 +86,31 @@ where
     K: Method<N, Z>,
     O: Observer<N, Z, Y::Mode>,
 {
+    integrate_by(K::new(), system, options, t0, start, t_end, observer)
+}
+
+/// Integrates from `t0` to `t_end` with every event located, by a method that has learned nothing yet.
+pub fn integrate_by<const N: usize, const Z: usize, const S: usize, Y, K, O>(
+    method: K,
+    system: &Y,
+    options: &Options,
+    t0: f64,
+    start: State<N, Z>,
+    t_end: f64,
+    observer: &mut O,
+) -> End<N, Z>
+where
+    Y: Hybrid<N, Z, S>,
+    K: Method<N, Z>,
+    O: Observer<N, Z, Y::Mode>,
+{
+    let controller = Controller::new(method.error_order());
     let mode = system.read_mode(t0, &start.q, &start.v);
     let mut run = Run::<N, Z, S, Y, K> {
         system,
         options,
-        method: K::new(),
-        controller: Controller::new(K::ERROR_ORDER),
+        method,
+        controller,
         clock: Clock::at(t0),
         state: start,
         watch: system.watch(&start.q, &start.v, &mode),

@@ -36,10 +36,10 @@ pub struct Origin<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
 
 /// A one-step method.
 pub trait Method<const N: usize, const Z: usize> {
-    /// Order of the error estimate's leading term in h.
-    const ERROR_ORDER: f64;
-
     fn new() -> Self;
+
+    /// Order of the error estimate's leading term in h.
+    fn error_order(&self) -> f64;
 
     /// Forgets what earlier steps taught (after an event).
     fn restart(&mut self);

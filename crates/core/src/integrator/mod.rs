@@ -8,12 +8,12 @@
 #![allow(clippy::needless_range_loop)]
 
 mod chatter;
+mod chosen;
 mod clock;
 mod control;
 mod counters;
 mod dense;
 mod driver;
-mod fallback;
 mod landing;
 mod linear;
 mod method;
@@ -26,12 +26,12 @@ mod strain;
 mod system;
 mod tableau;
 
+pub use chosen::RadauOrRodas;
 pub use clock::Clock;
 pub use control::Tolerances;
 pub use counters::Counters;
 pub use dense::Dense;
-pub use driver::{End, Failure, Options, Reason, integrate};
-pub use fallback::RadauOrRodas;
+pub use driver::{End, Failure, Options, Reason, integrate, integrate_by};
 pub use method::{Attempt, Method, Origin};
 pub use observer::{Observer, Step, StepTools};
 pub use radau5::Radau5;

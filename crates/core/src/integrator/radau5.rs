@@ -132,13 +132,15 @@ impl<const N: usize, const Z: usize> Radau5<N, Z> {
 }
 
 impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
-    /// The filtered estimate is of order 4 (Hairer & Wanner IV.8.20).
-    const ERROR_ORDER: f64 = 4.0;
-
     fn new() -> Self {
         let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
         let candidate = Dense { t0: 0.0, h: 0.0, start: zero, end: zero, d: [zero; 3] };
         Self { coefficients: Coefficients::new(), last: None, candidate, fresh: true }
+    }
+
+    /// The filtered estimate is of order 4 (Hairer & Wanner IV.8.20).
+    fn error_order(&self) -> f64 {
+        4.0
     }
 
     fn restart(&mut self) {

@@ -26,11 +26,13 @@ fn axpy<const N: usize, const Z: usize>(y: &mut State<N, Z>, weight: f64, k: &St
 }
 
 impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
-    const ERROR_ORDER: f64 = 5.0;
-
     fn new() -> Self {
         let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
         Self { t0: 0.0, h: 0.0, start: zero, end: zero, k: [zero; STAGES] }
+    }
+
+    fn error_order(&self) -> f64 {
+        5.0
     }
 
     fn restart(&mut self) {}

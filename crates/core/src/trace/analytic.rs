@@ -12,7 +12,7 @@ use crate::analytic::discs::{self, Discs, HOLDING, moving_discs};
 use crate::analytic::gripper::{self as grasp, GripperModel};
 use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
 use crate::integrator::{
-    Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, Rodas5p, State, Tolerances, integrate,
+    self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
 };
 #[cfg(feature = "discs")]
 use crate::scene::BodiesScene;
@@ -113,14 +113,11 @@ where
     let mode = model.read_mode(0.0, &start.q, &start.v);
     let mut recorder = Recorder::new(reader, mode, &start, span, sink);
     recorder.begin()?;
-    let end = match settings.method {
-        Method::Rodas5p => {
-            integrate::<N, Z, G, _, Rodas5p<N, Z>, _>(model, &options, 0.0, start, span.end_s, &mut recorder)
-        }
-        Method::RadauIIa5 => {
-            integrate::<N, Z, G, _, RadauOrRodas<N, Z>, _>(model, &options, 0.0, start, span.end_s, &mut recorder)
-        }
+    let method: RadauOrRodas<N, Z> = match settings.method {
+        Method::Rodas5p => RadauOrRodas::rodas(),
+        Method::RadauIIa5 => integrator::Method::new(),
     };
+    let end = integrate_by(method, model, &options, 0.0, start, span.end_s, &mut recorder);
     let outcome = recorder.finish(&end.state, work(&end.counters))?;
     match end.result {
         Ok(()) => Ok(outcome),
