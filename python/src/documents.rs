@@ -2,10 +2,11 @@
 
 use phalanx::grasp::finger::{Instead, grasp};
 use phalanx::grasp::gripper::{Asked, gripper_grasp};
-use phalanx::report::{
-    CaptureReport, GripperStaticsReport, HoldReport, SizingReport, StaticsReport, ValidationReport, capture_json,
-    gripper_statics_json, hold_json, sizing_json, statics_json, validation_json,
-};
+use phalanx::report::capture::CaptureReport;
+use phalanx::report::hold::HoldReport;
+use phalanx::report::sizing::SizingReport;
+use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
+use phalanx::report::validation::ValidationReport;
 use phalanx::scene::{AnyScene, Axis};
 use phalanx::study::capture::{CaptureError, Plan as Places, Source};
 use phalanx::study::hold::{HoldError, Loads, Plan};
@@ -14,6 +15,7 @@ use phalanx::study::posture::{directions, posture};
 use phalanx::study::size::{Asked as Sizing, size as sized};
 use phalanx::units::Dimension;
 use phalanx::validate::refuse_too_fine;
+use phalanx::wording::Reported;
 use pyo3::prelude::*;
 
 use super::result::model;
@@ -68,7 +70,7 @@ pub fn statics<'py>(
             }
             let found = watch::free(py, |_| grasp(finger, &Instead { mu_static, motor_n_m }))?;
             let found = found.map_err(|error| errors::run(py, error, None))?;
-            words::json(py, &statics_json(&StaticsReport::new(&found)))
+            words::json(py, &StaticsReport::new(&found).json())
         }
         AnyScene::Gripper(gripper) => {
             let said = posture.map_or(Ok(phalanx::study::posture::Posture::Run), self::posture).map_err(wrong)?;
@@ -82,7 +84,7 @@ pub fn statics<'py>(
             };
             let found = watch::free(py, |go_on| gripper_grasp(gripper, &asked, &|| go_on()))?;
             let found = found.map_err(|error| errors::run(py, error, None))?;
-            words::json(py, &gripper_statics_json(&GripperStaticsReport::new(&found, 1)))
+            words::json(py, &GripperStaticsReport::new(&found, 1).json())
         }
         AnyScene::Bodies(_) => Err(wrong(format!(
             "{} is a scene of discs (kind = \"bodies\"), and statics is about the grasp of a finger or a gripper; give a scene like \
@@ -117,7 +119,7 @@ pub fn size<'py>(
         preload_rad: given(py, "preload", preload, Dimension::Angle)?.unwrap_or(usual.preload_rad),
     };
     let found = watch::free(py, |_| sized(finger, asked))?.map_err(|error| errors::argument(py, error))?;
-    words::json(py, &sizing_json(&SizingReport::from(&found)))
+    words::json(py, &SizingReport::from(&found).json())
 }
 
 /// How much acceleration a gripper holds its object against (`phalanx hold --json`).
@@ -191,7 +193,7 @@ pub fn hold<'py>(
         HoldError::Stopped { .. } | HoldError::Scene { .. } => errors::run(py, error, None),
         error => errors::argument(py, error),
     })?;
-    words::json(py, &hold_json(&HoldReport::from(&found)))
+    words::json(py, &HoldReport::from(&found).json())
 }
 
 fn axis(word: &str) -> Result<Axis, String> {
@@ -236,7 +238,7 @@ pub fn capture<'py>(
         CaptureError::Scene(error) => errors::scene(py, &error),
         error => errors::run(py, error, None),
     })?;
-    words::json(py, &capture_json(&CaptureReport::from(&found)))
+    words::json(py, &CaptureReport::from(&found).json())
 }
 
 /// The engine held to the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured, speed against
@@ -249,5 +251,5 @@ pub fn validate<'py>(py: Python<'py>, scene: SceneLike, quick: bool) -> PyResult
     let found =
         watch::free(py, |go_on| phalanx::validate::validate(scene.simulated(), quick, &mut |_| {}, &|| go_on()))?;
     let found = found.map_err(|error| errors::run(py, error, None))?;
-    words::json(py, &validation_json(&ValidationReport::new(scene.simulated(), &found, quick)))
+    words::json(py, &ValidationReport::new(scene.simulated(), &found, quick).json())
 }

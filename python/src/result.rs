@@ -7,7 +7,7 @@ use arrow_array::RecordBatch;
 use phalanx::page::{Page, Reel, page};
 use phalanx::scene::AnyScene;
 use phalanx::trace::{Event, Layout, Model, Recording, Simulated};
-use phalanx::wording::Sheet;
+use phalanx::wording::Report;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
@@ -32,7 +32,7 @@ pub struct Film {
     pub scene: AnyScene,
     pub label: String,
     pub reel: Reel,
-    pub summary: Sheet,
+    pub summary: Report,
 }
 
 /// Where a result comes from.

@@ -5,10 +5,13 @@ use std::sync::Arc;
 
 use phalanx::log::{self, LogFile, LogSink, RunInfo};
 use phalanx::page::Reel;
-use phalanx::report::{self, Checking, Heard, Making, RunReport, attached, simulated};
+use phalanx::report::document::RunReport;
+use phalanx::report::replay::{Heard, attached};
+use phalanx::report::simulated::{Checking, Making, simulated};
 use phalanx::scene::{AnyScene, Construction, Preset};
 use phalanx::trace::overrides::{self, Overrides};
 use phalanx::trace::{Event, Layout, Model, Recording, Sample, Simulated, Sink, SinkError};
+use phalanx::wording::{self, Reported};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -91,18 +94,14 @@ pub fn run(
     let kept = Kept { recording: Recording::new(&layout), reel: Reel::default() };
     let (report, kept) = watch::free(py, |go_on| make(&made, log.as_deref(), checking, kept, go_on))?
         .map_err(|error| errors::run(py, error, None))?;
-    let film = Film {
-        scene: made.scene.clone(),
-        label: model.name().to_string(),
-        reel: kept.reel,
-        summary: report::text(&report),
-    };
-    let document = report::json(&report);
+    let film =
+        Film { scene: made.scene.clone(), label: model.name().to_string(), reel: kept.reel, summary: report.report() };
+    let document = report.json();
     let result = Result::new(layout, kept.recording, document, Some(film), Source::Run(Arc::new(made)))?;
     match report.error {
         None => Ok(result),
         Some(failure) => {
-            let (at, of) = (report::duration(failure.time_s), report::duration(report.duration_s));
+            let (at, of) = (wording::duration(failure.time_s), wording::duration(report.duration_s));
             let message = format!("the simulation stopped at {at} of {of}: {}", failure.reason);
             Err(errors::run(py, message, Some(Py::new(py, result)?.into_any())))
         }
@@ -132,9 +131,9 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         scene,
         label: report.model.clone().unwrap_or_else(|| "run".to_string()),
         reel: kept.reel,
-        summary: report::replay_text(&report),
+        summary: report.report(),
     });
-    Result::new(layout, kept.recording, report::replay_json(&report), film, Source::Log(path))
+    Result::new(layout, kept.recording, report.json(), film, Source::Log(path))
 }
 
 /// Makes a run again for its log.

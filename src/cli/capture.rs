@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::overrides::positive;
 use super::progress::Count;
 use super::saved::{broken, save};
@@ -14,11 +14,12 @@ use super::set::SetArgs;
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
-use crate::report::{CaptureReport, capture_csv, capture_json, capture_text};
+use crate::report::capture::{CaptureReport, capture_csv};
 use crate::scene;
 use crate::study::capture::{CaptureError, Plan, Source, capture};
 use crate::study::only_gripper;
 use crate::units::Dimension;
+use crate::wording::Reported;
 
 /// Which positioning errors a gripper captures: where the object ends that lies off the middle of the palm.
 ///
@@ -94,14 +95,11 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| {
             let picture = plot::capture(&found).map_err(|error| broken(&out.join("capture.svg"), error))?;
-            let texts = [capture_json(&report), capture_csv(&report), picture, capture_text(&report).to_string()];
+            let texts = [report.json(), capture_csv(&report), picture, report.report().to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }
-    match args.json {
-        true => print(&capture_json(&report)),
-        false => show(&capture_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(Status::Done)
 }
 

@@ -1,10 +1,10 @@
 //! `phalanx completions`: what a shell needs to complete commands, options and their values.
 
-use clap::Args;
+use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 
 use super::output::print;
-use super::{Failure, Status};
+use super::{Cli, Failure, Status};
 
 /// Print the completions of a shell: commands, options and values after pressing Tab.
 #[derive(Debug, Args)]
@@ -20,7 +20,8 @@ pub struct CompletionsArgs {
 }
 
 /// Runs the command.
-pub fn run(args: &CompletionsArgs, mut command: clap::Command) -> Result<Status, Failure> {
+pub fn run(args: &CompletionsArgs) -> Result<Status, Failure> {
+    let mut command = Cli::command();
     let name = command.get_name().to_string();
     let mut script = Vec::new();
     generate(args.shell, &mut command, name, &mut script);

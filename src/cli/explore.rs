@@ -15,7 +15,7 @@ use super::set::SetArgs;
 use super::{Failure, Status, VERSION};
 use crate::page::{Start, explorer_page, is_packed, whole};
 use crate::scene::AnyScene;
-use crate::wording::Sheet;
+use crate::wording::Report;
 
 /// What a packed module is called beside the program.
 const MODULE: &str = "phalanx-explorer.wasm.gz";
@@ -72,7 +72,7 @@ pub fn run(args: &ExploreArgs) -> Result<Status, Failure> {
         None => temporary("-o")?,
     };
     save(&target, &explorer_page(&module, &start, VERSION))?;
-    show(&Sheet::from(format!("page: {}\n", target.display())))?;
+    show(&Report::from(format!("page: {}\n", target.display())))?;
     browser.map_or(Ok(()), |browser| opened(&browser, &target))?;
     Ok(Status::Done)
 }

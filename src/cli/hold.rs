@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::overrides::positive;
 use super::own::{Form, writable};
 use super::progress::Count;
@@ -15,11 +15,12 @@ use super::set::SetArgs;
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
-use crate::report::{HoldReport, hold_csv, hold_json, hold_text};
+use crate::report::hold::{HoldReport, hold_csv};
 use crate::scene::{Axis, GripperScene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
 use crate::study::only_gripper;
 use crate::units::Dimension;
+use crate::wording::Reported;
 
 /// How much acceleration a gripper holds its object against: in pulses, vibrations, or a pick-and-place move.
 ///
@@ -166,17 +167,14 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| {
             let picture = picture(&out.join("hold.svg"))?;
-            let texts = [hold_json(&report), hold_csv(&report), picture, hold_text(&report).to_string()];
+            let texts = [report.json(), hold_csv(&report), picture, report.report().to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }
     if let Some(path) = &args.svg {
         save(path, &picture(path)?)?;
     }
-    match args.json {
-        true => print(&hold_json(&report)),
-        false => show(&hold_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(Status::Done)
 }
 

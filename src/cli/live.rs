@@ -7,7 +7,7 @@ use super::interrupt::Interrupt;
 use super::output::note;
 use crate::live::{DEFAULT_ADDRESS, LiveError, Pace, Server};
 use crate::log::Feed;
-use crate::report;
+use crate::wording::duration;
 
 /// How long a run takes to watch unless `--live-speed` says otherwise, in s.
 const WATCHED_S: f64 = 20.0;
@@ -67,8 +67,8 @@ impl LiveArgs {
                 _ => Failure::bad_input(error),
             })?;
         let speed = self.live_speed.unwrap_or(duration_s / WATCHED_S);
-        let takes = report::duration(duration_s / speed);
-        note(&format!("live: {} shows {} in {takes}", server.url(), report::duration(duration_s)));
+        let takes = duration(duration_s / speed);
+        note(&format!("live: {} shows {} in {takes}", server.url(), duration(duration_s)));
         let (wait, keep, stop) = (self.live_wait, self.live_keep, Box::new(interrupt.watch()));
         Ok(Some(Live { server, speed, wait, keep, stop }))
     }

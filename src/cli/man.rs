@@ -3,12 +3,12 @@
 use std::io;
 use std::path::PathBuf;
 
-use clap::{Args, Command};
+use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 
 use super::folder::write_all;
 use super::output::print;
-use super::{Failure, Status};
+use super::{Cli, Failure, Status};
 
 /// Print the manual page of phalanx, or write one for it and for each of its commands.
 #[derive(Debug, Args)]
@@ -23,8 +23,9 @@ pub struct ManArgs {
 }
 
 /// Runs the command.
-pub fn run(args: &ManArgs, command: Command) -> Result<Status, Failure> {
-    let pages = pages(command).map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
+pub fn run(args: &ManArgs) -> Result<Status, Failure> {
+    let pages =
+        pages(Cli::command()).map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
     let Some(dir) = &args.dir else {
         print(pages.first().map_or("", |(_, page)| page))?;
         return Ok(Status::Done);
@@ -59,13 +60,11 @@ fn add(command: &Command, pages: &mut Vec<(String, String)>) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]
     fn every_command_has_a_page() {
-        let pages = pages(super::super::Cli::command()).expect("pages");
+        let pages = pages(Cli::command()).expect("pages");
         let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names.first(), Some(&"phalanx.1"));
         for name in ["phalanx-run.1", "phalanx-scene.1", "phalanx-scene-show.1", "phalanx-study-stability.1"] {

@@ -117,37 +117,54 @@ struct Cli {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    New(new::NewArgs),
-    Run(run::RunArgs),
-    Explore(explore::ExploreArgs),
-    Validate(validate_args::ValidateArgs),
-    Replay(replay_args::ReplayArgs),
+/// Makes of one line for each command its word on the command line and the way to what runs it.
+macro_rules! commands {
+    ($($(#[$attribute:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($(#[$attribute])* $name($arguments),)*
+        }
+
+        impl Command {
+            fn run(&self) -> Result<Status, Failure> {
+                match self {
+                    $(Command::$name(arguments) => $run(arguments),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    New(new::NewArgs) => new::run,
+    Run(run::RunArgs) => run::run,
+    Explore(explore::ExploreArgs) => explore::run,
+    Validate(validate_args::ValidateArgs) => validate::run,
+    Replay(replay_args::ReplayArgs) => replay::run,
     /// Show and check scene files, and print their schema
     #[command(
         subcommand,
         after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene check scenes/*.toml\n  phalanx scene \
                       schema > scene.schema.json"
     )]
-    Scene(scene::SceneCommand),
-    Capture(capture::CaptureArgs),
-    Hold(hold::HoldArgs),
-    Size(size::SizeArgs),
-    Statics(statics::StaticsArgs),
-    Volume(volume::VolumeArgs),
-    Sweep(sweep::SweepArgs),
-    Select(select::SelectArgs),
-    Optimize(optimize::OptimizeArgs),
-    Reproduce(reproduce::ReproduceArgs),
+    Scene(scene::SceneCommand) => scene::run,
+    Capture(capture::CaptureArgs) => capture::run,
+    Hold(hold::HoldArgs) => hold::run,
+    Size(size::SizeArgs) => size::run,
+    Statics(statics::StaticsArgs) => statics::run,
+    Volume(volume::VolumeArgs) => volume::run,
+    Sweep(sweep::SweepArgs) => sweep::run,
+    Select(select::SelectArgs) => select::run,
+    Optimize(optimize::OptimizeArgs) => optimize::run,
+    Reproduce(reproduce::ReproduceArgs) => reproduce::run,
     /// See what a choice of settings does to a result
     #[command(
         subcommand,
         after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study step-size --quick"
     )]
-    Study(study::StudyCommand),
-    Completions(completions::CompletionsArgs),
-    Man(man::ManArgs),
+    Study(study::StudyCommand) => study::run,
+    Completions(completions::CompletionsArgs) => completions::run,
+    Man(man::ManArgs) => man::run,
 }
 
 /// How a command ended, see the [module](self).
@@ -192,27 +209,7 @@ pub fn main() -> ExitCode {
     if cli.quiet {
         output::be_quiet();
     }
-    let result = match &cli.command {
-        Command::New(args) => new::run(args),
-        Command::Run(args) => run::run(args),
-        Command::Explore(args) => explore::run(args),
-        Command::Validate(args) => validate::run(args),
-        Command::Replay(args) => replay::run(args),
-        Command::Scene(command) => scene::run(command),
-        Command::Capture(args) => capture::run(args),
-        Command::Hold(args) => hold::run(args),
-        Command::Size(args) => size::run(args),
-        Command::Statics(args) => statics::run(args),
-        Command::Volume(args) => volume::run(args),
-        Command::Sweep(args) => sweep::run(args),
-        Command::Select(args) => select::run(args),
-        Command::Optimize(args) => optimize::run(args),
-        Command::Reproduce(args) => reproduce::run(args),
-        Command::Study(command) => study::run(command),
-        Command::Completions(args) => completions::run(args, Cli::command()),
-        Command::Man(args) => man::run(args, Cli::command()),
-    };
-    let status = result.unwrap_or_else(|failure| {
+    let status = cli.command.run().unwrap_or_else(|failure| {
         output::complain(&failure.message);
         failure.status
     });

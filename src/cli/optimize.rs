@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::folder::write_all;
 use super::interrupt::Interrupt;
-use super::output::{note, print, show};
+use super::output::{answer, note, print, show};
 use super::own::{Form, writable};
 use super::progress::Count;
 use super::saved::{broken, save};
@@ -16,11 +16,10 @@ use super::study_args::StudyArgs;
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
+use crate::page::report_page;
 use crate::plot;
-use crate::report::{
-    OptimisationReport, SweepWork, optimisation_json, optimisation_list, optimisation_paper, optimisation_text,
-    paper_html,
-};
+use crate::report::optimize::{OptimisationReport, optimisation_list};
+use crate::report::sweep::SweepWork;
 use crate::study::optimize::{self, Design, Found, Listener, Optimisation, Optimised};
 use crate::study::store::{Found as Stored, Store, open};
 use crate::study::sweep::{Row, summary};
@@ -146,12 +145,10 @@ fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, 
     }
     let reasons = summary(&runs_table).map_err(Failure::incomplete)?.reasons;
     table::write(out, &optimize::table(of, &found)).map_err(Failure::incomplete)?;
-    let report = OptimisationReport::new(of, &found, reasons, SweepWork::new(runs, simulations, threads, wall_s));
+    let now = SweepWork::new(runs, simulations, threads, wall_s);
+    let report = OptimisationReport::new((of, &found), reasons, now, args.best);
     write_others(args, of, &found, &report)?;
-    match args.how.json {
-        true => print(&optimisation_json(&report)),
-        false => show(&optimisation_text(of, &found, &report, args.best)),
-    }?;
+    answer(&report, args.how.json)?;
     Ok(if found.front.is_empty() { Status::CheckFailed } else { Status::Done })
 }
 
@@ -160,7 +157,7 @@ fn write_others(
     args: &OptimizeArgs,
     of: &Optimisation,
     found: &Found,
-    report: &OptimisationReport,
+    report: &OptimisationReport<'_>,
 ) -> Result<(), Failure> {
     let scenes: Vec<(u64, String)> = found
         .front
@@ -175,8 +172,7 @@ fn write_others(
             save(path, &drawn.svg)?;
         }
         if let Some(path) = &args.html {
-            let paper = optimisation_paper(of, found, report, with_links(&drawn), &scenes);
-            save(path, &paper_html(&paper))?;
+            save(path, &report_page(&report.paper(with_links(&drawn), &scenes)))?;
         }
     }
     if let Some(directory) = &args.scenes {

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Failure, terminal};
-use crate::report::Sheet;
+use crate::wording::{Report, Reported};
 
 /// Whether only results, warnings and errors are wanted: asked for once, before the command begins.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -50,11 +50,16 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Prints what a command answers: as one JSON document, or for people.
+pub fn answer(of: &impl Reported, json: bool) -> Result<(), Failure> {
+    if json { print(&of.json()) } else { show(&of.report()) }
+}
+
 /// Prints a report: on a terminal no wider than it is.
-pub fn show(sheet: &Sheet) -> Result<(), Failure> {
+pub fn show(report: &Report) -> Result<(), Failure> {
     print(&match terminal::width() {
-        Some(width) => sheet.fitted(width),
-        None => sheet.to_string(),
+        Some(width) => report.fitted(width),
+        None => report.to_string(),
     })
 }
 

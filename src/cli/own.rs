@@ -7,7 +7,9 @@ use std::path::Path;
 use super::Failure;
 use crate::files::probe;
 use crate::plot::PICTURE_MARK;
-use crate::report::{is_designs, is_ranking, is_samples};
+use crate::report::optimize::is_designs;
+use crate::report::samples::is_samples;
+use crate::report::select::is_ranking;
 use crate::{log, table};
 
 /// What a file is to be.

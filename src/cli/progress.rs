@@ -10,8 +10,8 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::output::is_quiet;
-use crate::report::duration;
 use crate::trace::{Event, Sample, Sink, SinkError};
+use crate::wording::duration;
 
 /// Nothing is shown before this.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -5,8 +5,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::interrupt::Interrupt;
+use super::output::answer;
 use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, losses, refuse_the_log, say};
+use super::replay_args::{ReplayArgs, losses, refuse_the_log};
 use super::replay_read::{Listeners, read, tabulate};
 use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
 use crate::files::replace;
@@ -38,7 +39,7 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
 /// Prints the summary, and says on stderr what of the log is lost.
 fn summarise(args: &ReplayArgs, reading: &Reading, listeners: &Listeners<'_>) -> Result<Status, Failure> {
     let report = listeners.report(args.log.display().to_string(), reading);
-    say(args, &report)?;
+    answer(&report, args.json)?;
     Ok(losses(&args.log, reading))
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::own::{Form, writable};
 use super::replay_args::{ReplayArgs, losses, refuse_the_log};
 use super::replay_page::Reels;
@@ -16,10 +16,11 @@ use super::{Failure, Status};
 use crate::log::Reading;
 use crate::page::{Note, Page, page};
 use crate::plot::{self, Differences};
-use crate::report::{AgainstReport, ApartReport, ReplayReport, against_json, against_text, replay_text, side_by_side};
+use crate::report::replay::{AgainstReport, ApartReport, ReplayReport, side_by_side};
 use crate::scene::Words;
 use crate::scene::words::SceneKind;
 use crate::validate::{Angle, compare};
+use crate::wording::Reported;
 
 /// Everything that is in the directory in the end.
 const FILES: [&str; 5] = ["report.txt", "report.json", PAGE, "overlay.svg", "difference.svg"];
@@ -96,18 +97,15 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             if let Some(page) = &shown {
                 save(&out.join(PAGE), page)?;
             }
-            save(&out.join("report.txt"), &against_text(&report).to_string())?;
-            save(&out.join("report.json"), &against_json(&report))
+            save(&out.join("report.txt"), &report.report().to_string())?;
+            save(&out.join("report.json"), &report.json())
         })?;
     }
     if let (Some(target), Some(page)) = (&args.html, &shown) {
         save(target, page)?;
         report.page = Some(target.display().to_string());
     }
-    match args.json {
-        true => print(&against_json(&report)),
-        false => show(&against_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     let statuses = [0, 1].map(|k| losses(paths[k], &sides[k].reading));
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
@@ -118,9 +116,9 @@ fn both(films: [Reels; 2], paths: [&Path; 2], report: &AgainstReport) -> Result<
     let title = if first == second { first } else { format!("{first} and {second}") };
     let mut runs = Vec::new();
     for (((film, path), label), log) in films.into_iter().zip(paths).zip(&report.labels).zip(&report.logs) {
-        runs.push(film.film(path, label, replay_text(log))?);
+        runs.push(film.film(path, label, log.report())?);
     }
-    let notes = vec![Note { title: "Side by side".to_string(), text: against_text(report) }];
+    let notes = vec![Note { title: "Side by side".to_string(), text: report.report() }];
     Ok(page(&Page { title, description, runs, notes, pictures: Vec::new() }))
 }
 

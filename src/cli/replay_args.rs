@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{complain, print, show};
+use super::output::complain;
 use super::{Failure, Status};
 use crate::log::Reading;
-use crate::report::{ReplayReport, replay_json, replay_text};
 
 /// Summarise the run of a log, check it by simulating again, compare it with another, or take its samples out.
 #[derive(Debug, Args)]
@@ -54,13 +53,6 @@ pub struct ReplayArgs {
     /// missing is said in it
     #[arg(long, value_name = "FILE.mcap", group = "mode")]
     pub(super) recover: Option<PathBuf>,
-}
-
-pub(super) fn say(args: &ReplayArgs, report: &ReplayReport) -> Result<(), Failure> {
-    match args.json {
-        true => print(&replay_json(report)),
-        false => show(&replay_text(report)),
-    }
 }
 
 /// Says what is lost, and what that means for the exit status.

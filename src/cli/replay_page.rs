@@ -3,17 +3,18 @@
 use std::path::Path;
 
 use super::interrupt::Interrupt;
+use super::output::answer;
 use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, losses, refuse_the_log, say};
+use super::replay_args::{ReplayArgs, losses, refuse_the_log};
 use super::replay_read::{Listeners, attached, bad_log, head};
 use super::saved::save;
 use super::{Failure, Status};
 
 use crate::log::{self, LogSink, Reading};
 use crate::page::{Film, Page, Reel, page};
-use crate::report::{Sheet, replay_text};
 use crate::scene::AnyScene;
 use crate::trace::{Event, Layout, Sample, Simulated, Sink, SinkError};
+use crate::wording::{Report, Reported};
 
 /// A run kept for a page, in bounded memory: one of many samples is thinned out.
 pub(super) struct Reels {
@@ -35,10 +36,10 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     let reading = reading.map_err(|error| bad_log(path, &error))?;
     let mut report = listeners.report(path.display().to_string(), &reading);
     let (title, description) = reels.about();
-    let film = reels.film(path, report.model.as_deref().unwrap_or("run"), replay_text(&report))?;
+    let film = reels.film(path, report.model.as_deref().unwrap_or("run"), report.report())?;
     save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
     report.page = Some(target.display().to_string());
-    say(args, &report)?;
+    answer(&report, args.json)?;
     Ok(losses(path, &reading))
 }
 
@@ -62,7 +63,7 @@ impl Reels {
         (scene.name().to_string(), scene.description().to_string())
     }
 
-    pub fn film(self, path: &Path, label: &str, summary: impl Into<Sheet>) -> Result<Film, Failure> {
+    pub fn film(self, path: &Path, label: &str, summary: impl Into<Report>) -> Result<Film, Failure> {
         match self.fits {
             true => Ok(self.reel.film(label, &self.scene, summary)),
             false => Err(Failure::bad_input(format!(

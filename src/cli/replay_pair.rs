@@ -1,9 +1,9 @@
 //! What two logs have in common, and what is to be borne in mind where they do not.
 
 use super::replay_side::Side;
-use crate::report::duration;
 use crate::scene::words::SceneKind;
 use crate::trace::{Layout, Sample, Site};
+use crate::wording::duration;
 
 /// Notes on lengths, losses, scenes, and what only one of the logs has.
 pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> {

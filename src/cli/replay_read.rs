@@ -9,8 +9,9 @@ use super::interrupt::Interrupt;
 use super::output::complain;
 use super::progress::Progress;
 use crate::log::{self, LogSink, ReadError, Reading};
-pub(super) use crate::report::attached;
-use crate::report::{Heard, ReplayReport, Summary, csv_head, csv_sample};
+pub(super) use crate::report::replay::attached;
+use crate::report::replay::{Heard, ReplayReport, Summary};
+use crate::report::samples::{csv_head, csv_sample};
 use crate::trace::columns::{Column, columns};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 

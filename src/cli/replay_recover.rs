@@ -4,14 +4,14 @@ use std::io;
 use std::path::Path;
 
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::replay_args::{ReplayArgs, losses, refuse_the_log};
 use super::replay_read::{Watch, bad_log, head};
 use super::run::unstarted;
 use super::{Failure, Status};
 use crate::files::{probe, replace};
 use crate::log::{self, ReadError, Recovery};
-use crate::report::{RecoveryReport, recovery_json, recovery_text};
+use crate::report::replay::RecoveryReport;
 
 /// Runs the command. The recovered log appears whole or not at all; an older log of its name is replaced, no other file.
 pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
@@ -40,10 +40,7 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     let found = outcome.map_err(|error| bad_log(path, &error))?;
     written.map_err(|error| Failure::incomplete(format!("cannot write {name}: {error}")))?;
     let report = RecoveryReport::new(path.display().to_string(), target.display().to_string(), &found);
-    match args.json {
-        true => print(&recovery_json(&report)),
-        false => show(&recovery_text(&report).into()),
-    }?;
+    answer(&report, args.json)?;
     // What was asked for is done, whatever was lost before.
     losses(path, &found.reading);
     Ok(Status::Done)

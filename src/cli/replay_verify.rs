@@ -6,13 +6,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::interrupt::Interrupt;
-use super::output::complain;
-use super::replay_args::{ReplayArgs, losses, say};
+use super::output::{answer, complain};
+use super::replay_args::{ReplayArgs, losses};
 use super::replay_read::{Listeners, Watch, attached, bad_log, head, read};
 use super::simulate::{Broken, Checking, Finished, Limits, simulate};
 use super::{Failure, Status};
 use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, gaps, settings, stamp_ns};
-use crate::report::VerificationReport;
+use crate::report::replay::VerificationReport;
 use crate::scene::AnyScene;
 use crate::trace::{Simulated, SinkError};
 
@@ -47,7 +47,7 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     let (same, complete) = (verification.same, verification.complete);
     let lines = verification.complaints(path);
     report.verification = Some(verification);
-    say(args, &report)?;
+    answer(&report, args.json)?;
     let status = losses(path, &reading);
     lines.iter().for_each(|line| complain(line));
     Ok(if same && complete { status } else { Status::CheckFailed })

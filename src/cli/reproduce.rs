@@ -8,17 +8,17 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
-use super::output::{note, print, show};
+use super::output::{answer, note};
 use super::progress::Count;
 use super::saved::{broken, save};
 use super::volume_args::threads_or_all;
 use super::{Failure, Status};
-use crate::report::{
-    Block, Verdict, comparisons, duration, paper_html, paper_markdown, ranking_table, reproduction_json,
-    reproduction_paper, reproduction_text,
-};
-use crate::study::reproduce::{Reproduction, reproduce};
+use crate::page::report_page;
+use crate::report::reproduce::ReproductionReport;
+use crate::report::select::ranking_table;
+use crate::study::reproduce::reproduce;
 use crate::table;
+use crate::wording::{Reported, duration};
 
 /// Reproduce the thesis: sizing, statics, volumes, 384 simulations, selection, design 95 and its CAD model.
 ///
@@ -68,41 +68,35 @@ pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
         None => Failure::incomplete(error),
     })?;
     let wall_s = start.elapsed().as_secs_f64();
+    let report = ReproductionReport::new(&found);
     if let Some(folder) = folder {
-        folder.fill(|out| write(out, &found))?;
+        folder.fill(|out| write(out, &report))?;
     }
-    match args.json {
-        true => print(&reproduction_json(&found)),
-        false => show(&reproduction_text(&found)),
-    }?;
+    answer(&report, args.json)?;
     if !args.json {
         note(&format!("computed in {}", duration(wall_s)));
     }
-    let outside = comparisons(&found).iter().any(|one| one.verdict == Verdict::Outside);
-    Ok(if outside { Status::CheckFailed } else { Status::Done })
+    Ok(if report.outside > 0 { Status::CheckFailed } else { Status::Done })
 }
 
 /// Everything that is in the directory in the end, and pictures in figures/.
 const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.csv", "ranking.csv"];
 
 /// The files of `--out`; the report comes last.
-fn write(out: &Path, found: &Reproduction) -> Result<(), Failure> {
-    let paper = reproduction_paper(found).map_err(|error| broken(&out.join("figures"), error))?;
+fn write(out: &Path, report: &ReproductionReport<'_>) -> Result<(), Failure> {
+    let paper = report.paper().map_err(|error| broken(&out.join("figures"), error))?;
     let figures = out.join("figures");
     fs::create_dir_all(&figures).map_err(|error| broken(&figures, error))?;
-    for section in &paper.sections {
-        for block in &section.blocks {
-            if let Block::Figure(figure) = block {
-                save(&figures.join(&figure.file), &figure.svg)?;
-            }
-        }
+    for figure in paper.figures() {
+        save(&figures.join(&figure.file), &figure.svg)?;
     }
+    let found = report.found;
     for (file, of) in
         [("results.csv", &found.results), ("ranking.csv", &ranking_table(&found.results, &found.selection))]
     {
         table::write(&out.join(file), of).map_err(Failure::incomplete)?;
     }
-    save(&out.join("report.json"), &reproduction_json(found))?;
-    save(&out.join("report.html"), &paper_html(&paper))?;
-    save(&out.join("report.md"), &paper_markdown(&paper))
+    save(&out.join("report.json"), &report.json())?;
+    save(&out.join("report.html"), &report_page(&paper))?;
+    save(&out.join("report.md"), &paper.markdown())
 }

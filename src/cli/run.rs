@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
-use super::output::{print, show};
+use super::output::answer;
 use super::overrides::Overrides;
 use super::run_page::PageArgs;
 use super::set::SetArgs;
@@ -15,8 +15,9 @@ use super::words::ModelArg;
 use super::{Failure, Status, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::Reel;
-use crate::report;
+use crate::report::document;
 use crate::trace::{Model, Simulated, SinkError};
+use crate::wording::{Reported, duration};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
 #[derive(Debug, Args)]
@@ -112,16 +113,13 @@ fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let mut report = run.report(args.model(), scene);
     // A page is given to others: it does not say where the files are.
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
-        let film = reel.film(args.model().name(), scene, report::text(&report));
+        let film = reel.film(args.model().name(), scene, report.report());
         page.write(name, scene.description(), film)
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     let kept = run.log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
-    match args.json {
-        true => print(&report::json(&report)),
-        false => show(&report::text(&report)),
-    }?;
+    answer(&report, args.json)?;
     if let Some(live) = live {
         live.end();
     }
@@ -151,7 +149,7 @@ fn started(
 fn ended(
     args: &RunArgs,
     duration_s: f64,
-    error: Option<&report::Failure>,
+    error: Option<&document::Failure>,
     kept: Result<(), SinkError>,
 ) -> Result<Status, Failure> {
     match (error, kept) {
@@ -175,8 +173,8 @@ pub(super) fn unstarted(error: LogError) -> Failure {
 }
 
 /// How far a run came, and why not further.
-fn stopped(failure: &report::Failure, duration_s: f64) -> String {
-    let (at, of) = (report::duration(failure.time_s), report::duration(duration_s));
+fn stopped(failure: &document::Failure, duration_s: f64) -> String {
+    let (at, of) = (duration(failure.time_s), duration(duration_s));
     format!("the simulation stopped at {at} of {of}: {}", failure.reason)
 }
 

@@ -11,9 +11,9 @@ use super::set::SetArgs;
 use super::{Failure, Status, scene_figure};
 use crate::gripper::Finger;
 use crate::gripper::total_mass;
-use crate::report::Sheet;
 use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
 use crate::scene::{GripperFinger, GripperScene, ObjectMotion, Side};
+use crate::wording::Report;
 
 /// Show, check and describe scene files.
 #[derive(Clone, Debug, Subcommand)]
@@ -56,7 +56,7 @@ pub fn run(command: &SceneCommand) -> Result<Status, Failure> {
     let answer = answer(command);
     match command {
         // Sentences for people; the others are documents.
-        SceneCommand::Check { .. } => show(&Sheet::from(answer.stdout.as_str())),
+        SceneCommand::Check { .. } => show(&Report::from(answer.stdout.as_str())),
         _ => print(&answer.stdout),
     }?;
     if !answer.stderr.is_empty() {

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::folder::Folder;
-use super::output::{print, show};
+use super::output::answer;
 use super::own::{Form, writable};
 use super::saved::{broken, save};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::plot;
-use crate::report::{ranking_table, selection_json, selection_text};
+use crate::report::select::{SelectionReport, ranking_table};
 use crate::study::select::{
     Bound, CLASSES, SelectError, Selection, SelectionCriteria, Side, Weights, class_named, select,
 };
 use crate::table::{self, Table, TableError};
 use crate::units::{self, Dimension};
+use crate::wording::Reported;
 
 /// Choose designs from the results of a sweep: criteria, classes, ranking.
 ///
@@ -111,10 +112,7 @@ pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| write(out, &source, &results, &selection))?;
     }
-    match args.json {
-        true => print(&selection_json(&source, &selection)),
-        false => show(&selection_text(&source, &selection, args.best)),
-    }?;
+    answer(&SelectionReport::new(&source, &selection, args.best), args.json)?;
     Ok(if selection.ranking.is_empty() { Status::CheckFailed } else { Status::Done })
 }
 
@@ -165,8 +163,9 @@ fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Re
         save(&path, &picture.map_err(|error| broken(&path, error))?)?;
     }
     table::write(&out.join("ranking.csv"), &ranking_table(results, selection)).map_err(unwritten)?;
-    save(&out.join("selection.json"), &selection_json(source, selection))?;
-    save(&out.join("selection.txt"), &selection_text(source, selection, usize::MAX).to_string())
+    let report = SelectionReport::new(source, selection, usize::MAX);
+    save(&out.join("selection.json"), &report.json())?;
+    save(&out.join("selection.txt"), &report.report().to_string())
 }
 
 fn unwritten(error: TableError) -> Failure {

@@ -8,8 +8,8 @@ use super::output::complain;
 use super::progress::Progress;
 use crate::criteria::{AtRest, at_rest};
 use crate::log::Beside;
-pub(super) use crate::report::{Broken, Checking, Finished};
-use crate::report::{Making, simulated};
+pub(super) use crate::report::simulated::{Broken, Checking, Finished};
+use crate::report::simulated::{Making, simulated};
 use crate::scene::Scene;
 use crate::trace::{Event, Model, Sample, Simulated, Sink, SinkError};
 

@@ -5,15 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::folder::write_all;
-use super::output::{print, show};
+use super::output::answer;
 use super::overrides::positive;
 use super::set::SetArgs;
 use super::words::RuleArg;
 use super::{Failure, Status};
 use crate::plot::{self, DrawError};
-use crate::report::{SizingReport, sizing_csv, sizing_json, sizing_text};
+use crate::report::sizing::{SizingReport, sizing_csv};
 use crate::study::size::{Asked, size};
 use crate::units::Dimension;
+use crate::wording::Reported;
 
 /// Size spring and motor of a finger: what a test trajectory asks of them.
 ///
@@ -69,8 +70,8 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     if let Some(out) = &args.out {
         let undrawn = |error: DrawError| Failure::incomplete(format!("cannot draw the pictures: {error}"));
         let files = [
-            ("size.txt", sizing_text(&report).to_string()),
-            ("size.json", sizing_json(&report)),
+            ("size.txt", report.report().to_string()),
+            ("size.json", report.json()),
             ("size.csv", sizing_csv(profile)),
             ("trajectory.svg", plot::sizing_trajectory(&scene.name, profile).map_err(undrawn)?),
             ("springs.svg", plot::sizing_springs(&scene.name, profile).map_err(undrawn)?),
@@ -78,10 +79,7 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
         ];
         write_all(out, &files)?;
     }
-    match args.json {
-        true => print(&sizing_json(&report)),
-        false => show(&sizing_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(Status::Done)
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{print, show};
+use super::output::answer;
 use super::own::{Form, writable};
 use super::saved::{broken, save};
 use super::set::SetArgs;
@@ -12,7 +12,7 @@ use super::statics_gripper::{self, GripperArgs, Shared};
 use super::{Failure, Status};
 use crate::grasp::finger::{GraspStudyError, Instead, grasp};
 use crate::plot;
-use crate::report::{StaticsReport, statics_json, statics_text};
+use crate::report::statics::StaticsReport;
 use crate::scene::AnyScene;
 use crate::statics::StaticsError;
 use crate::units::{self, Dimension};
@@ -104,10 +104,7 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
         save(path, &picture)?;
         report.svg = Some(path.display().to_string());
     }
-    match args.json {
-        true => print(&statics_json(&report)),
-        false => show(&statics_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(Status::Done)
 }
 

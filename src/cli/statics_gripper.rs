@@ -5,13 +5,13 @@ use std::path::Path;
 use clap::Args;
 
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::overrides::positive;
 use super::saved::{broken, save};
 use super::{Failure, Status};
 use crate::grasp::gripper::{Asked, GripperGraspError, PostureOf, gripper_grasp};
 use crate::plot;
-use crate::report::{GripperStaticsReport, gripper_statics_json, gripper_statics_text};
+use crate::report::statics::GripperStaticsReport;
 use crate::scene::GripperScene;
 use crate::statics::StaticsError;
 use crate::study::posture::{Posture, directions, posture};
@@ -95,10 +95,7 @@ pub fn run(scene: &GripperScene, args: &GripperArgs, shared: &Shared<'_>) -> Res
         save(path, &picture)?;
         report.svg = Some(path.display().to_string());
     }
-    match shared.json {
-        true => print(&gripper_statics_json(&report)),
-        false => show(&gripper_statics_text(&report)),
-    }?;
+    answer(&report, shared.json)?;
     Ok(Status::Done)
 }
 

@@ -6,18 +6,19 @@ use clap::{Args, Subcommand};
 
 use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
-use super::output::{print, show};
+use super::output::answer;
 use super::progress::Count;
 use super::saved::save;
 use super::set::SetArgs;
 use super::study_stability::{self, StabilityArgs};
 use super::{Failure, Status};
 use crate::plot;
-use crate::report::{step_size_csv, step_size_json, step_size_text};
+use crate::report::step_size::step_size_csv;
 use crate::scene::Words;
 use crate::scene::{AnyScene, BodiesScene};
 use crate::study::step_size::{StudyError, step_size};
 use crate::trace::Simulated;
+use crate::wording::Reported;
 
 /// The shipped scene, so that the command works from anywhere.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
@@ -92,13 +93,10 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         let picture = plot::step_size(&study)
             .map_err(|error| Failure::incomplete(format!("cannot draw step-size.svg: {error}")))?;
-        let texts = [step_size_text(&study).to_string(), step_size_json(&study), step_size_csv(&study), picture];
+        let texts = [study.report().to_string(), study.json(), step_size_csv(&study), picture];
         folder.fill(|out| FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text)))?;
     }
-    match args.json {
-        true => print(&step_size_json(&study)),
-        false => show(&step_size_text(&study)),
-    }?;
+    answer(&study, args.json)?;
     Ok(Status::Done)
 }
 

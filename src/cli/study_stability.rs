@@ -6,17 +6,18 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::overrides::positive;
 use super::progress::Count;
 use super::saved::{broken, save};
 use super::set::SetArgs;
 use super::{Failure, Status};
 use crate::plot;
-use crate::report::{stability_csv, stability_json, stability_text};
+use crate::report::stability::stability_csv;
 use crate::scene::AnyScene;
 use crate::study::stability::{ACCURACY_RAD, Grid, StudyError, stability};
 use crate::units::{self, Dimension};
+use crate::wording::Reported;
 
 /// Where the engine is stable and where it is right: a map over step size, contact stiffness and contact damping.
 ///
@@ -107,14 +108,11 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| {
             let picture = plot::stability(&study).map_err(|error| broken(&out.join("stability.svg"), error))?;
-            let texts = [stability_json(&study), stability_csv(&study), picture, stability_text(&study).to_string()];
+            let texts = [study.json(), stability_csv(&study), picture, study.report().to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }
-    match args.json {
-        true => print(&stability_json(&study)),
-        false => show(&stability_text(&study)),
-    }?;
+    answer(&study, args.json)?;
     Ok(Status::Done)
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::interrupt::Interrupt;
-use super::output::{note, print, show};
+use super::output::{answer, note, print, show};
 use super::study_args::StudyArgs;
 use super::sweep_merge::{self, MergeArgs};
 use super::sweep_progress::SoFar;
@@ -14,7 +14,7 @@ use super::sweep_shard::{self, Place, ShardOf, shard_of};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
-use crate::report::{SweepReport, SweepWork, sweep_json, sweep_list, sweep_text};
+use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::store::{Found, Store, StoreError, open};
 use crate::study::sweep::{self, Ran, Study, StudyError, Summary, run_while, summary};
 use crate::table::Table;
@@ -179,10 +179,7 @@ fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWo
         found,
         now,
     };
-    match args.how.json {
-        true => print(&sweep_json(&report)),
-        false => show(&sweep_text(&report)),
-    }?;
+    answer(&report, args.how.json)?;
     match nothing {
         true => Err(Failure::incomplete(format!(
             "not one run could be simulated to its end; {} says why of each",

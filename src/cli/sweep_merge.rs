@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::progress::Count;
 use super::words::ModelArg;
 use super::{Failure, Status};
-use crate::report::{SweepReport, SweepWork, sweep_json, sweep_text};
+use crate::report::sweep::{SweepReport, SweepWork};
 use crate::study::parts::{Gap, PartError, merge};
 use crate::study::sweep;
 
@@ -86,10 +86,7 @@ pub fn run(args: &MergeArgs) -> Result<Status, Failure> {
         found: merged.found,
         now: SweepWork::new(0, 0, 0, 0.0),
     };
-    match args.json {
-        true => print(&sweep_json(&report)),
-        false => show(&sweep_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(Status::Done)
 }
 

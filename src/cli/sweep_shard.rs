@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::interrupt::Interrupt;
-use super::output::{note, print, show};
+use super::output::{answer, note};
 use super::sweep_progress::SoFar;
 use super::{Failure, Status};
-use crate::report::{SweepReport, SweepWork, sweep_json, sweep_text};
+use crate::report::sweep::{SweepReport, SweepWork};
 use crate::study::parts::{PartError, Work, write_part};
 use crate::study::sweep::{Study, shard};
 
@@ -78,9 +78,6 @@ pub fn run(study: &Study, of: ShardOf, place: &Place<'_>) -> Result<Status, Fail
         found: made.found,
         now,
     };
-    match place.json {
-        true => print(&sweep_json(&report)),
-        false => show(&sweep_text(&report)),
-    }?;
+    answer(&report, place.json)?;
     Ok(Status::Done)
 }

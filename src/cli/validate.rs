@@ -2,15 +2,16 @@
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{print, show};
+use super::output::answer;
 use super::progress::Count;
 use super::validate_args::ValidateArgs;
 use super::validate_files::{files, write};
 use super::{Failure, Status};
 use crate::integrator;
-use crate::report::{self, ValidationReport, validation_json, validation_text};
+use crate::report::validation::ValidationReport;
 use crate::trace::{Model, RunError, Simulated};
 use crate::validate::{Progress, StudyError, Validation, refuse_too_fine, validate};
+use crate::wording::duration;
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
@@ -23,10 +24,7 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     if let Some(folder) = folder {
         folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
-    match args.json {
-        true => print(&validation_json(&report)),
-        false => show(&validation_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
 }
 
@@ -69,7 +67,7 @@ fn stopped(model: Model, failure: &integrator::Failure) -> Failure {
     Failure::incomplete(format!(
         "the {model} model stopped at {}: {}; there is nothing to compare (phalanx run --model {model} --log FILE.mcap \
          keeps the run up to there)",
-        report::duration(failure.time_s),
+        duration(failure.time_s),
         failure.reason
     ))
 }

@@ -14,11 +14,12 @@ use crate::files::replace;
 use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
-use crate::report::{self, Sheet, ValidationReport, series, validation_json, validation_text};
+use crate::report::validation::{ValidationReport, series};
 use crate::scene::Preset;
 use crate::scene::words::SceneKind;
 use crate::trace::{Model, Numerics, Outcome, Simulated, SinkError};
 use crate::validate::Validation;
+use crate::wording::{Report, Reported};
 
 /// The file that says what the others are; written last.
 const REPORT: &str = "report.txt";
@@ -74,11 +75,11 @@ pub fn write(
     ];
 
     // A page is given to others: it does not say where it was made.
-    show_page(out, name, scene.description(), runs, validation_text(report), pictures)?;
+    show_page(out, name, scene.description(), runs, report.report(), pictures)?;
     report.directory = args.out.as_ref().map(|out| out.display().to_string());
     report.files = Some(files(scene).iter().map(ToString::to_string).collect());
-    save(&out.join(REPORT), &validation_text(report).to_string())?;
-    save(&out.join("report.json"), &validation_json(report))
+    save(&out.join(REPORT), &report.report().to_string())?;
+    save(&out.join("report.json"), &report.json())
 }
 
 /// Writes pictures, each a file with a title; returns them for the page.
@@ -99,7 +100,7 @@ fn show_page(
     name: &str,
     description: &str,
     runs: Vec<Film>,
-    report: Sheet,
+    report: Report,
     mut pictures: Vec<Picture>,
 ) -> Result<(), Failure> {
     pictures.truncate(1);
@@ -138,7 +139,7 @@ fn record<'a>(
         summary.check = None;
     }
     finished(path, interrupt, run.result, run.log)?;
-    Ok(reel.film(model.name(), scene, report::text(&summary)))
+    Ok(reel.film(model.name(), scene, summary.report()))
 }
 
 /// Keeps the log of a run that was completed; why not, if a signal came or the log could not be written.

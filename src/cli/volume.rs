@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::{complain, print, show};
+use super::output::{answer, complain};
 use super::progress::Count;
 use super::set::SetArgs;
 use super::volume_args::{
@@ -17,7 +17,7 @@ use super::volume_args::{
 use super::volume_files::{FILES, write};
 use super::words::RuleArg;
 use super::{Failure, Status};
-use crate::report::{Effort, ShareReport, VolumeReport, volume_json, volume_text};
+use crate::report::volume::{Effort, ShareReport, VolumeReport};
 use crate::scene::Template;
 use crate::sizing::Rule;
 use crate::study::volume::{Axes, Quantity, VolumeError, VolumeRequest, all_cores, volumes_with};
@@ -133,10 +133,7 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
         folder.fill(|out| write(out, &request, &volumes, &args.colour_by, args.data, &mut report, &interrupt))?;
     }
     report.effort = Some(Effort { wall_s, threads });
-    match args.json {
-        true => print(&volume_json(&report)),
-        false => show(&volume_text(&report)),
-    }?;
+    answer(&report, args.json)?;
     Ok(Status::Done)
 }
 

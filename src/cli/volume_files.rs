@@ -8,9 +8,11 @@ use super::saved::{broken, save};
 use super::volume_args::DataArg;
 use crate::page::{Note, VolumePage, volume_page};
 use crate::plot::{self, DrawError};
-use crate::report::{VolumeReport, volume_json, volume_points, volume_text};
+use crate::report::volume::VolumeReport;
+use crate::report::volume_points::volume_points;
 use crate::study::volume::{Quantity, Volume, VolumeRequest};
 use crate::table;
+use crate::wording::Reported;
 
 /// The volumes in three dimensions.
 const PAGE: &str = "page.html";
@@ -66,14 +68,14 @@ pub fn write(
         title: format!("Grasp-state volumes: {}", request.template.name),
         description: description(report),
         volumes,
-        notes: vec![Note { title: "Shares".to_string(), text: volume_text(&nowhere) }],
+        notes: vec![Note { title: "Shares".to_string(), text: nowhere.report() }],
         pictures: Vec::new(),
     };
     save(&path, &volume_page(&page))?;
     files.insert(0, PAGE.to_string());
     report.files = ["table.txt", "table.json"].map(String::from).into_iter().chain(files).collect();
-    save(&out.join("table.json"), &volume_json(report))?;
-    save(&out.join("table.txt"), &volume_text(report).to_string())
+    save(&out.join("table.json"), &report.json())?;
+    save(&out.join("table.txt"), &report.report().to_string())
 }
 
 /// What the volumes are, in one sentence.

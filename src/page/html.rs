@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Note, Page, Picture};
-use crate::wording::{Sheet, escaped};
+use crate::wording::{Report, escaped};
 use phalanx_show::film::data;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
@@ -123,7 +123,7 @@ pub(super) fn notes(notes: &[Note]) -> String {
 }
 
 /// Words and tables under a heading; wide tables scroll within boxes of their own.
-fn section(out: &mut String, title: &str, body: &Sheet) {
+fn section(out: &mut String, title: &str, body: &Report) {
     let (title, body) = (escaped(title), body.html(title));
     // Writing to a string cannot fail.
     let _ = writeln!(out, "<section class=\"text\"><h2>{title}</h2>\n{body}</section>");

@@ -11,12 +11,14 @@
 //! |---|---|
 //! | `explorer`, `presets`, `base85` | the page that simulates by itself, the scenes it brings along, its module as text |
 //! | `volume`, `volume_data` | the page of grasp-state volumes, and its data |
+//! | `report` | the page of a report, such as that of a reproduction |
 //! | `html` | JSON, texts and pictures → the file, with the `assets` |
 
 mod base85;
 mod explorer;
 mod html;
 mod presets;
+mod report;
 mod volume;
 mod volume_data;
 
@@ -24,9 +26,10 @@ pub use explorer::{Start, explorer_page, is_packed};
 pub use html::page;
 pub use phalanx_show::film::{Body, Film, MOST_SAMPLES, Mark, Panel, Reel, Scale, Series, Touch, film};
 pub use presets::{Preset, presets, whole};
+pub use report::report_page;
 pub use volume::{VolumePage, volume_page};
 
-use crate::wording::Sheet;
+use crate::wording::Report;
 
 /// What a page shows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,7 +49,7 @@ pub struct Page {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Note {
     pub title: String,
-    pub text: Sheet,
+    pub text: Report,
 }
 
 /// A picture of [`plot`](crate::plot): its colours on white are turned into those of the page, light or dark.

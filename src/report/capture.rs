@@ -2,12 +2,11 @@
 
 use serde::Serialize;
 
-use super::document_text;
 use super::grasp::TravelReport;
 use super::tables::milliseconds;
 use crate::study::capture::{Capture, Edge, Placed};
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, Table};
+use crate::wording::report::{Report, Reported, Table};
 
 /// Which positioning errors a gripper captures.
 #[derive(Clone, Debug, Serialize)]
@@ -87,49 +86,46 @@ impl From<&Placed> for PlaceReport {
     }
 }
 
-/// One JSON document, with SI units in every key.
-pub fn capture_json(report: &CaptureReport) -> String {
-    document_text(report)
-}
-
 /// A table for people, and what it comes to.
-pub fn capture_text(report: &CaptureReport) -> Sheet {
-    let millimetres = |metres: f64| figure(metres * 1e3, 4);
-    let mut text = Sheet::from(format!(
-        "{}: {} model, palm {} mm wide, made for errors up to ±{} mm\n\n",
-        report.scene,
-        report.model,
-        millimetres(report.palm_width_m),
-        millimetres(report.positioning_error_m)
-    ));
-    let mut rows = vec![
-        row(["object at", "form-closed", "fate", "ends at", "", "speed,", "tts,", "slip,", "form-closed"]),
-        row(["x, mm", "there", "", "x, mm", "y, mm", "mm/s", "ms", "mm", "at the end"]),
-    ];
-    let or_dash = |value: Option<f64>| value.map_or("–".to_string(), millimetres);
-    for place in &report.places {
-        rows.push(row([
-            &signed(place.offset_m),
-            word(place.form_closed_there),
-            place.fate.unwrap_or("failed"),
-            &place.x_m.map_or("–".to_string(), signed),
-            &or_dash(place.y_m),
-            &or_dash(place.speed_m_s),
-            &milliseconds(place.tts_s),
-            &or_dash(place.slip.map(|slip| slip.displacement_m)),
-            word(place.form_closed),
-        ]));
-    }
-    text.push(Table::new(&rows).heads(2));
-    for line in [range(report), centring(report), closure(report)] {
-        text.push(Sheet::paragraph(&format!("\n{line}\n")));
-    }
-    for place in &report.places {
-        if let Some(reason) = &place.reason {
-            text.push_str(&format!("at {} mm: {reason}\n", signed(place.offset_m)));
+impl Reported for CaptureReport {
+    fn report(&self) -> Report {
+        let millimetres = |metres: f64| figure(metres * 1e3, 4);
+        let mut text = Report::from(format!(
+            "{}: {} model, palm {} mm wide, made for errors up to ±{} mm\n\n",
+            self.scene,
+            self.model,
+            millimetres(self.palm_width_m),
+            millimetres(self.positioning_error_m)
+        ));
+        let mut rows = vec![
+            row(["object at", "form-closed", "fate", "ends at", "", "speed,", "tts,", "slip,", "form-closed"]),
+            row(["x, mm", "there", "", "x, mm", "y, mm", "mm/s", "ms", "mm", "at the end"]),
+        ];
+        let or_dash = |value: Option<f64>| value.map_or("–".to_string(), millimetres);
+        for place in &self.places {
+            rows.push(row([
+                &signed(place.offset_m),
+                word(place.form_closed_there),
+                place.fate.unwrap_or("failed"),
+                &place.x_m.map_or("–".to_string(), signed),
+                &or_dash(place.y_m),
+                &or_dash(place.speed_m_s),
+                &milliseconds(place.tts_s),
+                &or_dash(place.slip.map(|slip| slip.displacement_m)),
+                word(place.form_closed),
+            ]));
         }
+        text.push(Table::new(&rows).heads(2));
+        for line in [range(self), centring(self), closure(self)] {
+            text.push(Report::paragraph(&format!("\n{line}\n")));
+        }
+        for place in &self.places {
+            if let Some(reason) = &place.reason {
+                text.push_str(&format!("at {} mm: {reason}\n", signed(place.offset_m)));
+            }
+        }
+        text
     }
-    text
 }
 
 fn signed(metres: f64) -> String {

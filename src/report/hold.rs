@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::document_text;
 use super::grasp::TravelReport;
 use crate::scene::Axis;
 use crate::study::hold::{Answer, AtRest, Case, Held, Hold, Limit, Since, Stage, Tried};
@@ -217,11 +216,6 @@ pub(super) fn axis_key(axis: Axis) -> &'static str {
 fn ended_by(tried: &Tried) -> Option<&'static str> {
     let found = tried.found.as_ref().ok()?;
     Some(if tried.drops() == Answer::Held { "slip" } else { found.fate.name() })
-}
-
-/// One JSON document, with SI units in every key.
-pub fn hold_json(report: &HoldReport) -> String {
-    document_text(report)
 }
 
 /// All runs, one a line; what is unknown is empty.

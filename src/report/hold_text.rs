@@ -3,53 +3,55 @@
 use super::hold::{HoldReport, LimitReport, LoadReport, SizeReport};
 use crate::wording::duration;
 use crate::wording::figures::{G_M_S2, figure, row};
-use crate::wording::sheet::{Sheet, Table};
+use crate::wording::report::{Report, Reported, Table};
 
 /// A table for people, and what it comes to.
-pub fn hold_text(report: &HoldReport) -> Sheet {
-    let bound = millimetres(report.slip_bound_m);
-    let begins = match report.begins {
-        "at rest" => "where the object is at rest",
-        "still moving" => "where the scene ends, and the object still moves",
-        "moved" => "where the first of the scene's moves is over",
-        "own move" => "where the scene's own moves begin",
-        _ => "as was asked",
-    };
-    let mut text = Sheet::from(format!("{}: {} model{}\n", report.scene, report.model, what(report)));
-    text.push(Sheet::paragraph(&format!(
-        "Loads from {} on, {begins}; without any, the object slips by {} mm in the same time.\nThe largest peak accelerations at which it \
-         slips less than {bound} mm and is held, and at which it is held:\n\n",
-        duration(report.begins_s),
-        millimetres(report.unloaded_slip.displacement_m)
-    )));
-    let size = size_head(report);
-    let mut rows = vec![
-        row([load_head(report), "slips less", "", size.0, "then", "is held", "", "then", "at rest", "runs"]),
-        row(["", "m/s²", "g", size.1, "", "m/s²", "g", "", "m/s²", ""]),
-    ];
-    for load in &report.loads {
-        let ([slips, slips_g], [drops, drops_g]) = (limit(&load.slips, report), limit(&load.drops, report));
-        let then = |limit: &LimitReport| limit.ended_by.unwrap_or("–").to_string();
-        let size = load.slips.held_size.map_or("–".to_string(), size_figure);
-        let runs = load.runs.len().to_string();
-        let at_rest = match (load.quasi_static, load.quasi_static_m_s2) {
-            (_, Some(most)) => figure(most, 4),
-            (word, None) => word.unwrap_or("–").to_string(),
+impl Reported for HoldReport {
+    fn report(&self) -> Report {
+        let bound = millimetres(self.slip_bound_m);
+        let begins = match self.begins {
+            "at rest" => "where the object is at rest",
+            "still moving" => "where the scene ends, and the object still moves",
+            "moved" => "where the first of the scene's moves is over",
+            "own move" => "where the scene's own moves begin",
+            _ => "as was asked",
         };
-        let (slips_then, drops_then) = (then(&load.slips), then(&load.drops));
-        rows.push(vec![name(load), slips, slips_g, size, slips_then, drops, drops_g, drops_then, at_rest, runs]);
+        let mut text = Report::from(format!("{}: {} model{}\n", self.scene, self.model, what(self)));
+        text.push(Report::paragraph(&format!(
+            "Loads from {} on, {begins}; without any, the object slips by {} mm in the same time.\nThe largest peak accelerations at which it \
+             slips less than {bound} mm and is held, and at which it is held:\n\n",
+            duration(self.begins_s),
+            millimetres(self.unloaded_slip.displacement_m)
+        )));
+        let size = size_head(self);
+        let mut rows = vec![
+            row([load_head(self), "slips less", "", size.0, "then", "is held", "", "then", "at rest", "runs"]),
+            row(["", "m/s²", "g", size.1, "", "m/s²", "g", "", "m/s²", ""]),
+        ];
+        for load in &self.loads {
+            let ([slips, slips_g], [drops, drops_g]) = (limit(&load.slips, self), limit(&load.drops, self));
+            let then = |limit: &LimitReport| limit.ended_by.unwrap_or("–").to_string();
+            let size = load.slips.held_size.map_or("–".to_string(), size_figure);
+            let runs = load.runs.len().to_string();
+            let at_rest = match (load.quasi_static, load.quasi_static_m_s2) {
+                (_, Some(most)) => figure(most, 4),
+                (word, None) => word.unwrap_or("–").to_string(),
+            };
+            let (slips_then, drops_then) = (then(&load.slips), then(&load.drops));
+            rows.push(vec![name(load), slips, slips_g, size, slips_then, drops, drops_g, drops_then, at_rest, runs]);
+        }
+        text.push(Table::new(&rows).heads(2));
+        text.push_str("\n");
+        if self.loads.iter().any(|load| load.quasi_static.is_some()) {
+            text.push(Report::paragraph(
+                "at rest: the largest acceleration, there and back, that some forces balance of the contacts that press when loads begin.\n",
+            ));
+        }
+        for line in least(self).into_iter().chain(self.loads.iter().flat_map(|load| remarks(load, self))) {
+            text.push(Report::paragraph(&format!("{line}\n")));
+        }
+        text
     }
-    text.push(Table::new(&rows).heads(2));
-    text.push_str("\n");
-    if report.loads.iter().any(|load| load.quasi_static.is_some()) {
-        text.push(Sheet::paragraph(
-            "at rest: the largest acceleration, there and back, that some forces balance of the contacts that press when loads begin.\n",
-        ));
-    }
-    for line in least(report).into_iter().chain(report.loads.iter().flat_map(|load| remarks(load, report))) {
-        text.push(Sheet::paragraph(&format!("{line}\n")));
-    }
-    text
 }
 
 fn millimetres(metres: f64) -> String {

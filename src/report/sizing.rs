@@ -3,15 +3,16 @@
 use serde::Serialize;
 
 use super::csv;
-use super::{document_text, duration};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
 use crate::study::size::Sized;
+use crate::wording::duration;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, Reported, table};
 
 /// A finger's sizing, with what its scene has now.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(into = "SizingDocument")]
 pub struct SizingReport<'a> {
     pub scene: &'a str,
     pub profile: &'a Profile,
@@ -53,63 +54,65 @@ fn after_contact(profile: &Profile) -> [[f64; 2]; 2] {
 }
 
 /// Tables for people.
-pub fn sizing_text(report: &SizingReport<'_>) -> Sheet {
-    let SizingReport { scene, profile, .. } = report;
-    let closing = &profile.closing;
-    let deg = |rad: f64| figure(rad.to_degrees(), 5);
-    let torque = |n_m: f64| figure(n_m * 1e3, 5);
-    let end = &closing.end.posture;
-    let mut text = Sheet::from(format!(
-        "{scene}: test trajectory of {}, q11 over {} deg, proximal contact at {}\n\n",
-        duration(closing.trajectory.length_s),
-        deg(closing.trajectory.stroke_rad),
-        duration(closing.contact_s())
-    ));
-    let q11_contact = closing.trajectory.at(closing.contact_x).angle_rad;
-    text.push(table(&[
-        row(["", "q11, deg", "q21, deg", "q22, deg"]),
-        row(["start", &deg(closing.start.q11_rad), &deg(closing.start.q21_rad), &deg(closing.start.q22_rad)]),
-        row(["contact", &deg(q11_contact), &deg(closing.q21_contact_rad), &deg(closing.start.q22_rad)]),
-        row(["end", &deg(end.q11_rad), &deg(end.q21_rad), &deg(end.q22_rad)]),
-    ]));
+impl Reported for SizingReport<'_> {
+    fn report(&self) -> Report {
+        let SizingReport { scene, profile, .. } = self;
+        let closing = &profile.closing;
+        let deg = |rad: f64| figure(rad.to_degrees(), 5);
+        let torque = |n_m: f64| figure(n_m * 1e3, 5);
+        let end = &closing.end.posture;
+        let mut text = Report::from(format!(
+            "{scene}: test trajectory of {}, q11 over {} deg, proximal contact at {}\n\n",
+            duration(closing.trajectory.length_s),
+            deg(closing.trajectory.stroke_rad),
+            duration(closing.contact_s())
+        ));
+        let q11_contact = closing.trajectory.at(closing.contact_x).angle_rad;
+        text.push(table(&[
+            row(["", "q11, deg", "q21, deg", "q22, deg"]),
+            row(["start", &deg(closing.start.q11_rad), &deg(closing.start.q21_rad), &deg(closing.start.q22_rad)]),
+            row(["contact", &deg(q11_contact), &deg(closing.q21_contact_rad), &deg(closing.start.q22_rad)]),
+            row(["end", &deg(end.q11_rad), &deg(end.q21_rad), &deg(end.q22_rad)]),
+        ]));
 
-    text.push('\n');
-    let given = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
-    let line = |name: &str, rule: Rule, sizing: &Sizing| {
-        let chosen = if rule == report.rule { "  <-" } else { "" };
-        row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), chosen])
-    };
-    text.push(table(&[
-        row(["", "motor τ11, N·mm", "spring k_s, N·mm", ""]),
-        line("rigid: RMS until the contact", Rule::Rigid, &profile.rigid),
-        line("whole: RMS of all the trajectory", Rule::Whole, &profile.whole),
-        row(["the scene has", &given(report.given_motor_n_m), &given(report.given_spring_n_m), ""]),
-    ]));
-    text.push_str(&format!(
-        "Twice the samples change these by {} at most, relatively.\n\n",
-        figure(profile.convergence, 2)
-    ));
+        text.push('\n');
+        let given = |n_m: Option<f64>| n_m.map_or("–".to_string(), torque);
+        let line = |name: &str, rule: Rule, sizing: &Sizing| {
+            let chosen = if rule == self.rule { "  <-" } else { "" };
+            row([name, &torque(sizing.motor_n_m), &torque(sizing.spring_n_m), chosen])
+        };
+        text.push(table(&[
+            row(["", "motor τ11, N·mm", "spring k_s, N·mm", ""]),
+            line("rigid: RMS until the contact", Rule::Rigid, &profile.rigid),
+            line("whole: RMS of all the trajectory", Rule::Whole, &profile.whole),
+            row(["the scene has", &given(self.given_motor_n_m), &given(self.given_spring_n_m), ""]),
+        ]));
+        text.push_str(&format!(
+            "Twice the samples change these by {} at most, relatively.\n\n",
+            figure(profile.convergence, 2)
+        ));
 
-    let mut rows = vec![row(["spring at", "k_s, N·mm", "of q22's"])];
-    for (placement, n_m) in Placement::ALL.into_iter().zip(profile.placements_n_m) {
-        let share = figure(n_m / profile.rigid.spring_n_m, 3);
-        rows.push(row([placement.name(), &torque(n_m), &share]));
+        let mut rows = vec![row(["spring at", "k_s, N·mm", "of q22's"])];
+        for (placement, n_m) in Placement::ALL.into_iter().zip(profile.placements_n_m) {
+            let share = figure(n_m / profile.rigid.spring_n_m, 3);
+            rows.push(row([placement.name(), &torque(n_m), &share]));
+        }
+        text.push(table(&rows));
+
+        let [constant, torsional] = after_contact(profile).map(|torques| torques.map(torque));
+        text.push('\n');
+        text.push(table(&[
+            row(["motor after the contact, against", "largest, N·mm", "RMS, N·mm"]),
+            row(["a constant spring", &constant[0], &constant[1]]),
+            row(["a torsional spring", &torsional[0], &torsional[1]]),
+        ]));
+        text.push_str(&format!(
+            "The torsional spring, at q22, has {} N·mm/rad and a preload of {} deg: k_s where the finger is straight.\n",
+            figure(profile.torsional_n_m_per_rad * 1e3, 5),
+            deg(self.preload_rad)
+        ));
+        text
     }
-    text.push(table(&rows));
-
-    let [constant, torsional] = after_contact(profile).map(|torques| torques.map(torque));
-    text.push('\n');
-    text.push(table(&[
-        row(["motor after the contact, against", "largest, N·mm", "RMS, N·mm"]),
-        row(["a constant spring", &constant[0], &constant[1]]),
-        row(["a torsional spring", &torsional[0], &torsional[1]]),
-    ]));
-    text.push_str(&format!(
-        "The torsional spring, at q22, has {} N·mm/rad and a preload of {} deg: k_s where the finger is straight.\n",
-        figure(profile.torsional_n_m_per_rad * 1e3, 5),
-        deg(report.preload_rad)
-    ));
-    text
 }
 
 #[derive(Serialize)]
@@ -163,56 +166,59 @@ struct SpringTypeDocument {
     motor_rms_after_contact_n_m: f64,
 }
 
-/// One JSON document, with SI units in every key.
-pub fn sizing_json(report: &SizingReport<'_>) -> String {
-    let profile = report.profile;
-    let closing = &profile.closing;
-    let torques =
-        |sizing: &Sizing| TorquesDocument { motor_n_m: Some(sizing.motor_n_m), spring_n_m: Some(sizing.spring_n_m) };
-    let chosen = match report.rule {
-        Rule::Rigid => profile.rigid,
-        Rule::Whole => profile.whole,
-    };
-    let [constant, torsional] = after_contact(profile);
-    let spring_type = |spring, stiffness_n_m_per_rad, preload_rad, [peak, rms]: [f64; 2]| SpringTypeDocument {
-        spring,
-        stiffness_n_m_per_rad,
-        preload_rad,
-        motor_peak_after_contact_n_m: peak,
-        motor_rms_after_contact_n_m: rms,
-    };
-    document_text(&SizingDocument {
-        scene: report.scene.to_string(),
-        rule: report.rule.name(),
-        motor_n_m: chosen.motor_n_m,
-        spring_n_m: chosen.spring_n_m,
-        rigid: torques(&profile.rigid),
-        whole: torques(&profile.whole),
-        given: TorquesDocument { motor_n_m: report.given_motor_n_m, spring_n_m: report.given_spring_n_m },
-        convergence_relative: profile.convergence,
-        intervals: crate::sizing::INTERVALS,
-        trajectory: TrajectoryDocument {
-            closing_s: closing.trajectory.length_s,
-            contact_s: closing.contact_s(),
-            stroke_rad: closing.trajectory.stroke_rad,
-            start_q11_rad: closing.start.q11_rad,
-            start_q21_rad: closing.start.q21_rad,
-            contact_q11_rad: closing.trajectory.at(closing.contact_x).angle_rad,
-            contact_q21_rad: closing.q21_contact_rad,
-            end_q11_rad: closing.end.posture.q11_rad,
-            end_q21_rad: closing.end.posture.q21_rad,
-            end_q22_rad: closing.end.posture.q22_rad,
-        },
-        placements: Placement::ALL
-            .into_iter()
-            .zip(profile.placements_n_m)
-            .map(|(placement, spring_n_m)| PlacementDocument { placement: placement.name(), spring_n_m })
-            .collect(),
-        spring_types: vec![
-            spring_type("constant", 0.0, None, constant),
-            spring_type("torsional", profile.torsional_n_m_per_rad, Some(report.preload_rad), torsional),
-        ],
-    })
+impl From<SizingReport<'_>> for SizingDocument {
+    fn from(report: SizingReport<'_>) -> Self {
+        let profile = report.profile;
+        let closing = &profile.closing;
+        let torques = |sizing: &Sizing| TorquesDocument {
+            motor_n_m: Some(sizing.motor_n_m),
+            spring_n_m: Some(sizing.spring_n_m),
+        };
+        let chosen = match report.rule {
+            Rule::Rigid => profile.rigid,
+            Rule::Whole => profile.whole,
+        };
+        let [constant, torsional] = after_contact(profile);
+        let spring_type = |spring, stiffness_n_m_per_rad, preload_rad, [peak, rms]: [f64; 2]| SpringTypeDocument {
+            spring,
+            stiffness_n_m_per_rad,
+            preload_rad,
+            motor_peak_after_contact_n_m: peak,
+            motor_rms_after_contact_n_m: rms,
+        };
+        SizingDocument {
+            scene: report.scene.to_string(),
+            rule: report.rule.name(),
+            motor_n_m: chosen.motor_n_m,
+            spring_n_m: chosen.spring_n_m,
+            rigid: torques(&profile.rigid),
+            whole: torques(&profile.whole),
+            given: TorquesDocument { motor_n_m: report.given_motor_n_m, spring_n_m: report.given_spring_n_m },
+            convergence_relative: profile.convergence,
+            intervals: crate::sizing::INTERVALS,
+            trajectory: TrajectoryDocument {
+                closing_s: closing.trajectory.length_s,
+                contact_s: closing.contact_s(),
+                stroke_rad: closing.trajectory.stroke_rad,
+                start_q11_rad: closing.start.q11_rad,
+                start_q21_rad: closing.start.q21_rad,
+                contact_q11_rad: closing.trajectory.at(closing.contact_x).angle_rad,
+                contact_q21_rad: closing.q21_contact_rad,
+                end_q11_rad: closing.end.posture.q11_rad,
+                end_q21_rad: closing.end.posture.q21_rad,
+                end_q22_rad: closing.end.posture.q22_rad,
+            },
+            placements: Placement::ALL
+                .into_iter()
+                .zip(profile.placements_n_m)
+                .map(|(placement, spring_n_m)| PlacementDocument { placement: placement.name(), spring_n_m })
+                .collect(),
+            spring_types: vec![
+                spring_type("constant", 0.0, None, constant),
+                spring_type("torsional", profile.torsional_n_m_per_rad, Some(report.preload_rad), torsional),
+            ],
+        }
+    }
 }
 
 /// The profile, one sample a line; torques of the rigid phase are empty after it.

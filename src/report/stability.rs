@@ -1,47 +1,49 @@
 //! The map of stability as tables, JSON and CSV.
 
-use super::{document_text, duration};
 use crate::study::stability::{Cell, Stability, Verdict};
+use crate::wording::duration;
 use crate::wording::figures::figure;
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, Reported, table};
 
 /// Tables for people: one for each damping factor, and what failed and why.
-pub fn stability_text(study: &Stability) -> Sheet {
-    let Stability { scene, accuracy_rad, until_s, stiffness_si, damping_max_n_s_per_m, grid, .. } = study;
-    let mut text = Sheet::from(format!(
-        "{scene}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
-         (proximal, distal), times the factors below\n",
-        duration(*until_s),
-        pair(stiffness_si),
-        pair(damping_max_n_s_per_m)
-    ));
-    for (damping, factor) in grid.damping_factors.iter().enumerate() {
-        let head = ["k \\ dt".to_string()].into_iter().chain(grid.steps_s.iter().map(|&step_s| duration(step_s)));
-        let mut rows = vec![head.chain(["determined to".to_string()]).collect::<Vec<_>>()];
-        for (stiffness, k) in grid.stiffness_factors.iter().enumerate().rev() {
-            let cells = (0..grid.steps_s.len()).map(|step| shown(study.cell(step, stiffness, damping)));
-            let reference = study.reference(stiffness, damping);
-            let determined = reference.sensitivity_rad.map_or("–".to_string(), |rad| figure(rad, 2));
-            rows.push([format!("× {k}")].into_iter().chain(cells).chain([determined]).collect());
+impl Reported for Stability {
+    fn report(&self) -> Report {
+        let Stability { scene, accuracy_rad, until_s, stiffness_si, damping_max_n_s_per_m, grid, .. } = self;
+        let mut text = Report::from(format!(
+            "{scene}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
+             (proximal, distal), times the factors below\n",
+            duration(*until_s),
+            pair(stiffness_si),
+            pair(damping_max_n_s_per_m)
+        ));
+        for (damping, factor) in grid.damping_factors.iter().enumerate() {
+            let head = ["k \\ dt".to_string()].into_iter().chain(grid.steps_s.iter().map(|&step_s| duration(step_s)));
+            let mut rows = vec![head.chain(["determined to".to_string()]).collect::<Vec<_>>()];
+            for (stiffness, k) in grid.stiffness_factors.iter().enumerate().rev() {
+                let cells = (0..grid.steps_s.len()).map(|step| shown(self.cell(step, stiffness, damping)));
+                let reference = self.reference(stiffness, damping);
+                let determined = reference.sensitivity_rad.map_or("–".to_string(), |rad| figure(rad, 2));
+                rows.push([format!("× {k}")].into_iter().chain(cells).chain([determined]).collect());
+            }
+            text.push_str(&format!("\nc_max × {factor}\n"));
+            text.push(table(&rows));
         }
-        text.push_str(&format!("\nc_max × {factor}\n"));
-        text.push(table(&rows));
+        let counts = Verdict::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
+        let steps: u64 = self.cells.iter().map(|cell| cell.steps).sum();
+        text.push_str(&format!(
+            "\n{} cells: {}; {steps} steps in {} s\n",
+            self.cells.len(),
+            counts.join(", "),
+            figure(self.wall_s, 3)
+        ));
+        text.push_str(&reasons(self));
+        text.push(Report::paragraph(&format!(
+            "\nFigures are the largest difference of a joint angle, in rad; within {accuracy_rad:e} a cell is accurate, beyond it \
+             stable but\ninaccurate: (in brackets). \"failed\" is a run that broke off or broke what stability means, \"–\" one that is not \
+             judged.\n\"determined to\" is by how much the reference changes if the motor torque changes by 1e-9.\n"
+        )));
+        text
     }
-    let counts = Verdict::ALL.map(|verdict| format!("{} {}", study.count(verdict), verdict.name()));
-    let steps: u64 = study.cells.iter().map(|cell| cell.steps).sum();
-    text.push_str(&format!(
-        "\n{} cells: {}; {steps} steps in {} s\n",
-        study.cells.len(),
-        counts.join(", "),
-        figure(study.wall_s, 3)
-    ));
-    text.push_str(&reasons(study));
-    text.push(Sheet::paragraph(&format!(
-        "\nFigures are the largest difference of a joint angle, in rad; within {accuracy_rad:e} a cell is accurate, beyond it \
-         stable but\ninaccurate: (in brackets). \"failed\" is a run that broke off or broke what stability means, \"–\" one that is not \
-         judged.\n\"determined to\" is by how much the reference changes if the motor torque changes by 1e-9.\n"
-    )));
-    text
 }
 
 fn pair([proximal, distal]: &[f64; 2]) -> String {
@@ -71,11 +73,6 @@ fn reasons(study: &Stability) -> String {
     });
     let lines: String = references.chain(cells).collect();
     if lines.is_empty() { lines } else { format!("\n{lines}") }
-}
-
-/// One JSON document, with SI units in every key.
-pub fn stability_json(study: &Stability) -> String {
-    document_text(study)
 }
 
 /// All runs of the engine, one a line; what is unknown is empty.

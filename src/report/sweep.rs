@@ -1,14 +1,11 @@
 //! What a sweep came to, as tables and JSON.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
-use super::document_text;
 use crate::study::sweep::{Reason, Shard, Study, Summary};
 use crate::table::Value;
 use crate::wording::figures::figure;
-use crate::wording::sheet::{Sheet, list, table};
+use crate::wording::report::{Report, Reported, document, list, table};
 
 /// A finished sweep, or a part of one.
 #[derive(Clone, Debug, Serialize)]
@@ -57,52 +54,50 @@ impl SweepWork {
     }
 }
 
-/// One JSON document, with SI units in every key.
-pub fn sweep_json(report: &SweepReport) -> String {
-    let counts = |of: &[(String, u64)]| -> BTreeMap<String, u64> { of.iter().cloned().collect() };
-    let mut document = serde_json::to_value(report).unwrap_or_default();
-    document["by_status"] = serde_json::json!(counts(&report.found.by_status));
-    document["by_class"] = serde_json::json!(counts(&report.found.by_class));
-    document_text(&document)
-}
-
 /// Tables for people.
-pub fn sweep_text(report: &SweepReport) -> Sheet {
-    let SweepReport { study, model, out, runs, designs, shard, parts, found, now } = report;
-    let of = match shard {
-        Some(Shard { number, of, .. }) if found.runs == 0 => format!("shard {number}/{of}: none of {runs} runs"),
-        Some(Shard { number, of, first, last }) => format!("shard {number}/{of}: runs {first} to {last} of {runs}"),
-        None if found.runs == *runs => format!("{runs} runs"),
-        None => format!("{} of {runs} runs", found.runs),
-    };
-    let mut text = Sheet::from(format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n"));
-    let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
-    text.push(list(&found.by_status.iter().map(line).collect::<Vec<_>>()));
-    if found.by_class.iter().any(|(_, count)| *count > 0) {
-        text.push_str("\nof the completed ones\n");
-        text.push(list(&found.by_class.iter().map(line).collect::<Vec<_>>()));
+impl Reported for SweepReport {
+    /// Keys stand by the alphabet.
+    fn json(&self) -> String {
+        document(&serde_json::to_value(self).unwrap_or_default())
     }
-    text.push_str(&reasons(&found.reasons));
-    let mut done = String::new();
-    if let Some(parts) = parts {
-        done.push_str(&format!("Joined from {parts} {}.", if *parts == 1 { "part" } else { "parts" }));
-    } else if now.runs < found.runs {
-        done.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
+
+    fn report(&self) -> Report {
+        let SweepReport { study, model, out, runs, designs, shard, parts, found, now } = self;
+        let of = match shard {
+            Some(Shard { number, of, .. }) if found.runs == 0 => format!("shard {number}/{of}: none of {runs} runs"),
+            Some(Shard { number, of, first, last }) => format!("shard {number}/{of}: runs {first} to {last} of {runs}"),
+            None if found.runs == *runs => format!("{runs} runs"),
+            None => format!("{} of {runs} runs", found.runs),
+        };
+        let mut text = Report::from(format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n"));
+        let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
+        text.push(list(&found.by_status.iter().map(line).collect::<Vec<_>>()));
+        if found.by_class.iter().any(|(_, count)| *count > 0) {
+            text.push_str("\nof the completed ones\n");
+            text.push(list(&found.by_class.iter().map(line).collect::<Vec<_>>()));
+        }
+        text.push_str(&reasons(&found.reasons));
+        let mut done = String::new();
+        if let Some(parts) = parts {
+            done.push_str(&format!("Joined from {parts} {}.", if *parts == 1 { "part" } else { "parts" }));
+        } else if now.runs < found.runs {
+            done.push_str(&format!("{} runs were there already. ", found.runs - now.runs));
+        }
+        if now.simulations > 0 {
+            let threads = if now.threads == 1 { "1 thread".to_string() } else { format!("{} threads", now.threads) };
+            done.push_str(&format!(
+                "{} simulations in {} s on {threads}: {} a second, {} on each",
+                now.simulations,
+                figure(now.wall_s, 3),
+                figure(now.simulations_per_s, 3),
+                figure(now.simulations_per_s_per_thread, 3)
+            ));
+        }
+        if !done.is_empty() {
+            text.push(format!("\n{}\n", done.trim_end()));
+        }
+        text
     }
-    if now.simulations > 0 {
-        let threads = if now.threads == 1 { "1 thread".to_string() } else { format!("{} threads", now.threads) };
-        done.push_str(&format!(
-            "{} simulations in {} s on {threads}: {} a second, {} on each",
-            now.simulations,
-            figure(now.wall_s, 3),
-            figure(now.simulations_per_s, 3),
-            figure(now.simulations_per_s_per_thread, 3)
-        ));
-    }
-    if !done.is_empty() {
-        text.push(format!("\n{}\n", done.trim_end()));
-    }
-    text
 }
 
 /// Why runs were not completed, a line each; nothing if all were.
@@ -121,10 +116,10 @@ pub(super) fn reasons(of: &[Reason]) -> String {
 }
 
 /// What a study would run: its axes and its first runs.
-pub fn sweep_list(study: &Study, most: u64) -> Sheet {
+pub fn sweep_list(study: &Study, most: u64) -> Report {
     let runs = study.runs();
     let (name, model, designs) = (&study.name, study.model.name(), study.designs());
-    let mut text = Sheet::from(format!("{name}: {model} model, {runs} runs, {designs} designs\n\n"));
+    let mut text = Report::from(format!("{name}: {model} model, {runs} runs, {designs} designs\n\n"));
     let axes: Vec<Vec<String>> =
         study.fields().map(|(column, count)| vec![column, format!("{count} values")]).collect();
     text.push(list(&axes));

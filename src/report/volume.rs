@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::document_text;
 use crate::study::volume::{Axis, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
-use crate::wording::sheet::{Sheet, Table};
+use crate::wording::report::{Report, Reported, Table};
 
 /// Reasons for missing fingers that are told of one volume; there may be as many as points.
 const MOST_REASONS: usize = 3;
@@ -178,59 +177,56 @@ fn reasons(volume: &Volume) -> Vec<ReasonReport> {
     reasons
 }
 
-/// One JSON document, with SI units in every key.
-pub fn volume_json(report: &VolumeReport) -> String {
-    document_text(report)
-}
-
 /// Tables for people.
-pub fn volume_text(report: &VolumeReport) -> Sheet {
-    let AxesReport { l21_fraction, phi22_rad, arm_ratio } = &report.axes;
-    let [phi_from, phi_to] = [phi22_rad.from, phi22_rad.to].map(|angle| short(angle.to_degrees()));
-    let mut text = Sheet::from(format!(
-        "{}: grasp-state volumes of {} x {} x {} points, motor and spring sized by the rule \"{}\"\nl21 {} to {} of its range, \
-         phi22 {phi_from} to {phi_to} deg, arm ratio r_l {} to {}; shares in % of all points of a volume\n",
-        report.scene,
-        l21_fraction.points,
-        phi22_rad.points,
-        arm_ratio.points,
-        report.sizing,
-        short(l21_fraction.from),
-        short(l21_fraction.to),
-        short(arm_ratio.from),
-        short(arm_ratio.to)
-    ));
-    text.push_str("\nstable: F21 >= 0 and F22 >= 0, %\n");
-    text.push(grid(report, |share| vec![two(share.stable_percent)], |all| vec![two(all.stable_percent)], &[""]));
-    text.push_str(
-        "\nstable with PFP >= 0 (the object is pressed on the palm), %; largest PFP of the stable region, N\n",
-    );
-    text.push(grid(
-        report,
-        |share| {
-            let largest = share.largest_palm_force.as_ref().map_or("-".to_string(), |best| two(best.static_pfp_n));
-            vec![two(share.palm_positive_percent), largest]
-        },
-        |all| vec![two(all.palm_positive_percent), "-".to_string()],
-        &["%", "max"],
-    ));
-    text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
-    text.push(grid(
-        report,
-        |share| vec![two(share.form_closed_percent), two(share.form_closed_anyway_percent)],
-        |all| vec![two(all.form_closed_percent), two(all.form_closed_anyway_percent)],
-        &["stable", "any"],
-    ));
-    text.push(best(report));
-    text.push_str(&missing(report));
-    if let Some(Effort { wall_s, threads }) = report.effort {
-        let of = if threads == 1 { "thread" } else { "threads" };
-        text.push_str(&format!("\n{} designs sized and closed in {wall_s:.2} s on {threads} {of}\n", report.designs));
+impl Reported for VolumeReport {
+    fn report(&self) -> Report {
+        let AxesReport { l21_fraction, phi22_rad, arm_ratio } = &self.axes;
+        let [phi_from, phi_to] = [phi22_rad.from, phi22_rad.to].map(|angle| short(angle.to_degrees()));
+        let mut text = Report::from(format!(
+            "{}: grasp-state volumes of {} x {} x {} points, motor and spring sized by the rule \"{}\"\nl21 {} to {} of its range, \
+             phi22 {phi_from} to {phi_to} deg, arm ratio r_l {} to {}; shares in % of all points of a volume\n",
+            self.scene,
+            l21_fraction.points,
+            phi22_rad.points,
+            arm_ratio.points,
+            self.sizing,
+            short(l21_fraction.from),
+            short(l21_fraction.to),
+            short(arm_ratio.from),
+            short(arm_ratio.to)
+        ));
+        text.push_str("\nstable: F21 >= 0 and F22 >= 0, %\n");
+        text.push(grid(self, |share| vec![two(share.stable_percent)], |all| vec![two(all.stable_percent)], &[""]));
+        text.push_str(
+            "\nstable with PFP >= 0 (the object is pressed on the palm), %; largest PFP of the stable region, N\n",
+        );
+        text.push(grid(
+            self,
+            |share| {
+                let largest = share.largest_palm_force.as_ref().map_or("-".to_string(), |best| two(best.static_pfp_n));
+                vec![two(share.palm_positive_percent), largest]
+            },
+            |all| vec![two(all.palm_positive_percent), "-".to_string()],
+            &["%", "max"],
+        ));
+        text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
+        text.push(grid(
+            self,
+            |share| vec![two(share.form_closed_percent), two(share.form_closed_anyway_percent)],
+            |all| vec![two(all.form_closed_percent), two(all.form_closed_anyway_percent)],
+            &["stable", "any"],
+        ));
+        text.push(best(self));
+        text.push_str(&missing(self));
+        if let Some(Effort { wall_s, threads }) = self.effort {
+            let of = if threads == 1 { "thread" } else { "threads" };
+            text.push_str(&format!("\n{} designs sized and closed in {wall_s:.2} s on {threads} {of}\n", self.designs));
+        }
+        if let Some(directory) = &self.directory {
+            text.push_str(&format!("\nfiles in {directory}: {}\n", self.files.join(", ")));
+        }
+        text
     }
-    if let Some(directory) = &report.directory {
-        text.push_str(&format!("\nfiles in {directory}: {}\n", report.files.join(", ")));
-    }
-    text
 }
 
 /// A row for each base, columns for each friction, and the intersection below where there are several bases.
@@ -239,7 +235,7 @@ fn grid(
     cells: impl Fn(&ShareReport) -> Vec<String>,
     all: impl Fn(&IntersectionReport) -> Vec<String>,
     heads: &[&str],
-) -> Sheet {
+) -> Report {
     let mut head = vec!["base".to_string()];
     for of in &report.intersections {
         for (index, sub) in heads.iter().enumerate() {
@@ -261,7 +257,7 @@ fn grid(
 }
 
 /// Where the largest palm forces are.
-fn best(report: &VolumeReport) -> Sheet {
+fn best(report: &VolumeReport) -> Report {
     let mut rows = vec![["base", "mu_s", "PFP, N", "l21 of its range", "phi22, deg", "r_l"].map(String::from).to_vec()];
     for share in &report.volumes {
         if let Some(best) = &share.largest_palm_force {
@@ -276,9 +272,9 @@ fn best(report: &VolumeReport) -> Sheet {
         }
     }
     if rows.len() == 1 {
-        Sheet::default()
+        Report::default()
     } else {
-        Sheet::from("\nwhere PFP is largest\n").and(Table::new(&rows).keys(2))
+        Report::from("\nwhere PFP is largest\n").and(Table::new(&rows).keys(2))
     }
 }
 

@@ -2,9 +2,10 @@
 
 use crate::support::synthetic::{posture, scene};
 use phalanx::criteria::{Class, Criteria};
-use phalanx::report::{Came, Failure, RunReport, json, text};
+use phalanx::report::document::{Came, Failure, RunReport};
 use phalanx::scene::Scene;
 use phalanx::trace::{ContactSummary, Model, Outcome, Sample, Site, Work};
+use phalanx::wording::Reported;
 use serde_json::Value;
 
 fn last() -> Sample {
@@ -71,7 +72,7 @@ fn report() -> RunReport {
 }
 
 fn parsed(report: &RunReport) -> Value {
-    serde_json::from_str(&json(report)).expect("one JSON document")
+    serde_json::from_str(&report.json()).expect("one JSON document")
 }
 
 fn keys(value: &Value) -> Vec<&str> {
@@ -110,7 +111,7 @@ fn the_document_has_every_promised_key() {
 
 #[test]
 fn keys_come_in_the_documented_order() {
-    let text = json(&report());
+    let text = report().json();
     let place = |key: &str| text.find(&format!("\"{key}\":")).unwrap_or_else(|| panic!("{key}"));
     let order = ["scene", "model", "duration_s", "steps", "wall_s", "final", "contacts", "criteria"].map(place);
     assert!(order.is_sorted(), "{order:?}");
@@ -120,7 +121,7 @@ fn keys_come_in_the_documented_order() {
 #[test]
 fn floats_are_not_rounded() {
     // Read by hand: serde_json's own reader may be off by the last bit.
-    let text = json(&report());
+    let text = report().json();
     let numbers = |key: &str| -> Vec<u64> {
         text.match_indices(&format!("\"{key}\": "))
             .map(|(place, found)| {
@@ -161,7 +162,7 @@ fn a_run_that_broke_off_reports_what_was_seen_of_it() {
     assert_eq!(document["steps"], 231);
     assert_eq!(document["criteria"], Value::Null);
     assert_eq!(document["contacts"]["distal"]["touchdowns"], 2);
-    let text = text(&report).to_string();
+    let text = report.report().to_string();
     assert!(text.contains("NOT COMPLETED: stopped at 4.6 ms of 20 ms: step budget of 10 used up"), "{text}");
 }
 
@@ -173,14 +174,14 @@ fn a_run_that_cannot_say_how_far_it_came_has_nulls() {
     for key in ["steps", "final", "contacts", "criteria", "end_s", "energy", "work"] {
         assert_eq!(document[key], Value::Null, "{key}");
     }
-    assert!(text(&report).to_string().contains("NOT COMPLETED: stopped at 4.6 ms"));
+    assert!(report.report().to_string().contains("NOT COMPLETED: stopped at 4.6 ms"));
 }
 
 #[test]
 fn the_summary_says_it_in_units_people_read() {
     let mut report = report();
     report.log = Some("run.mcap".to_string());
-    let text = text(&report).to_string();
+    let text = report.report().to_string();
     let line = |start: &str| {
         let line = text.lines().find(|line| line.starts_with(start));
         line.unwrap_or_else(|| panic!("no {start} in\n{text}")).split_whitespace().collect::<Vec<_>>().join(" ")

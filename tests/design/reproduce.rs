@@ -4,10 +4,11 @@ use std::collections::HashSet;
 use std::fs;
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout};
-use phalanx::report::{
-    Block, Comparison, Paper, Verdict, comparisons, paper_html, paper_markdown, reproduction_json, reproduction_paper,
-};
+use phalanx::page::report_page;
+use phalanx::report::reproduce::{Comparison, ReproductionReport, Verdict, comparisons};
 use phalanx::study::reproduce::{Reproduction, Variation, figures, measured, reproduce};
+use phalanx::wording::Reported;
+use phalanx::wording::report::{Part, Report};
 use serde_json::Value;
 
 /// Everything at once, because everything takes seconds.
@@ -23,8 +24,9 @@ fn the_thesis_again() {
     as_expected(&all);
     chaos_is_bounded(&found);
     shares_hang_on_the_grid(&found);
-    let paper = reproduction_paper(&found).expect("drawn");
-    forms_agree(&found, &all, &paper);
+    let report = ReproductionReport::new(&found);
+    let paper = report.paper().expect("drawn");
+    forms_agree(&report, &all, &paper);
 }
 
 fn every_figure_is_found(found: &Reproduction) {
@@ -94,33 +96,37 @@ fn shares_hang_on_the_grid(found: &Reproduction) {
     }
 }
 
-fn forms_agree(found: &Reproduction, all: &[Comparison], paper: &Paper) {
-    let titles: Vec<&str> = paper.sections.iter().map(|section| section.title.as_str()).collect();
+fn forms_agree(report: &ReproductionReport<'_>, all: &[Comparison], paper: &Report) {
+    let titles: Vec<&str> = paper.headings().collect();
     assert_eq!(titles.len(), 9, "{titles:?}");
-    for section in &paper.sections {
-        assert!(!section.blocks.is_empty(), "{} is empty", section.title);
-        for block in &section.blocks {
-            match block {
-                Block::Table(grid) => {
-                    assert!(!grid.rows.is_empty() && !grid.caption.is_empty(), "{}: an empty table", section.title);
-                    let wide = grid.head.len();
-                    assert!(grid.rows.iter().all(|row| row.len() == wide), "{}: a ragged table", grid.caption);
-                }
-                Block::Figure(figure) => {
-                    let complete = figure.svg.starts_with("<svg") && !figure.svg.contains("NaN");
-                    assert!(complete && !figure.caption.is_empty(), "{}", figure.file);
-                }
-                Block::Notes(notes) => assert!(!notes.is_empty() && notes.iter().all(|note| note.len() > 10)),
-                Block::Words(words) => assert!(words.trim().len() > 20, "{words:?}"),
-                Block::Text(text) => assert!(!text.id.is_empty() && !text.text.is_empty(), "{}", text.title),
+    let mut title = "";
+    for (index, part) in paper.parts.iter().enumerate() {
+        match part {
+            Part::Heading(heading) => {
+                let next = paper.parts.get(index + 1);
+                assert!(next.is_some_and(|part| !matches!(part, Part::Heading(_))), "{heading} is empty");
+                title = heading;
             }
+            Part::Table(table) => {
+                // The head is a row.
+                assert!(table.rows.len() > 1 && !table.caption.is_empty(), "{title}: an empty table");
+                let wide = table.rows[0].len();
+                assert!(table.rows.iter().all(|row| row.len() == wide), "{}: a ragged table", table.caption);
+            }
+            Part::Figure(figure) => {
+                let complete = figure.svg.starts_with("<svg") && !figure.svg.contains("NaN");
+                assert!(complete && !figure.caption.is_empty(), "{}", figure.file);
+            }
+            Part::Notes(notes) => assert!(!notes.is_empty() && notes.iter().all(|note| note.len() > 10)),
+            Part::Words(words) | Part::Paragraph(words) => assert!(words.trim().len() > 20, "{words:?}"),
+            Part::Text(text) => assert!(!text.id.is_empty() && !text.text.is_empty(), "{}", text.title),
         }
     }
 
-    let document: Value = serde_json::from_str(&reproduction_json(found)).expect("JSON");
+    let document: Value = serde_json::from_str(&report.json()).expect("JSON");
     let listed = document["figures"].as_array().expect("figures");
     assert_eq!((listed.len(), &document["outside"]), (all.len(), &Value::from(outside(all))));
-    let html = paper_html(paper);
+    let html = report_page(paper);
     for of in listed {
         let (key, value) = (of["figure"].as_str().expect("a key"), of["ours"].as_f64().expect("a number"));
         let mark = format!("data-figure=\"{key}\" data-si=\"");
@@ -140,9 +146,9 @@ fn forms_agree(found: &Reproduction, all: &[Comparison], paper: &Paper) {
         html.matches("http").count(),
         html.matches("http://www.w3.org/2000/svg").count() + html.matches("http-equiv").count()
     );
-    let markdown = paper_markdown(paper);
+    let markdown = paper.markdown();
     assert!(all.iter().all(|one| markdown.contains(&one.ours_text())));
-    assert_eq!(paper_html(&reproduction_paper(found).expect("drawn")), html, "the same bytes again");
+    assert_eq!(report_page(&report.paper().expect("drawn")), html, "the same bytes again");
 }
 
 fn outside(all: &[Comparison]) -> usize {

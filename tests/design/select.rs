@@ -2,9 +2,10 @@
 
 use crate::support::select::{Made, good, refused, results};
 use phalanx::criteria::Class;
-use phalanx::report::{SelectionReport, ranking_table, selection_text};
+use phalanx::report::select::{SelectionReport, ranking_table};
 use phalanx::study::select::{Bound, SelectError, Selection, SelectionCriteria, Side, Weights, select};
 use phalanx::table::{Table, Value};
+use phalanx::wording::Reported;
 use phalanx::{plot, table};
 
 fn selected(table: &Table, criteria: &SelectionCriteria) -> Selection {
@@ -115,7 +116,7 @@ fn r_wc_is_scaled_over_the_selected_alone() {
     runs.truncate(1);
     let alone = selected(&results(&runs), &SelectionCriteria::default());
     assert_eq!((places(&alone), alone.ranking[0].r_wc), (vec![(1, 1)], 0.5));
-    assert!(selection_text("one.csv", &alone, 5).to_string().contains("Only one is left"));
+    assert!(SelectionReport::new("one.csv", &alone, 5).report().to_string().contains("Only one is left"));
 }
 
 #[test]
@@ -128,15 +129,17 @@ fn none_left_names_the_criterion_that_removed_the_last() {
     let selection = selected(&results(&runs), &SelectionCriteria::default());
     let last = selection.emptied_by().expect("none is left");
     assert_eq!((last.left, last.only), (0, 2));
-    let text = selection_text("none.csv", &selection, 5).to_string();
+    let text = SelectionReport::new("none.csv", &selection, 5).report().to_string();
     assert!(text.contains("\"PFP ≥ 0 N\" removed the last"), "{text}");
     assert!(text.contains("1 without \"form-closed\", 2 without \"PFP ≥ 0 N\""), "{text}");
-    let report = SelectionReport::of("none.csv", &selection);
+    let report = SelectionReport::new("none.csv", &selection, 5);
     assert_eq!((report.selected, report.emptied_by.as_deref()), (0, Some("pfp_n")));
 
     let worse = vec![Made { form_closed: Some(false), ..good(1, 7e-3, [-5.0, 20.0, 8.0]) }];
     let selection = selected(&results(&worse), &SelectionCriteria::default());
-    assert!(selection_text("none.csv", &selection, 5).to_string().contains("every run fails two or more"));
+    assert!(
+        SelectionReport::new("none.csv", &selection, 5).report().to_string().contains("every run fails two or more")
+    );
 }
 
 /// Friction varies within a design, so it is a condition; base does not.
@@ -219,7 +222,7 @@ fn missing_runs_are_counted() {
     table.rows.remove(1);
     let selection = selected(&table, &SelectionCriteria::default());
     assert_eq!(selection.missing_runs, [2]);
-    assert!(selection_text("part.csv", &selection, 1).to_string().contains("first: run 2"));
+    assert!(SelectionReport::new("part.csv", &selection, 1).report().to_string().contains("first: run 2"));
 }
 
 /// Pictures of tables small and large, whatever is missing in them; their size does not grow with the study.

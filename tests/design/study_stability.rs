@@ -3,9 +3,10 @@
 use std::fs;
 
 use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, variant, write};
-use phalanx::report::{stability_csv, stability_json, stability_text};
+use phalanx::report::stability::stability_csv;
 use phalanx::scene;
 use phalanx::study::stability::{Grid, Stability, StudyError, Verdict, stability};
+use phalanx::wording::Reported;
 use serde_json::Value;
 
 fn grid(steps_s: &[f64], stiffness: &[f64], damping: &[f64]) -> Grid {
@@ -80,11 +81,11 @@ fn maps_repeat_apart_from_wall_times() {
 #[test]
 fn tables_json_csv_and_picture_say_the_same() {
     let study = map(&grid(&[1e-3, 1e-4], &[1.0, 1e2], &[0.0, 1.0]));
-    let document: Value = serde_json::from_str(&stability_json(&study)).expect("JSON");
+    let document: Value = serde_json::from_str(&study.json()).expect("JSON");
     let cells = document["cells"].as_array().expect("a list");
     let csv = stability_csv(&study);
     let lines: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.splitn(13, ',').collect()).collect();
-    let text = stability_text(&study).to_string();
+    let text = study.report().to_string();
     let picture = phalanx::plot::stability(&study).expect("a picture");
     assert_eq!((cells.len(), lines.len()), (8, 8));
     for (cell, line) in cells.iter().zip(&lines) {
@@ -130,7 +131,7 @@ fn a_reference_without_an_end_is_said_and_not_judged() {
     let study = stability(&scene, &grid(&[1e-4], &[1.0], &[1.0]), 1e-3, &mut |_, _, _| {}, &|| true).expect("a map");
     assert_eq!(study.cells[0].verdict, Verdict::NotJudged);
     assert!(study.references[0].reason.as_ref().is_some_and(|reason| reason.contains("budget of 10 steps")));
-    assert!(stability_text(&study).to_string().contains("the reference could not be completed"));
+    assert!(study.report().to_string().contains("the reference could not be completed"));
     // Too small a budget of the engine is no failure either.
     let mut scene = scene::load(ANCHOR).expect("the anchor");
     scene.engine.max_steps = 10;

@@ -1,8 +1,9 @@
 //! The study of step sizes on its shipped scene (thesis Fig. B.3).
 
-use phalanx::report::{step_size_csv, step_size_json, step_size_text};
+use phalanx::report::step_size::step_size_csv;
 use phalanx::scene::{self, AnyScene};
 use phalanx::study::step_size::{Formulation, StepSize, step_size};
+use phalanx::wording::Reported;
 
 fn study() -> StepSize {
     let scene = match scene::load_any("scenes/laws/step-size.toml").unwrap_or_else(|error| panic!("{error}")) {
@@ -34,11 +35,11 @@ fn laws_converge_and_a_rigid_contact_does_not() {
     }
     assert!(of(Formulation::Analytic).next_back().is_some_and(|row| row.curve_max_error < 1e-6 && row.steps < 200));
 
-    let json: serde_json::Value = serde_json::from_str(&step_size_json(&study)).expect("JSON");
+    let json: serde_json::Value = serde_json::from_str(&study.json()).expect("JSON");
     assert_eq!(json["rows"].as_array().map(Vec::len), Some(study.rows.len()));
     assert!(json["rows"][0]["step_s"].as_f64().is_some() && json["peak_n"].as_f64().is_some());
     assert_eq!(step_size_csv(&study).lines().count(), study.rows.len() + 1);
-    assert!(step_size_text(&study).to_string().contains("never"));
+    assert!(study.report().to_string().contains("never"));
 }
 
 #[test]

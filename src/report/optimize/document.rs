@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::report::{SweepWork, document_text};
+use crate::report::sweep::SweepWork;
 use crate::study::optimize::{Design, Found, Goal, Limit, Optimisation, Over, gain};
 use crate::study::select::CLASSES;
 use crate::study::sweep::{Reason, Status};
@@ -13,7 +13,14 @@ use crate::trace::Model;
 
 /// A finished optimisation.
 #[derive(Clone, Debug, Serialize)]
-pub struct OptimisationReport {
+pub struct OptimisationReport<'a> {
+    #[serde(skip)]
+    pub(super) of: &'a Optimisation,
+    #[serde(skip)]
+    pub(super) found: &'a Found,
+    /// How many designs of the front are told to people.
+    #[serde(skip)]
+    pub most: usize,
     pub name: String,
     pub model: &'static str,
     pub algorithm: &'static str,
@@ -96,12 +103,15 @@ pub struct GainReport {
     pub percent: BTreeMap<String, Option<f64>>,
 }
 
-impl OptimisationReport {
-    pub fn new(of: &Optimisation, found: &Found, reasons: Vec<Reason>, now: SweepWork) -> Self {
+impl<'a> OptimisationReport<'a> {
+    pub fn new((of, found): (&'a Optimisation, &'a Found), reasons: Vec<Reason>, now: SweepWork, most: usize) -> Self {
         let design = |index: usize| DesignReport::new(of, &found.designs[index]);
         let chosen: Vec<(String, usize)> = chosen(of, found);
         let by_status = Status::ALL.map(Status::name).into_iter().zip(found.by_status()).collect();
         OptimisationReport {
+            of,
+            found,
+            most,
             name: of.name().to_string(),
             model: Model::name(of.study().model),
             algorithm: of.method.algorithm.name(),
@@ -211,11 +221,6 @@ fn json(value: &Value) -> serde_json::Value {
         Value::Text(value) => value.clone().into(),
         Value::Missing => serde_json::Value::Null,
     }
-}
-
-/// One JSON document, with SI units in every key.
-pub fn optimisation_json(report: &OptimisationReport) -> String {
-    document_text(report)
 }
 
 /// Whether columns are those of a table of designs.

@@ -10,6 +10,5 @@ mod document;
 mod paper;
 mod text;
 
-pub use document::{DesignReport, GainReport, OptimisationReport, is_designs, optimisation_json};
-pub use paper::optimisation_paper;
-pub use text::{optimisation_list, optimisation_text};
+pub use document::{OptimisationReport, is_designs};
+pub use text::optimisation_list;

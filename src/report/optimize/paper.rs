@@ -2,57 +2,54 @@
 
 use super::document::{OptimisationReport, chosen};
 use super::text::{constraint_words, variable_labels};
-use crate::report::paper::{Cell, Paper, Section, Tone};
 use crate::study::optimize::{Found, Goal, Optimisation, gain};
 use crate::table::Value;
 use crate::wording::figures::figure;
 use crate::wording::quantity::Quantity;
+use crate::wording::report::{Cell, Report, Tone};
 
-/// The paper. `svg`: the picture, whose points lead to `#design-N`; `scenes`: the scene of each member of the front.
-pub fn optimisation_paper(
-    of: &Optimisation,
-    found: &Found,
-    report: &OptimisationReport,
-    svg: String,
-    scenes: &[(u64, String)],
-) -> Paper {
-    let about = Section::new("What was searched").words(format!(
+impl OptimisationReport<'_> {
+    /// The paper. `svg`: the picture, whose points lead to `#design-N`; `scenes`: the scene of each member of the front.
+    pub fn paper(&self, svg: String, scenes: &[(u64, String)]) -> Report {
+        let OptimisationReport { of, found, .. } = self;
+        let about = Report::section("What was searched").words(format!(
         "{}{} model, {} with generations of {} designs, seed {}. {} designs in {} generations, each under {}; {} runs. {} designs meet all \
          constraints, {} of them are on the front: no other design is better by one objective and as good by the others.",
         match of.description() {
             "" => String::new(),
             text => format!("{text} "),
         },
-        capital(report.model),
-        report.algorithm,
-        report.population,
-        report.seed,
-        report.designs,
-        report.generations,
-        if report.conditions == 1 { "one condition".to_string() } else { format!("{} conditions", report.conditions) },
-        report.runs,
-        report.feasible_designs,
-        report.front.len()
+        capital(self.model),
+        self.algorithm,
+        self.population,
+        self.seed,
+        self.designs,
+        self.generations,
+        if self.conditions == 1 { "one condition".to_string() } else { format!("{} conditions", self.conditions) },
+        self.runs,
+        self.feasible_designs,
+        self.front.len()
     ));
-    let picture = Section::new("The designs").figure("optimisation.svg", &caption(of), svg);
-    let gained = Section::new("What is gained").table(
-        "The start beside the best; under an objective, by how much it is better than the start.",
-        &head(of, found),
-        rows(of, found),
-    );
-    let mut members = Section::new("The front").words(
+        let picture = Report::section("The designs").figure("optimisation.svg", &caption(of), svg);
+        let gained = Report::section("What is gained").table(
+            "The start beside the best; under an objective, by how much it is better than the start.",
+            &head(of, found),
+            rows(of, found),
+        );
+        let mut members = Report::section("The front").words(
         "Each design of the front as a scene file: a click on its point in the picture, or on its number here, shows it below.",
     );
-    let names: Vec<String> = std::iter::once("design".to_string())
-        .chain(of.objectives.iter().map(|of| Quantity::of(&of.figure.name).label()))
-        .chain(variable_labels(of))
-        .collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    members = members.table("All designs of the front.", &names, front(of, found));
-    for (number, scene) in scenes {
-        members = members.text(&format!("design-{number}"), &format!("Design {number}"), scene.clone());
+        let names: Vec<String> = std::iter::once("design".to_string())
+            .chain(of.objectives.iter().map(|of| Quantity::of(&of.figure.name).label()))
+            .chain(variable_labels(of))
+            .collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        members = members.table("All designs of the front.", &names, front(of, found));
+        for (number, scene) in scenes {
+            members = members.text(&format!("design-{number}"), &format!("Design {number}"), scene.clone());
+        }
+        Report { title: of.name().to_string(), ..about.and(picture).and(gained).and(members) }
     }
-    Paper { title: of.name().to_string(), sections: vec![about, picture, gained, members] }
 }
 
 fn capital(word: &str) -> String {

@@ -8,26 +8,29 @@ use crate::study::sweep::Status;
 use crate::table::Value;
 use crate::wording::figures::figure;
 use crate::wording::quantity::Quantity;
-use crate::wording::sheet::{Sheet, Table, table};
+use crate::wording::report::{Report, Reported, Table, table};
 
 /// What is compared with the start, the front, and what it took.
-pub fn optimisation_text(of: &Optimisation, found: &Found, report: &OptimisationReport, most: usize) -> Sheet {
-    let mut text = Sheet::from(format!("{}\n\n", headline(of)));
-    text.push(compared(of, found));
-    if found.front.is_empty() {
-        text.push(Sheet::paragraph(&format!("\n{}\n", nothing(of, found))));
-    } else if of.objectives.len() > 1 {
-        text.push('\n');
-        text.push(front(of, found, most));
+impl Reported for OptimisationReport<'_> {
+    fn report(&self) -> Report {
+        let OptimisationReport { of, found, most, .. } = self;
+        let mut text = Report::from(format!("{}\n\n", headline(of)));
+        text.push(compared(of, found));
+        if found.front.is_empty() {
+            text.push(Report::paragraph(&format!("\n{}\n", nothing(of, found))));
+        } else if of.objectives.len() > 1 {
+            text.push('\n');
+            text.push(front(of, found, *most));
+        }
+        text.push_str(&reasons(&self.reasons));
+        text.push(Report::paragraph(&format!("\n{}\n", counts(self))));
+        text
     }
-    text.push_str(&reasons(&report.reasons));
-    text.push(Sheet::paragraph(&format!("\n{}\n", counts(found, report))));
-    text
 }
 
 /// What would be searched, without a run.
-pub fn optimisation_list(of: &Optimisation) -> Sheet {
-    let mut text = Sheet::from(format!("{}\n\n", headline(of)));
+pub fn optimisation_list(of: &Optimisation) -> Report {
+    let mut text = Report::from(format!("{}\n\n", headline(of)));
     let head = ["variable", "from", "to", "start"].map(String::from).to_vec();
     let line = |(variable, label): (&crate::study::optimize::Variable, String)| {
         let quantity = Quantity::of(&variable.column());
@@ -107,7 +110,7 @@ fn headline(of: &Optimisation) -> String {
 }
 
 /// The start beside the best ones: variables, objectives, what is gained, and the worst of the constraints.
-pub(super) fn compared(of: &Optimisation, found: &Found) -> Sheet {
+pub(super) fn compared(of: &Optimisation, found: &Found) -> Report {
     let (chosen, labels) = (chosen(of, found), variable_labels(of));
     let mut designs: Vec<&Design> = vec![found.start()];
     designs.extend(chosen.iter().map(|(_, index)| &found.designs[*index]));
@@ -151,10 +154,10 @@ fn line(name: &str, designs: &[&Design], cell: impl Fn(&Design) -> String) -> Ve
 }
 
 /// Members of the front from end to end, at most so many.
-pub(super) fn front(of: &Optimisation, found: &Found, most: usize) -> Sheet {
+pub(super) fn front(of: &Optimisation, found: &Found, most: usize) -> Report {
     let shown = spread(&found.front, most);
     let of_all = if shown.len() < found.front.len() { format!(", {} of them", shown.len()) } else { String::new() };
-    let mut text = Sheet::from(format!("front: {} designs{of_all}\n", found.front.len()));
+    let mut text = Report::from(format!("front: {} designs{of_all}\n", found.front.len()));
     let quantities: Vec<Quantity> = of.variables.iter().map(|variable| Quantity::of(&variable.column())).collect();
     let goals: Vec<Quantity> = of.objectives.iter().map(|of| Quantity::of(&of.figure.name)).collect();
     let head = std::iter::once("design".to_string());
@@ -204,10 +207,10 @@ fn nothing(of: &Optimisation, found: &Found) -> String {
     )
 }
 
-fn counts(found: &Found, report: &OptimisationReport) -> String {
+fn counts(report: &OptimisationReport<'_>) -> String {
     let statuses: Vec<String> = Status::ALL
         .iter()
-        .zip(found.by_status())
+        .zip(report.found.by_status())
         .filter(|(_, count)| *count > 0)
         .map(|(status, count)| format!("{count} {}", status.name()))
         .collect();

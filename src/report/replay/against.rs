@@ -9,7 +9,7 @@ use super::document::ReplayReport;
 use crate::validate::turned;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, Reported, table};
 
 /// Two logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -159,18 +159,15 @@ fn leaf(path: &str, values: [&Value; 2], figures: &mut Vec<FigureReport>, words:
     figures.push(FigureReport { figure: path.to_string(), values, difference, relative });
 }
 
-/// The report as one JSON document with a line end.
-pub fn against_json(report: &AgainstReport) -> String {
-    super::super::document_text(report)
-}
-
 /// The report for people, with a line end.
-pub fn against_text(report: &AgainstReport) -> Sheet {
-    let mut sections = vec![Sheet::from(heading(report)), figures(report)];
-    if !report.apart.is_empty() {
-        sections.push(apart(&report.apart));
+impl Reported for AgainstReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![Report::from(heading(self)), figures(self)];
+        if !self.apart.is_empty() {
+            sections.push(apart(&self.apart));
+        }
+        Report::join(sections)
     }
-    Sheet::join(sections)
 }
 
 fn heading(report: &AgainstReport) -> String {
@@ -200,7 +197,7 @@ fn heading(report: &AgainstReport) -> String {
     text
 }
 
-fn figures(report: &AgainstReport) -> Sheet {
+fn figures(report: &AgainstReport) -> Report {
     let [first, second] = &report.labels;
     let mut rows = vec![row(["", first, second, "difference", "relative"])];
     // What is nothing in both is left to the document.
@@ -262,7 +259,7 @@ fn shown(path: &str) -> (String, &'static str, f64) {
     }
 }
 
-fn apart(all: &[ApartReport]) -> Sheet {
+fn apart(all: &[ApartReport]) -> Report {
     let mut rows = vec![row(["difference along the way", "largest", "at, ms", "RMS", "at the end"])];
     for found in all {
         rows.push(row([

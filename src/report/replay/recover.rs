@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::document::Lost;
 use crate::log::{Gap, Recovery};
-use crate::wording::duration;
+use crate::wording::{Report, Reported, duration};
 
 /// One recovery.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,34 +67,32 @@ impl RecoveryReport {
     }
 }
 
-/// The report as one JSON document with a line end.
-pub fn recovery_json(report: &RecoveryReport) -> String {
-    super::super::document_text(report)
-}
-
 /// The report for people, with a line end.
-pub fn recovery_text(report: &RecoveryReport) -> String {
-    let mut text = String::new();
-    let asked = report.duration_s.map_or("an unknown time".to_string(), duration);
-    let reach = report.end_s.map_or("no time".to_string(), duration);
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "{} is what can be read of {}: {} messages, {} samples and {} events, up to {reach} of {asked}",
-        report.recovered, report.log, report.messages, report.samples, report.events
-    );
-    for gap in &report.gaps {
-        let _ = writeln!(text, "GAP: messages are missing between {} and {}", duration(gap.from_s), duration(gap.to_s));
+impl Reported for RecoveryReport {
+    fn report(&self) -> Report {
+        let mut text = Report::default();
+        let asked = self.duration_s.map_or("an unknown time".to_string(), duration);
+        let reach = self.end_s.map_or("no time".to_string(), duration);
+        // Writing to a report cannot fail.
+        let _ = writeln!(
+            text,
+            "{} is what can be read of {}: {} messages, {} samples and {} events, up to {reach} of {asked}",
+            self.recovered, self.log, self.messages, self.samples, self.events
+        );
+        for gap in &self.gaps {
+            let _ =
+                writeln!(text, "GAP: messages are missing between {} and {}", duration(gap.from_s), duration(gap.to_s));
+        }
+        if self.missing_messages > 0 {
+            let _ = writeln!(text, "{} messages are missing before others that are there", self.missing_messages);
+        }
+        if self.nameless_messages > 0 {
+            let _ =
+                writeln!(text, "{} messages are left out, for what their channels are is lost", self.nameless_messages);
+        }
+        if self.whole {
+            text.push_str("nothing of the log was lost\n");
+        }
+        text
     }
-    if report.missing_messages > 0 {
-        let _ = writeln!(text, "{} messages are missing before others that are there", report.missing_messages);
-    }
-    if report.nameless_messages > 0 {
-        let _ =
-            writeln!(text, "{} messages are left out, for what their channels are is lost", report.nameless_messages);
-    }
-    if report.whole {
-        text.push_str("nothing of the log was lost\n");
-    }
-    text
 }

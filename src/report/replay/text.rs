@@ -8,33 +8,35 @@ use super::super::text::{engine, integrator};
 use super::document::ReplayReport;
 use super::verify::verification_text;
 use crate::wording::duration;
-use crate::wording::sheet::Sheet;
+use crate::wording::{Report, Reported};
 
 /// The whole summary, with a line end.
-pub fn replay_text(report: &ReplayReport) -> Sheet {
-    let mut sections = vec![Sheet::from(heading(report))];
-    if let (Some(last), Some(end_s)) = (&report.last, report.end_s) {
-        sections.push(final_state(last, end_s));
+impl Reported for ReplayReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![Report::from(heading(self))];
+        if let (Some(last), Some(end_s)) = (&self.last, self.end_s) {
+            sections.push(final_state(last, end_s));
+        }
+        if let (Some(all), Some(end_s)) = (&self.fingers, self.end_s) {
+            sections.push(final_states(all, end_s));
+        }
+        if let (Some(of), Some(end_s)) = (&self.object, self.end_s) {
+            sections.push(object(of, end_s));
+        }
+        if let (Some(all), Some(end_s)) = (&self.discs, self.end_s) {
+            sections.push(discs(all, end_s));
+        }
+        sections.extend(self.contacts.as_ref().and_then(contacts));
+        sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.discs.is_none())));
+        if let Some(criteria) = &self.criteria {
+            sections.push(dynamics(criteria));
+        }
+        sections.extend(self.grasp.as_ref().map(grasp));
+        if let Some(verification) = &self.verification {
+            sections.push(verification_text(verification));
+        }
+        Report::join(sections)
     }
-    if let (Some(all), Some(end_s)) = (&report.fingers, report.end_s) {
-        sections.push(final_states(all, end_s));
-    }
-    if let (Some(of), Some(end_s)) = (&report.object, report.end_s) {
-        sections.push(object(of, end_s));
-    }
-    if let (Some(all), Some(end_s)) = (&report.discs, report.end_s) {
-        sections.push(discs(all, end_s));
-    }
-    sections.extend(report.contacts.as_ref().and_then(contacts));
-    sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.discs.is_none())));
-    if let Some(criteria) = &report.criteria {
-        sections.push(dynamics(criteria));
-    }
-    sections.extend(report.grasp.as_ref().map(grasp));
-    if let Some(verification) = &report.verification {
-        sections.push(verification_text(verification));
-    }
-    Sheet::join(sections)
 }
 
 fn heading(report: &ReplayReport) -> String {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::log::{Difference, FieldTally, Leaf, Reading, Verification};
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, Table};
+use crate::wording::report::{Report, Table};
 
 /// Rows of the table for people; the JSON document has them all.
 const MOST_ROWS: usize = 15;
@@ -180,10 +180,10 @@ fn time(time_s: f64) -> String {
 }
 
 /// The verification for people.
-pub(super) fn verification_text(report: &VerificationReport) -> Sheet {
-    let mut text = Sheet::default();
+pub(super) fn verification_text(report: &VerificationReport) -> Report {
+    let mut text = Report::default();
     let reach = report.compared_to_s.map_or("nothing was compared".to_string(), |to_s| format!("up to {}", time(to_s)));
-    // Writing to a sheet cannot fail.
+    // Writing to a report cannot fail.
     let _ = match report.same {
         true if report.messages_compared == 0 => writeln!(text, "NOTHING COMPARED: there is no message in the log"),
         true => writeln!(
@@ -257,7 +257,7 @@ fn shown(value: &serde_json::Value) -> String {
     }
 }
 
-fn fields(fields: &[FieldReport]) -> Sheet {
+fn fields(fields: &[FieldReport]) -> Report {
     let mut rows = vec![row(["channel", "field", "messages", "largest difference", "relative", "at, ms"])];
     for FieldReport { messages, largest } in fields.iter().take(MOST_ROWS) {
         let number = |value: Option<f64>| value.map_or("–".to_string(), |value| figure(value, 3));
@@ -270,7 +270,7 @@ fn fields(fields: &[FieldReport]) -> Sheet {
             &format!("{:.6}", largest.time_s * 1e3),
         ]));
     }
-    let mut text = Sheet::from(Table::new(&rows).keys(2));
+    let mut text = Report::from(Table::new(&rows).keys(2));
     if fields.len() > MOST_ROWS {
         let _ = writeln!(text, "and {} more fields (--json has them all)", fields.len() - MOST_ROWS);
     }

@@ -3,14 +3,14 @@
 use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
-use crate::report::paper::{Cell, Section};
 use crate::study::reproduce::{Closing, Reproduction};
 use crate::trace::Site;
 use crate::wording::figures::figure;
+use crate::wording::report::{Cell, Report};
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
-    let section = Section::new("Design 95 and its CAD model").words(
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+    let section = Report::section("Design 95 and its CAD model").words(
         "The chosen design closes with the torques the thesis prints (480 and 132.6 N·mm) and μ_s = 0.8, once with the masses \
          of its planar outlines and once with those of the final parts.",
     );

@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use super::{Comparison, Verdict, comparisons};
-use crate::report::document_text;
 use crate::report::select::SelectionReport;
 use crate::study::reproduce::{DRIFT_S, Reproduction, Variation};
 
 /// Everything that is judged, in SI.
 #[derive(Clone, Debug, Serialize)]
-pub struct ReproductionReport {
+pub struct ReproductionReport<'a> {
+    #[serde(skip)]
+    pub found: &'a Reproduction,
     pub quick: bool,
     /// Figures with an expectation, and those of them that are outside of it.
     pub judged: usize,
@@ -18,7 +19,7 @@ pub struct ReproductionReport {
     pub other_sizings: Vec<OtherSizingReport>,
     pub checks: ChecksReport,
     pub near_chaotic: ChaosReport,
-    pub selection: SelectionReport,
+    pub selection: SelectionReport<'a>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -69,8 +70,8 @@ pub struct FlipReport {
     pub by_variation: Vec<&'static str>,
 }
 
-impl ReproductionReport {
-    pub fn of(found: &Reproduction) -> ReproductionReport {
+impl<'a> ReproductionReport<'a> {
+    pub fn new(found: &'a Reproduction) -> Self {
         let figures = comparisons(found);
         let count = |verdict: Verdict| figures.iter().filter(|one| one.verdict == verdict).count();
         let chaos = &found.chaos;
@@ -87,6 +88,7 @@ impl ReproductionReport {
             by_variation: flip.classes.iter().map(|class| class.name()).collect(),
         });
         ReproductionReport {
+            found,
             quick: found.quick,
             judged: count(Verdict::Inside) + count(Verdict::Outside),
             outside: count(Verdict::Outside),
@@ -114,13 +116,8 @@ impl ReproductionReport {
                 drifting_runs: chaos.drifting.clone(),
                 drift_s: DRIFT_S,
             },
-            selection: SelectionReport::of("thesis.toml", &found.selection),
+            selection: SelectionReport::new("thesis.toml", &found.selection, usize::MAX),
             figures,
         }
     }
-}
-
-/// One JSON document; the unit of a figure is at the end of its name.
-pub fn reproduction_json(found: &Reproduction) -> String {
-    document_text(&ReproductionReport::of(found))
 }

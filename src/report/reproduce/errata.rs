@@ -1,11 +1,11 @@
 //! The errata that the reasons name, from the documentation.
 
-use crate::report::paper::{Cell, Section};
+use crate::wording::report::{Cell, Report};
 
 const ERRATA: &str = include_str!("../../docs/errata.md");
 
 /// The section.
-pub fn section() -> Section {
+pub fn section() -> Report {
     let mut lines = ERRATA.lines().filter(|line| line.starts_with('|')).map(cells);
     let head = lines.next().unwrap_or_default();
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
@@ -15,7 +15,7 @@ pub fn section() -> Section {
         let first = row.next().map(Cell::new);
         first.into_iter().chain(row.map(Cell::words)).collect()
     });
-    Section::new("Errata").table(
+    Report::section("Errata").table(
         "What is wrong in the thesis and what phalanx does instead; T marks those with a test.",
         &head,
         rows.collect(),

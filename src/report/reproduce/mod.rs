@@ -23,6 +23,4 @@ mod text;
 mod volumes;
 
 pub use comparison::{Comparison, Verdict, comparisons};
-pub use document::{ReproductionReport, reproduction_json};
-pub use paper::reproduction_paper;
-pub use text::reproduction_text;
+pub use document::ReproductionReport;

@@ -1,11 +1,11 @@
 //! The paper: its sections in order.
 
 use super::parts::{compared, of_key};
-use super::{Comparison, Verdict, chosen, comparisons, errata, selection, sizing, statics, sweep, volumes};
+use super::{Comparison, ReproductionReport, Verdict, chosen, errata, selection, sizing, statics, sweep, volumes};
 use crate::plot::DrawError;
-use crate::report::duration;
-use crate::report::paper::{Paper, Section};
 use crate::study::reproduce::{DRIFT_S, Reproduction};
+use crate::wording::Report;
+use crate::wording::duration;
 
 /// The figures that are looked at first.
 const FIRST: [&str; 27] = [
@@ -38,29 +38,30 @@ const FIRST: [&str; 27] = [
     "sizing.spring_n_m",
 ];
 
-/// The paper of a reproduction.
-///
-/// # Errors
-/// A picture that cannot be drawn.
-pub fn reproduction_paper(found: &Reproduction) -> Result<Paper, DrawError> {
-    let all = comparisons(found);
-    Ok(Paper {
-        title: "The thesis again".to_string(),
-        sections: vec![
-            summary(found, &all),
-            sizing::section(found, &all)?,
-            statics::designs(found, &all)?,
-            statics::section(found, &all)?,
-            volumes::section(found, &all)?,
-            sweep::section(found, &all)?,
-            selection::section(found, &all)?,
-            chosen::section(found, &all)?,
+impl ReproductionReport<'_> {
+    /// The paper of a reproduction.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn paper(&self) -> Result<Report, DrawError> {
+        let (found, all) = (self.found, &self.figures);
+        let sections = [
+            summary(found, all),
+            sizing::section(found, all)?,
+            statics::designs(found, all)?,
+            statics::section(found, all)?,
+            volumes::section(found, all)?,
+            sweep::section(found, all)?,
+            selection::section(found, all)?,
+            chosen::section(found, all)?,
             errata::section(),
-        ],
-    })
+        ];
+        let all = sections.into_iter().fold(Report::default(), |all, section| all.and(section));
+        Ok(Report { title: "The thesis again".to_string(), ..all })
+    }
 }
 
-fn summary(found: &Reproduction, all: &[Comparison]) -> Section {
+fn summary(found: &Reproduction, all: &[Comparison]) -> Report {
     let judged = all.iter().filter(|one| one.verdict != Verdict::NotJudged).count();
     let outside: Vec<&Comparison> = all.iter().filter(|one| one.verdict == Verdict::Outside).collect();
     let verdict = match outside.is_empty() {
@@ -83,7 +84,7 @@ fn summary(found: &Reproduction, all: &[Comparison]) -> Section {
         duration(DRIFT_S),
         found.chaos.drifting.len()
     );
-    let section = Section::new("Summary")
+    let section = Report::section("Summary")
         .words(
             "What the thesis prints, what phalanx computes from the corrected equations, and why the two differ where they \
              do. No definition was changed to meet a number. \"Expected\" is what an independent implementation of the same \

@@ -1,13 +1,13 @@
 //! Tables that several sections share.
 
 use super::{Comparison, Verdict};
-use crate::report::paper::{Cell, Section, Tone};
+use crate::wording::report::{Cell, Report, Tone};
 
 /// Head of a table of comparisons.
 const HEAD: [&str; 6] = ["figure", "thesis", "ours", "expected", "source", "why"];
 
 /// A table of comparisons, with the reasons below it, each once.
-pub fn compared(section: Section, caption: &str, of: &[&Comparison]) -> Section {
+pub fn compared(section: Report, caption: &str, of: &[&Comparison]) -> Report {
     let mut reasons: Vec<String> = Vec::new();
     let mut letter = |one: &Comparison| {
         let reason = why(one);

@@ -3,17 +3,17 @@
 use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
-use crate::report::paper::{Cell, Section};
-use crate::report::{Quantity, condition_name, criterion_name};
 use crate::study::reproduce::{CHOSEN, Reproduction};
 use crate::study::select::{Ranked, Tally};
 use crate::wording::figures::figure;
+use crate::wording::report::{Cell, Report};
+use crate::wording::{Quantity, condition_name, criterion_name};
 
 /// How many of the ranking are shown.
 const BEST: usize = 20;
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
     let selection = &found.selection;
     let best = selection.ranking.first().map(|ranked| &selection.runs[ranked.run_index]);
     let best = match best {
@@ -21,7 +21,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
         Some(run) => format!("The best is design {}; the thesis's is {CHOSEN}.", run.design),
         None => "None is left.".to_string(),
     };
-    let section = Section::new("Selection").words(format!(
+    let section = Report::section("Selection").words(format!(
         "Selected is what is statically stable, form-closed, stable or semi-stable, and has a palm force PFP ≥ 0 from its \
          final simulated forces. Those are ranked by r_WC, the mean of r(PFP), 1 − r(tts), 1 − r(F21) and r(F22), each scaled \
          over the selected. {best}"

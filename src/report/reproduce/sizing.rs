@@ -3,16 +3,16 @@
 use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
-use crate::report::paper::{Cell, Section};
 use crate::study::reproduce::Reproduction;
 use crate::wording::figures::figure;
+use crate::wording::report::{Cell, Report};
 
 const EXAMPLE: &str = "base 12 mm, l21 18.9 mm, φ22 100°, r_l 0.5";
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
     let profile = &found.sizing.example;
-    let section = Section::new("Sizing of spring and motor").words(
+    let section = Report::section("Sizing of spring and motor").words(
         "The motor link follows a polynomial of the 7th order from start to end in 10 ms. The spring must keep the finger \
          rigid until the proximal phalanx meets the object; the motor has the RMS of the torque that this asks for.",
     );

@@ -3,13 +3,13 @@
 use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::plot::{self, DrawError};
-use crate::report::paper::{Cell, Section};
-use crate::report::percent_of;
 use crate::study::reproduce::Reproduction;
+use crate::wording::percent_of;
+use crate::wording::report::{Cell, Report};
 
 /// Masses, lengths, trajectories.
-pub fn designs(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
-    let section = Section::new("The 192 designs").words(
+pub fn designs(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+    let section = Report::section("The 192 designs").words(
         "Four bases, four lengths of l21 within the range that each base allows, four angles φ22 and three ratios l22/l11. \
          Everything else follows from them.",
     );
@@ -22,8 +22,8 @@ pub fn designs(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
 }
 
 /// Force positiveness and form closure.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
-    let section = Section::new("Statics and form closure").words(
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+    let section = Report::section("Statics and form closure").words(
         "A grasp is statically stable if neither phalanx would have to pull (2.32), and form-closed if no motion of object and \
          fingers is free with the motors blocked (1.15)–(1.19).",
     );

@@ -4,16 +4,16 @@ use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::criteria::Class;
 use crate::plot::{self, DrawError};
-use crate::report::paper::{Cell, Section};
-use crate::report::{condition_name, duration, percent_of};
 use crate::study::reproduce::{Chaos, Checks, DRIFT_S, Reproduction, Variation};
 use crate::study::select::{CLASSES, Classes, RunStatus, Selection};
 use crate::wording::figures::figure;
+use crate::wording::report::{Cell, Report};
+use crate::wording::{condition_name, duration, percent_of};
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
     let selection = &found.selection;
-    let section = Section::new("The 384 simulations").words(
+    let section = Report::section("The 384 simulations").words(
         "Every design is simulated for 20 ms without friction and with μ_s = 0.8, with its own spring and motor. Stable: at rest \
          on the object within 15 ms and no rebound; semi-stable: the same with a rebound up to 5 %; semi-unstable: at rest \
          within 20 ms; unstable: the rest, and what is not statically stable.",
@@ -37,7 +37,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
 }
 
 /// Runs by class.
-fn classes(section: Section, selection: &Selection) -> Section {
+fn classes(section: Report, selection: &Selection) -> Report {
     let names: Vec<String> = selection.conditions.iter().map(condition_name).collect();
     let head: Vec<&str> = std::iter::once("class").chain(names.iter().map(String::as_str)).collect();
     let line = |name: &str, count: &dyn Fn(&Classes) -> usize| {
@@ -55,7 +55,7 @@ fn classes(section: Section, selection: &Selection) -> Section {
 }
 
 /// What became of the runs that did not come to their end.
-fn broken(section: Section, selection: &Selection) -> Section {
+fn broken(section: Report, selection: &Selection) -> Report {
     let failed: usize = selection.classes.iter().map(|of| of.statuses[RunStatus::Failed as usize]).sum();
     let stable =
         selection.runs.iter().filter(|run| run.status == RunStatus::Failed && run.force_positive == Some(true));
@@ -88,7 +88,7 @@ pub fn checked(checks: &Checks) -> String {
 }
 
 /// Static against dynamic stability, without against with friction.
-fn crossed(section: Section, selection: &Selection) -> Section {
+fn crossed(section: Report, selection: &Selection) -> Report {
     let runs = |condition: usize| selection.runs.iter().filter(move |run| run.condition == condition);
     let good = |class: Option<Class>| matches!(class, Some(Class::Stable | Class::SemiStable));
     // Both conditions are in the order of the designs.
@@ -116,7 +116,7 @@ fn crossed(section: Section, selection: &Selection) -> Section {
 }
 
 /// Counts with their spread, and the runs that make it.
-fn chaos(section: Section, chaos: &Chaos, selection: &Selection) -> Section {
+fn chaos(section: Report, chaos: &Chaos, selection: &Selection) -> Report {
     let mut head = vec!["stable or semi-stable", "study"];
     head.extend(Variation::ALL.map(Variation::name));
     head.extend(["in all", "in any"]);

@@ -3,9 +3,9 @@
 use super::Comparison;
 use super::parts::{of_key, ours};
 use crate::plot::{self, DrawError};
-use crate::report::paper::{Cell, Section};
 use crate::study::reproduce::{CELLS, Grid, Reproduction};
 use crate::study::volume::{Quantity, Volume};
+use crate::wording::report::{Cell, Report};
 
 const ROWS: [(&str, &str); 5] = [
     ("12 mm", "base_12_mm"),
@@ -17,7 +17,7 @@ const ROWS: [(&str, &str); 5] = [
 const FRICTIONS: [&str; 3] = ["0", "0.4", "0.8"];
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
     let resolution = found.volumes.first().map_or([0; 3], Volume::resolution);
     let reasons = [
         "volume.stable_percent.base_22.5_mm.mu_0",
@@ -27,7 +27,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
     .iter()
     .filter_map(|key| of_key(all, key));
     let reasons: Vec<String> = reasons.map(|of| format!("{}: {}", of.source, of.reason)).collect();
-    let mut section = Section::new("Grasp-state volumes")
+    let mut section = Report::section("Grasp-state volumes")
         .words(format!(
             "All designs over l21 (0–1 of its range), φ22 (90–120°) and l22/l11 (1/3–2/3) at {} × {} × {} points, for four \
              bases and three coefficients of friction: {} points, each sized on its own. Shares are of all points of a \
@@ -64,7 +64,7 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Section, Draw
 }
 
 /// A row for each base, three columns for each friction.
-fn by_friction(section: Section, caption: &str, quantity: &str, all: &[Comparison]) -> Section {
+fn by_friction(section: Report, caption: &str, quantity: &str, all: &[Comparison]) -> Report {
     let mut head = vec!["base".to_string()];
     for mu in FRICTIONS {
         head.extend([format!("μ_s = {mu}: thesis"), "ours".to_string(), "expected".to_string()]);
@@ -85,7 +85,7 @@ fn by_friction(section: Section, caption: &str, quantity: &str, all: &[Compariso
 }
 
 /// What points and torques do to the shares.
-fn grids(section: Section, found: &Reproduction) -> Section {
+fn grids(section: Report, found: &Reproduction) -> Report {
     let row = |of: &Grid| {
         let share = |value: f64| Cell::new(format!("{value:.1} %"));
         vec![
@@ -125,7 +125,7 @@ fn short(value_mm: f64) -> f64 {
 }
 
 /// Form closure knows no friction.
-fn closed(section: Section, all: &[Comparison]) -> Section {
+fn closed(section: Report, all: &[Comparison]) -> Report {
     let row = |(name, base): &(&str, &str)| {
         let of = of_key(all, &format!("volume.closed_percent.{base}"))?;
         Some(vec![Cell::new(*name), Cell::new(of.thesis_text()), ours(of), Cell::new(of.expected_text())])

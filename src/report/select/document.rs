@@ -3,14 +3,18 @@
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use crate::report::document_text;
 use crate::study::select::{CLASSES, Criterion, Parts, RunStatus, Selection, Side, Weights};
 use crate::table::Value;
 use crate::wording::{criterion_key, criterion_name};
 
 /// Everything the tables say, with SI values.
 #[derive(Clone, Debug, Serialize)]
-pub struct SelectionReport {
+pub struct SelectionReport<'a> {
+    #[serde(skip)]
+    pub(super) selection: &'a Selection,
+    /// How many of the ranking are told to people.
+    #[serde(skip)]
+    pub most: usize,
     /// What was selected from.
     pub source: String,
     pub runs: usize,
@@ -92,10 +96,12 @@ pub struct RankedReport {
     pub r_wc: f64,
 }
 
-impl SelectionReport {
-    pub fn of(source: &str, selection: &Selection) -> SelectionReport {
+impl<'a> SelectionReport<'a> {
+    pub fn new(source: &str, selection: &'a Selection, most: usize) -> Self {
         let axes = selection.axes.iter();
         SelectionReport {
+            selection,
+            most,
             source: source.to_string(),
             runs: selection.runs.len(),
             designs: selection.designs(),
@@ -111,11 +117,6 @@ impl SelectionReport {
             ranking: ranking(selection),
         }
     }
-}
-
-/// One JSON document, with SI units in every key.
-pub fn selection_json(source: &str, selection: &Selection) -> String {
-    document_text(&SelectionReport::of(source, selection))
 }
 
 fn classes(selection: &Selection) -> Vec<ClassesReport> {

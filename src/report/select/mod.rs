@@ -11,7 +11,4 @@ mod document;
 mod text;
 
 pub use data::{is_ranking, ranking_table};
-pub use document::{
-    ClassesReport, CriterionReport, RankedReport, SelectionReport, StatusesReport, VariedReport, selection_json,
-};
-pub use text::selection_text;
+pub use document::SelectionReport;

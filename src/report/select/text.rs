@@ -1,23 +1,27 @@
 //! A selection as tables for people.
 
+use super::document::SelectionReport;
 use crate::study::select::{CLASSES, Ranked, RunStatus, Selection};
 use crate::wording::figures::{figure, row};
 use crate::wording::quantity::Quantity;
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, Reported, table};
 use crate::wording::{condition_name, criterion_name, percent_of};
 
-/// Tables: classes, what each criterion removed, and the best `most` of those that are left.
-pub fn selection_text(source: &str, selection: &Selection, most: usize) -> Sheet {
-    let [runs, designs] = [runs(selection.runs.len()), designs(selection.designs())];
-    let mut text = Sheet::from(format!("{source}: {runs} of {designs}\n"));
-    text.push_str(&unfinished(selection));
-    text.push('\n');
-    text.push(classes(selection));
-    text.push('\n');
-    text.push(criteria(selection));
-    text.push('\n');
-    text.push(ranking(selection, most));
-    text
+/// Tables: classes, what each criterion removed, and the best of those that are left.
+impl Reported for SelectionReport<'_> {
+    fn report(&self) -> Report {
+        let SelectionReport { source, selection, most, .. } = self;
+        let [runs, designs] = [runs(self.runs), designs(self.designs)];
+        let mut text = Report::from(format!("{source}: {runs} of {designs}\n"));
+        text.push_str(&unfinished(selection));
+        text.push('\n');
+        text.push(classes(selection));
+        text.push('\n');
+        text.push(criteria(selection));
+        text.push('\n');
+        text.push(ranking(selection, *most));
+        text
+    }
 }
 
 fn runs(count: usize) -> String {
@@ -41,7 +45,7 @@ fn unfinished(selection: &Selection) -> String {
 }
 
 /// Static and dynamic classes, a column for each condition.
-fn classes(selection: &Selection) -> Sheet {
+fn classes(selection: &Selection) -> Report {
     let head = std::iter::once("class".to_string()).chain(selection.conditions.iter().map(condition_name));
     let mut rows = vec![head.collect::<Vec<_>>()];
     let mut line = |name: &str, count: &dyn Fn(usize) -> (usize, usize)| {
@@ -70,7 +74,7 @@ fn classes(selection: &Selection) -> Sheet {
 }
 
 /// What each criterion removed.
-fn criteria(selection: &Selection) -> Sheet {
+fn criteria(selection: &Selection) -> Report {
     let mut rows = vec![row(["criterion", "holds", "fails", "unknown", "left", "removed by it alone"])];
     for tally in &selection.tallies {
         let counts = [tally.holds, tally.fails, tally.unknown, tally.left, tally.only];
@@ -86,9 +90,9 @@ fn criteria(selection: &Selection) -> Sheet {
 }
 
 /// The best ones with their figures, and the parts of r_WC.
-fn ranking(selection: &Selection, most: usize) -> Sheet {
+fn ranking(selection: &Selection, most: usize) -> Report {
     if selection.ranking.is_empty() {
-        return Sheet::from(nothing(selection));
+        return Report::from(nothing(selection));
     }
     let axes: Vec<(usize, Quantity)> = shown_axes(selection);
     let head = ["place", "run", "design"].into_iter().map(String::from);
@@ -114,7 +118,7 @@ fn ranking(selection: &Selection, most: usize) -> Sheet {
         runs(selection.runs.len()),
         most.min(selection.ranking.len()),
     );
-    Sheet::from(best).and(table(&rows)).and(equal(selection))
+    Report::from(best).and(table(&rows)).and(equal(selection))
 }
 
 /// Axes that have more than one value.

@@ -15,10 +15,10 @@ use super::figures::{number, percent};
 use crate::validate::turned;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, table};
 
 /// The state at the end, the contacts and the energies of both models, and their difference.
-pub(super) fn side_by_side(report: &ValidationReport) -> Sheet {
+pub(super) fn side_by_side(report: &ValidationReport) -> Report {
     let (a, e) = (&report.analytic, &report.engine);
     match ((&a.contacts, &e.contacts), (&a.last, &e.last), (&a.discs, &e.discs)) {
         ((Contacts::Finger(ours), Contacts::Finger(theirs)), (Some(last), Some(other)), _) => {
@@ -28,12 +28,12 @@ pub(super) fn side_by_side(report: &ValidationReport) -> Sheet {
             of_discs(report, [discs, others], [ours, theirs])
         }
         ((Contacts::Gripper(ours), Contacts::Gripper(theirs)), ..) => of_gripper(report, [ours, theirs]),
-        _ => Sheet::default(),
+        _ => Report::default(),
     }
 }
 
 /// How far apart they are along the way.
-pub(super) fn differences(found: &DifferencesReport) -> Sheet {
+pub(super) fn differences(found: &DifferencesReport) -> Report {
     match found {
         DifferencesReport::Finger(found) => of_joints(found),
         DifferencesReport::Discs(found) => of_places(found),
@@ -77,7 +77,7 @@ fn energies(report: &ValidationReport) -> [Vec<String>; 4] {
 }
 
 /// Both fingers, the object, and the contacts that touch.
-fn of_gripper(report: &ValidationReport, [contacts, others]: [&Named<PlaceReport>; 2]) -> Sheet {
+fn of_gripper(report: &ValidationReport, [contacts, others]: [&Named<PlaceReport>; 2]) -> Report {
     let (a, e) = (&report.analytic, &report.engine);
     let mut rows = vec![row([&format!("at {}", duration(report.duration_s)), "analytic", "engine", "difference"])];
     for (name, last) in a.fingers.iter().flat_map(Named::iter) {
@@ -107,7 +107,11 @@ fn of_gripper(report: &ValidationReport, [contacts, others]: [&Named<PlaceReport
     table(&rows)
 }
 
-fn of_finger(report: &ValidationReport, [last, other]: [&Final; 2], [contacts, others]: [&FingerContacts; 2]) -> Sheet {
+fn of_finger(
+    report: &ValidationReport,
+    [last, other]: [&Final; 2],
+    [contacts, others]: [&FingerContacts; 2],
+) -> Report {
     let mut rows = vec![
         row([&format!("at {}", duration(report.duration_s)), "analytic", "engine", "difference"]),
         angle("q11, deg", last.q11_rad, other.q11_rad),
@@ -133,7 +137,7 @@ fn of_discs(
     report: &ValidationReport,
     [discs, others]: [&BTreeMap<String, DiscReport>; 2],
     [pairs, their_pairs]: [&BTreeMap<String, PairReport>; 2],
-) -> Sheet {
+) -> Report {
     let (a, e) = (&report.analytic, &report.engine);
     let mut rows = vec![row([&format!("at {}", duration(report.until_s)), "analytic", "engine", "difference"])];
     for (name, ours) in discs.iter().filter(|(_, disc)| disc.motion != "fixed") {
@@ -197,7 +201,7 @@ fn created(energy_j: f64, part: f64, of: &str) -> String {
     format!("energy that came from nowhere: {} mJ, {} of {of}\n", figure(energy_j * 1e3, 3), figure(part, 3))
 }
 
-fn of_joints(found: &JointDifferences) -> Sheet {
+fn of_joints(found: &JointDifferences) -> Report {
     let mut rows = vec![row(JOINTS)];
     rows.extend(found.joints.iter().map(|(name, of)| joint(name, of)));
     let mut text = table(&rows);
@@ -205,7 +209,7 @@ fn of_joints(found: &JointDifferences) -> Sheet {
     text
 }
 
-fn of_joints_and_object(found: &GripperDifferences) -> Sheet {
+fn of_joints_and_object(found: &GripperDifferences) -> Report {
     let mut rows = vec![row(JOINTS)];
     for (finger, joints) in found.fingers.iter() {
         rows.extend(joints.iter().map(|(name, of)| joint(&format!("{finger} {name}"), of)));
@@ -217,7 +221,7 @@ fn of_joints_and_object(found: &GripperDifferences) -> Sheet {
     text
 }
 
-fn of_places(found: &DiscDifferences) -> Sheet {
+fn of_places(found: &DiscDifferences) -> Report {
     let mut rows = vec![row(PLACES)];
     rows.extend(found.discs.iter().map(|(name, disc)| place(name, disc)));
     let mut text = table(&rows);

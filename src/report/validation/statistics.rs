@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::validate::{RUNS, SPREAD, Spread, Statistic, Statistics};
 use crate::wording::duration;
 use crate::wording::figures::figure;
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, table};
 
 /// Means over many runs from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -57,7 +57,7 @@ impl From<&Statistics> for StatisticsReport {
 }
 
 /// The statistics as a table.
-pub fn statistics_text(report: &StatisticsReport) -> Sheet {
+pub fn statistics_text(report: &StatisticsReport) -> Report {
     let heading = format!(
         "mean ± deviation from {} on, of {} of {} runs with torques over ±{} %",
         duration(report.from_s),

@@ -10,25 +10,27 @@ use super::side_by_side::{differences, side_by_side};
 use super::statistics::statistics_text;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, Table, table};
+use crate::wording::report::{Report, Reported, Table, table};
 
 /// The whole report, with a line end.
-pub fn validation_text(report: &ValidationReport) -> Sheet {
-    let mut sections = vec![Sheet::from(heading(report)), checks(&report.verdict)];
-    let broken = broken([("analytic", &report.analytic.invariants), ("engine", &report.engine.invariants)]);
-    if !broken.is_empty() {
-        sections.push(Sheet::from(broken));
+impl Reported for ValidationReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![Report::from(heading(self)), checks(&self.verdict)];
+        let broken = broken([("analytic", &self.analytic.invariants), ("engine", &self.engine.invariants)]);
+        if !broken.is_empty() {
+            sections.push(Report::from(broken));
+        }
+        sections.push(side_by_side(self));
+        sections.extend(self.impacts.as_deref().filter(|all| !all.is_empty()).map(impacts));
+        sections.extend(self.statistics.iter().flatten().map(statistics_text));
+        sections.push(differences(&self.differences));
+        let left_out = match self.has_coordinates() {
+            true => "fixed steps below 1e-5 s, reduced coordinates",
+            false => "fixed steps below 1e-5 s",
+        };
+        sections.push(settings(self, self.quick.then_some(left_out)));
+        Report::join(sections)
     }
-    sections.push(side_by_side(report));
-    sections.extend(report.impacts.as_deref().filter(|all| !all.is_empty()).map(impacts));
-    sections.extend(report.statistics.iter().flatten().map(statistics_text));
-    sections.push(differences(&report.differences));
-    let left_out = match report.has_coordinates() {
-        true => "fixed steps below 1e-5 s, reduced coordinates",
-        false => "fixed steps below 1e-5 s",
-    };
-    sections.push(settings(report, report.quick.then_some(left_out)));
-    Sheet::join(sections)
 }
 
 /// A model's setting, steps and wall time.
@@ -65,7 +67,7 @@ fn heading(report: &ValidationReport) -> String {
     text
 }
 
-fn checks(checks: &[CheckReport]) -> Sheet {
+fn checks(checks: &[CheckReport]) -> Report {
     let mut rows = vec![row(["bound", "measured", "limit", ""])];
     for check in checks {
         let measured = match check.measured {
@@ -93,7 +95,7 @@ fn broken(models: [(&str, &[FindingReport]); 2]) -> String {
 /// More impacts than this make no table for people; the JSON document has them all.
 const MOST_IMPACTS: usize = 12;
 
-fn impacts(impacts: &[ImpactReport]) -> Sheet {
+fn impacts(impacts: &[ImpactReport]) -> Report {
     let mut rows = vec![row([
         "impact",
         "analytic, ms",
@@ -182,9 +184,9 @@ fn joint_errors(errors: &JointErrors) -> Vec<String> {
     ]
 }
 
-fn settings(report: &ValidationReport, left_out: Option<&str>) -> Sheet {
+fn settings(report: &ValidationReport, left_out: Option<&str>) -> Report {
     let settings = &report.settings;
-    let mut text = Sheet::default();
+    let mut text = Report::default();
     let mut rows = vec![
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),

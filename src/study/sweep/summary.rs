@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::Status;
 use super::one_finger::CLASSES;
@@ -14,11 +14,18 @@ use crate::table::{Table, TableError};
 pub struct Summary {
     pub runs: u64,
     /// Runs by how they ended, in the order of [`Status::ALL`].
+    #[serde(serialize_with = "by_name")]
     pub by_status: Vec<(String, u64)>,
     /// Completed runs by dynamic class, from good to bad; of grippers by what became of the grasp.
+    #[serde(serialize_with = "by_name")]
     pub by_class: Vec<(String, u64)>,
     /// Why runs were not completed: status, reason without its numbers, how many, and the first run of them.
     pub reasons: Vec<Reason>,
+}
+
+/// Counts by what is counted.
+fn by_name<S: Serializer>(counts: &[(String, u64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(counts.iter().map(|(name, count)| (name, count)))
 }
 
 /// Runs that ended for one reason.

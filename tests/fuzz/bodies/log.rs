@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use phalanx::criteria::{FinalAngles, Tracker};
 use phalanx::log::{self, Expected, Lockstep, LogSink};
-use phalanx::report::Summary;
+use phalanx::report::replay::Summary;
 use phalanx::scene::words::SceneKind;
 use phalanx::trace::{Event, Layout, Sample, Sink, SinkError};
 

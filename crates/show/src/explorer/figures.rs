@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::labels::{label, text, unit};
-use crate::report::RunReport;
+use crate::report::document::RunReport;
 
 /// A leaf of the document.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use crate::grasp::finger::{Instead, grasp};
 use crate::grasp::gripper::{Asked, PostureOf, gripper_grasp};
 use crate::plot;
-use crate::report::{GripperStaticsReport, StaticsReport, gripper_statics_text, statics_text};
+use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::{AnyScene, GripperScene, Scene};
-use crate::wording::Sheet;
+use crate::wording::{Report, Reported};
 
 /// Directions of acceleration in a picture.
 const DIRECTIONS: usize = 72;
@@ -26,7 +26,7 @@ pub fn statics(scene: &AnyScene) -> Result<Value, Value> {
 fn of_finger(scene: &Scene) -> Result<Value, Value> {
     let found = grasp(scene, &Instead { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| refused(&error))?;
     let picture = plot::grasp(scene, &found).map_err(|error| refused(&error))?;
-    Ok(shown(&statics_text(&StaticsReport::new(&found)), &picture))
+    Ok(shown(&StaticsReport::new(&found).report(), &picture))
 }
 
 fn of_gripper(scene: &GripperScene) -> Result<Value, Value> {
@@ -38,10 +38,10 @@ fn of_gripper(scene: &GripperScene) -> Result<Value, Value> {
     };
     let found = gripper_grasp(scene, &asked, &|| true).map_err(|error| refused(&error))?;
     let picture = plot::balance(scene, &found).map_err(|error| refused(&error))?;
-    Ok(shown(&gripper_statics_text(&GripperStaticsReport::new(&found, IN_TABLE)), &picture))
+    Ok(shown(&GripperStaticsReport::new(&found, IN_TABLE).report(), &picture))
 }
 
-fn shown(text: &Sheet, picture: &str) -> Value {
+fn shown(text: &Report, picture: &str) -> Value {
     let title = "At rest";
     json!({
         "sections": [{ "title": title, "html": text.html(title) }],

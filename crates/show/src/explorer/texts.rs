@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::fields::source;
 use super::request::Request;
-use crate::report::{csv_head, csv_sample};
+use crate::report::samples::{csv_head, csv_sample};
 use crate::scene::AnyScene;
 use crate::trace::columns::{Column, columns};
 use crate::trace::{Event, RunError, Sample, Simulated, Sink, SinkError, Thinned, run_analytic};

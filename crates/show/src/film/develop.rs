@@ -3,7 +3,7 @@
 use super::thin::{MOST_SAMPLES, kept};
 use crate::drawing::{Drawing, Pose, Shape};
 use crate::trace::{Event, EventKind, Sample};
-use crate::wording::Sheet;
+use crate::wording::Report;
 
 /// A run as the page shows it. Every list of values has one for each time.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Film {
     /// What tells it from the other run: its model, or the variant.
     pub label: String,
     /// What is said of it below.
-    pub summary: Sheet,
+    pub summary: Report,
     /// Samples of the run before it was thinned out.
     pub recorded: usize,
     /// In order; two may share one.
@@ -136,7 +136,7 @@ pub(super) type Poses<'a> = Box<dyn Fn(&Sample) -> Vec<Pose> + 'a>;
 /// What a scene has to show.
 pub(super) struct Shown<'a> {
     pub label: &'a str,
-    pub summary: Sheet,
+    pub summary: Report,
     pub drawing: Drawing,
     pub samples: &'a [Sample],
     pub poses: Poses<'a>,

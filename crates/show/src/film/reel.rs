@@ -2,7 +2,7 @@
 
 use super::{Film, film};
 use crate::trace::{Event, Sample, Simulated, Sink, SinkError};
-use crate::wording::Sheet;
+use crate::wording::Report;
 
 /// Samples that are held at most; some 500 bytes each of a finger.
 const MOST_HELD: usize = 60_000;
@@ -121,7 +121,7 @@ impl<S, E> Reel<S, E> {
 
 impl Reel {
     /// The film of a scene.
-    pub fn film<'a>(self, label: &str, scene: impl Into<Simulated<'a>>, summary: impl Into<Sheet>) -> Film {
+    pub fn film<'a>(self, label: &str, scene: impl Into<Simulated<'a>>, summary: impl Into<Report>) -> Film {
         let recorded = self.recorded;
         let (samples, events) = self.into_parts();
         Film { recorded, ..film(label, scene.into(), &samples, &events, summary) }

@@ -4,7 +4,7 @@ use super::develop::{Film, Shown, develop, mark};
 use super::{panels, panels_gripper};
 use crate::drawing::{self, Drawing};
 use crate::trace::{Event, Sample, Simulated};
-use crate::wording::Sheet;
+use crate::wording::Report;
 
 /// Pairs that are shown where none touches.
 const IDLE_PAIRS: usize = 6;
@@ -18,7 +18,7 @@ pub fn film<'a>(
     scene: impl Into<Simulated<'a>>,
     samples: &[Sample],
     events: &[Event],
-    summary: impl Into<Sheet>,
+    summary: impl Into<Report>,
 ) -> Film {
     let scene = scene.into();
     let layout = scene.layout();

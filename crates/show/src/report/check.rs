@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::check::{Check, MOST_STEPS, PUSH};
 use crate::wording::figures::figure;
-use crate::wording::sheet::Sheet;
+use crate::wording::report::Report;
 
 /// The check of a run. Errors are estimates: differences to what the run was held to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -57,19 +57,19 @@ impl RunCheckReport {
 }
 
 /// A line for the summary of a run of so many steps; nothing for a short run that was not to be checked.
-pub fn line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<Sheet> {
+pub fn line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<Report> {
     match report {
         Some(report) => Some(found(report)),
         None if steps? > MOST_STEPS => {
             let words =
                 format!("not checked, for it took more than {MOST_STEPS} steps; --check does it all the same\n");
-            Some(Sheet::from(words))
+            Some(Report::from(words))
         }
         None => None,
     }
 }
 
-fn found(report: &RunCheckReport) -> Sheet {
+fn found(report: &RunCheckReport) -> Report {
     let (error, unit) = match (report.error_rad, report.error_m) {
         (Some(error), _) => (error, "rad"),
         (None, error) => (error.unwrap_or_default(), "m"),
@@ -79,21 +79,21 @@ fn found(report: &RunCheckReport) -> Sheet {
     let against = &report.against;
     let because = report.reason.as_ref().map_or(String::new(), |reason| format!("; {reason}"));
     match report.verdict {
-        "sure" => Sheet::from(format!(
+        "sure" => Report::from(format!(
             "check     right to about {}, against {against}\n          a change of 1e-7 of what drives it moves it by {}\n",
             size(error),
             size(moved)
         )),
-        "uncertain" => Sheet::from(format!(
+        "uncertain" => Report::from(format!(
             "UNCERTAIN: off by about {} along the path, against {against}{because};\nask for more with --preset reference, or a \
              smaller --rtol or --tolerance\n",
             size(error)
         )),
-        "chaotic" => Sheet::from(format!(
+        "chaotic" => Report::from(format!(
             "CHAOTIC: a change of 1e-7 of what drives it moves the path by {}{because};\nthis one outcome means little: look at \
              the statistics of many (phalanx validate)\n",
             size(moved)
         )),
-        _ => Sheet::from(format!("NOT CHECKED{because}\n")),
+        _ => Report::from(format!("NOT CHECKED{because}\n")),
     }
 }

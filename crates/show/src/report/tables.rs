@@ -9,9 +9,9 @@ use super::grasp::{CycleReport, GraspReport};
 use super::named::Named;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, table};
 
-pub fn final_state(last: &Final, end_s: f64) -> Sheet {
+pub fn final_state(last: &Final, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
@@ -21,7 +21,7 @@ pub fn final_state(last: &Final, end_s: f64) -> Sheet {
 }
 
 /// Of both fingers of a gripper.
-pub fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
+pub fn final_states(fingers: &Named<Final>, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "q11, deg", "q21, deg", "q22, deg", "qd11, rad/s", "qd21, rad/s"])];
@@ -39,11 +39,11 @@ pub fn final_states(fingers: &Named<Final>, end_s: f64) -> Sheet {
 }
 
 /// What a gripper grasps.
-pub fn object(object: &DiscReport, end_s: f64) -> Sheet {
+pub fn object(object: &DiscReport, end_s: f64) -> Report {
     discs(&BTreeMap::from([("object".to_string(), *object)]), end_s)
 }
 
-pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
+pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Report {
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
     for (name, disc) in discs {
@@ -62,7 +62,7 @@ pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Sheet {
 }
 
 /// `None` where nothing can touch.
-pub fn contacts(contacts: &Contacts) -> Option<Sheet> {
+pub fn contacts(contacts: &Contacts) -> Option<Report> {
     match contacts {
         Contacts::Finger(FingerContacts { proximal, distal, limit }) => {
             Some(places(&[("proximal", proximal), ("distal", distal)], &[("joint limit", limit)]))
@@ -85,7 +85,7 @@ pub fn contacts(contacts: &Contacts) -> Option<Sheet> {
     }
 }
 
-fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) -> Sheet {
+fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) -> Report {
     let mut rows = vec![row([
         "contact",
         "first, ms",
@@ -130,7 +130,7 @@ fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) 
     text
 }
 
-fn pairs(pairs: &BTreeMap<String, PairReport>) -> Sheet {
+fn pairs(pairs: &BTreeMap<String, PairReport>) -> Report {
     let mut rows = vec![row([
         "contact",
         "first, ms",
@@ -159,7 +159,7 @@ fn pairs(pairs: &BTreeMap<String, PairReport>) -> Sheet {
 }
 
 /// Of a finger, whose `motor` works against its spring, or of what is driven.
-pub fn energies(energy: &Energies, motor: bool) -> Sheet {
+pub fn energies(energy: &Energies, motor: bool) -> Report {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     let spring = |cell: &str| motor.then(|| cell.to_string());
     let line = |first: &str, [kinetic, gravity, spring_of, rest @ ..]: [&str; 7]| {
@@ -184,7 +184,7 @@ pub fn energies(energy: &Energies, motor: bool) -> Sheet {
     ])
 }
 
-pub fn dynamics(criteria: &Dynamics) -> Sheet {
+pub fn dynamics(criteria: &Dynamics) -> Report {
     let rebound = match criteria.rebound_percent {
         Some(percent) => format!("{} %", figure(percent, 4)),
         None => "–".to_string(),
@@ -200,7 +200,7 @@ pub fn dynamics(criteria: &Dynamics) -> Sheet {
 }
 
 /// What became of the object of a gripper.
-pub fn grasp(report: &GraspReport) -> Sheet {
+pub fn grasp(report: &GraspReport) -> Report {
     let closed = match report.form_closed {
         Some(true) => "yes",
         Some(false) => "no",

@@ -9,29 +9,31 @@ use super::tables::{contacts, discs, dynamics, energies, final_state, final_stat
 use crate::scene::{Engine, Integrator, Response, Stepping, Words};
 use crate::wording::duration;
 use crate::wording::figures::figure;
-use crate::wording::sheet::Sheet;
+use crate::wording::{Report, Reported};
 
 /// The whole summary, with a line end.
-pub fn text(report: &RunReport) -> Sheet {
-    let mut sections = vec![heading(report)];
-    let end_s = report.end_s.unwrap_or_default();
-    sections.extend(report.last.flatten().map(|last| final_state(&last, end_s)));
-    sections.extend(report.fingers.iter().flatten().map(|all| final_states(all, end_s)));
-    sections.extend(report.object.iter().flatten().map(|of| object(of, end_s)));
-    sections.extend(report.discs.iter().flatten().map(|all| discs(all, end_s)));
-    sections.extend(report.contacts.as_ref().and_then(contacts));
-    sections.extend(report.energy.as_ref().map(|energy| energies(energy, report.has_joints())));
-    sections.extend(report.criteria.flatten().map(|criteria| dynamics(&criteria)));
-    sections.extend(report.grasp.iter().flatten().map(grasp));
-    sections.extend(check::line(report.check.as_ref(), report.steps));
-    Sheet::join(sections)
+impl Reported for RunReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![heading(self)];
+        let end_s = self.end_s.unwrap_or_default();
+        sections.extend(self.last.flatten().map(|last| final_state(&last, end_s)));
+        sections.extend(self.fingers.iter().flatten().map(|all| final_states(all, end_s)));
+        sections.extend(self.object.iter().flatten().map(|of| object(of, end_s)));
+        sections.extend(self.discs.iter().flatten().map(|all| discs(all, end_s)));
+        sections.extend(self.contacts.as_ref().and_then(contacts));
+        sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.has_joints())));
+        sections.extend(self.criteria.flatten().map(|criteria| dynamics(&criteria)));
+        sections.extend(self.grasp.iter().flatten().map(grasp));
+        sections.extend(check::line(self.check.as_ref(), self.steps));
+        Report::join(sections)
+    }
 }
 
-fn heading(report: &RunReport) -> Sheet {
-    let mut text = Sheet::default();
+fn heading(report: &RunReport) -> Report {
+    let mut text = Report::default();
     let used = report.integrator.as_ref().map(integrator);
     let used = used.or_else(|| report.engine.as_ref().map(|used| engine(used, report.has_joints())));
-    // Writing to a sheet cannot fail.
+    // Writing to a report cannot fail.
     let _ = writeln!(text, "{}: {} model{}", report.scene, report.model, used.unwrap_or_default());
     let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
     if let Some(gap_m) = report.loop_gap_m.flatten() {

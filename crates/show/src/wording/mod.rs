@@ -3,13 +3,13 @@
 //! | file | job |
 //! |---|---|
 //! | `figures` | numbers of a chosen number of digits, lengths of time |
-//! | `sheet` | words and tables, laid out where they are shown |
+//! | `report` | words, tables and figures, laid out where they are shown: text, Markdown, elements of a page |
 //! | `escape` | text of others within a page or a picture |
 
 mod escape;
 pub mod figures;
-pub mod sheet;
+pub mod report;
 
 pub use escape::escaped;
 pub use figures::duration;
-pub use sheet::Sheet;
+pub use report::{Report, Reported};

@@ -6,22 +6,24 @@ use super::gripper::{
 };
 use super::text::closure;
 use crate::wording::figures::{G_M_S2, duration, figure, row};
-use crate::wording::sheet::{Sheet, table};
+use crate::wording::report::{Report, Reported, table};
 
 /// The whole report, with a line end.
-pub fn gripper_statics_text(report: &GripperStaticsReport) -> Sheet {
-    let mut sections = vec![
-        Sheet::from(format!("{}: how its object is held at rest\n", report.scene)),
-        posture(&report.posture),
-        Sheet::from(report.motors.iter().map(motor).collect::<String>()),
-        contacts(&report.contacts),
-    ];
-    sections.extend(report.form_closure.iter().map(form_closure));
-    sections.extend(report.holds.iter().map(holds));
-    if let Some(path) = &report.svg {
-        sections.push(Sheet::from(format!("picture: {path}\n")));
+impl Reported for GripperStaticsReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![
+            Report::from(format!("{}: how its object is held at rest\n", self.scene)),
+            posture(&self.posture),
+            Report::from(self.motors.iter().map(motor).collect::<String>()),
+            contacts(&self.contacts),
+        ];
+        sections.extend(self.form_closure.iter().map(form_closure));
+        sections.extend(self.holds.iter().map(holds));
+        if let Some(path) = &self.svg {
+            sections.push(Report::from(format!("picture: {path}\n")));
+        }
+        Report::join(sections)
     }
-    Sheet::join(sections)
 }
 
 fn number(value: f64) -> String {
@@ -32,7 +34,7 @@ fn millimetres(length_m: f64) -> String {
     format!("{:.4}", length_m * 1e3)
 }
 
-fn posture(of: &GripperPostureReport) -> Sheet {
+fn posture(of: &GripperPostureReport) -> Report {
     let head = match (of.source, of.time_s) {
         ("run", Some(time_s)) => {
             format!("posture at {} of the run, {}\n", duration(time_s), of.fate.unwrap_or_default())
@@ -47,7 +49,7 @@ fn posture(of: &GripperPostureReport) -> Sheet {
     let rows =
         [row(["finger", "q11, °", "q21, °", "q12, °", "q22, °"]), line("right", &of.right), line("left", &of.left)];
     let [gx, gy] = of.gravity_m_s2;
-    Sheet::from(head).and(table(&rows)).and(Sheet::from(format!(
+    Report::from(head).and(table(&rows)).and(Report::from(format!(
         "object of {} g at ({}, {}) mm, gravity ({}, {}) m/s² in the palm's frame\n",
         number(of.mass_kg * 1e3),
         millimetres(of.x_m),
@@ -81,7 +83,7 @@ fn short(place: &str) -> &str {
     }
 }
 
-fn contacts(all: &[GripperContactReport]) -> Sheet {
+fn contacts(all: &[GripperContactReport]) -> Report {
     let ran = all.iter().any(|of| of.normal_n.is_some());
     let mut head = row(["contact", "x, mm", "y, mm", "normal, °", "gap, µm", "μ_s"]);
     if ran {
@@ -99,7 +101,7 @@ fn contacts(all: &[GripperContactReport]) -> Sheet {
         cells
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
-    let mut text = Sheet::from("contacts in the palm's frame; normals into the object\n").and(table(&rows));
+    let mut text = Report::from("contacts in the palm's frame; normals into the object\n").and(table(&rows));
     if ran {
         text.push_str(
             "(forces are those of the run; friction on phalanx and palm along t = (n_y, −n_x), mirrored on the left)\n",
@@ -108,7 +110,7 @@ fn contacts(all: &[GripperContactReport]) -> Sheet {
     text
 }
 
-fn form_closure(of: &GripperClosureReport) -> Sheet {
+fn form_closure(of: &GripperClosureReport) -> Report {
     let what = match of.blocked {
         "outputs" => "both driven links blocked",
         _ => "the differential's input blocked",
@@ -117,12 +119,12 @@ fn form_closure(of: &GripperClosureReport) -> Sheet {
         (Some(found), _) => closure(found, &format!("form closure, {what}"), None),
         (None, reason) => {
             let reason = reason.as_deref().unwrap_or_default();
-            Sheet::from(format!("form closure, {what}: not decided\n")).and(Sheet::paragraph(&format!("{reason}\n")))
+            Report::from(format!("form closure, {what}: not decided\n")).and(Report::paragraph(&format!("{reason}\n")))
         }
     }
 }
 
-fn holds(of: &HoldsReport) -> Sheet {
+fn holds(of: &HoldsReport) -> Report {
     let friction = match of.mu_static {
         Some(mu) => format!("μ_s {mu} in all contacts"),
         None => "friction of the scene".to_string(),
@@ -138,7 +140,7 @@ fn holds(of: &HoldsReport) -> Sheet {
         false => "not closed".to_string(),
     };
     let weakest = if closure.closed { "least can be balanced along" } else { "nothing can be balanced along" };
-    let mut text = Sheet::from(format!(
+    let mut text = Report::from(format!(
         "force closure with {friction}: {verdict}\n{weakest} the wrench ({x}, {y}; {moment}), force and moment over radius\n"
     ));
     text.push_str("\nlargest acceleration of the palm that contact forces can balance\n");
@@ -155,7 +157,7 @@ fn holds(of: &HoldsReport) -> Sheet {
     };
     let rows: Vec<_> = std::iter::once(row(heads)).chain(of.accelerations.iter().map(line)).collect();
     text.push(table(&rows));
-    text.push(Sheet::paragraph(
+    text.push(Report::paragraph(
         "(0° is x, along the palm to the right, 90° y, out of it; a gripper that hangs is lifted towards 270°. Forces that balance it \
          exist; which of them come about depends on how the hand was closed.)\n",
     ));

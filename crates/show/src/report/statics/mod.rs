@@ -17,26 +17,5 @@ mod motion;
 mod text;
 mod words;
 
-pub use closure::{ClosureReport, MultiplierReport, NecessaryReport};
-pub use document::{
-    BirglenReport, ContactPlaceReport, DriveReport, FinalPostureReport, ForcesReport, SpringReport, StaticsReport,
-};
-pub use gripper::{
-    AnglesReport, BalanceReport, DirectionReport, ForceReport, GripperClosureReport, GripperContactReport,
-    GripperPostureReport, GripperStaticsReport, HandMotionReport, HoldsReport, MotorReport,
-};
-pub use gripper_text::gripper_statics_text;
-pub use motion::{FingerMotionReport, MotionReport, RateReport};
-pub use text::statics_text;
-
-use super::document_text;
-
-/// The report as one JSON document.
-pub fn statics_json(report: &StaticsReport) -> String {
-    document_text(report)
-}
-
-/// That of a gripper.
-pub fn gripper_statics_json(report: &GripperStaticsReport) -> String {
-    document_text(report)
-}
+pub use document::StaticsReport;
+pub use gripper::GripperStaticsReport;

@@ -1,25 +1,29 @@
 //! Statics for people: short tables with units.
 
 use super::closure::{ClosureReport, MultiplierReport};
-use super::document::{BirglenReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport};
+use super::document::{
+    BirglenReport, ContactPlaceReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport,
+};
 use super::motion::MotionReport;
 use crate::wording::figures::{figure, row};
-use crate::wording::sheet::{Sheet, list, table};
+use crate::wording::report::{Report, Reported, list, table};
 
 /// The whole report, with a line end.
-pub fn statics_text(report: &StaticsReport) -> Sheet {
-    let mut sections = vec![
-        Sheet::from(format!("{}: the grasp at rest\n", report.scene)),
-        posture(&report.end),
-        Sheet::from(drive(&report.drive)),
-        forces(&report.forces),
-        birglen(&report.forces),
-        closure(&report.form_closure, "form closure of two fingers", Some(report.forces_per_n_m)),
-    ];
-    if let Some(path) = &report.svg {
-        sections.push(Sheet::from(format!("picture: {path}\n")));
+impl Reported for StaticsReport {
+    fn report(&self) -> Report {
+        let mut sections = vec![
+            Report::from(format!("{}: the grasp at rest\n", self.scene)),
+            posture(&self.end),
+            Report::from(drive(&self.drive)),
+            forces(&self.forces),
+            birglen(&self.forces),
+            closure(&self.form_closure, "form closure of two fingers", Some(self.forces_per_n_m)),
+        ];
+        if let Some(path) = &self.svg {
+            sections.push(Report::from(format!("picture: {path}\n")));
+        }
+        Report::join(sections)
     }
-    Sheet::join(sections)
 }
 
 fn number(value: f64) -> String {
@@ -34,7 +38,7 @@ fn millimetres(length_m: f64) -> String {
     format!("{:.4}", length_m * 1e3)
 }
 
-fn posture(end: &FinalPostureReport) -> Sheet {
+fn posture(end: &FinalPostureReport) -> Report {
     let angles = [
         ("q11", end.q11_rad),
         ("q21", end.q21_rad),
@@ -43,7 +47,7 @@ fn posture(end: &FinalPostureReport) -> Sheet {
         ("phi_c", end.phi_c_rad),
     ];
     let angles: Vec<String> = angles.iter().map(|(name, angle)| format!("{name} {}", degrees(*angle))).collect();
-    let line = |name: &str, at: &super::ContactPlaceReport| {
+    let line = |name: &str, at: &ContactPlaceReport| {
         let [x, y] = at.point_m;
         let lengths = [at.from_joint_m, at.phalanx_m, x, y].map(millimetres);
         std::iter::once(name.to_string()).chain(lengths).collect::<Vec<_>>()
@@ -53,7 +57,7 @@ fn posture(end: &FinalPostureReport) -> Sheet {
         line("proximal", &end.proximal),
         line("distal", &end.distal),
     ];
-    Sheet::from(format!("final posture: {}\n", angles.join(", "))).and(table(&rows))
+    Report::from(format!("final posture: {}\n", angles.join(", "))).and(table(&rows))
 }
 
 fn drive(drive: &DriveReport) -> String {
@@ -90,7 +94,7 @@ fn friction([proximal, distal]: [f64; 2]) -> String {
     if proximal == distal { proximal.to_string() } else { format!("{proximal}, {distal}") }
 }
 
-fn forces(all: &[ForcesReport]) -> Sheet {
+fn forces(all: &[ForcesReport]) -> Report {
     let head = row(["μ_s", "F21, N", "F22, N", "force positive", "PFP, N", "palm force positive"]);
     let line = |of: &ForcesReport| {
         vec![
@@ -103,7 +107,7 @@ fn forces(all: &[ForcesReport]) -> Sheet {
         ]
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
-    let mut text = Sheet::from("contact forces at rest (2.32), without weight\n").and(table(&rows));
+    let mut text = Report::from("contact forces at rest (2.32), without weight\n").and(table(&rows));
     for of in all {
         let cause = match of.ejection {
             "proximal" => {
@@ -120,8 +124,8 @@ fn forces(all: &[ForcesReport]) -> Sheet {
     text
 }
 
-fn birglen(all: &[ForcesReport]) -> Sheet {
-    let mut text = Sheet::from("Birglen's frame: phalanges without width, θ = (q21, q22)\n");
+fn birglen(all: &[ForcesReport]) -> Report {
+    let mut text = Report::from("Birglen's frame: phalanges without width, θ = (q21, q22)\n");
     let Some(BirglenReport { transmission, torques_n_m, .. }) = all.first().map(|of| &of.birglen) else {
         return text;
     };
@@ -163,9 +167,9 @@ fn matrix([[a, b], [c, d]]: &[[f64; 2]; 2], factor: f64) -> String {
 }
 
 /// What form closure says, `of` what; `pure` are forces of 1 N·m where their signs decide.
-pub(super) fn closure(found: &ClosureReport, of: &str, pure: Option<[f64; 3]>) -> Sheet {
+pub(super) fn closure(found: &ClosureReport, of: &str, pure: Option<[f64; 3]>) -> Report {
     let n = &found.necessary;
-    let mut text = Sheet::from(format!(
+    let mut text = Report::from(format!(
         "{of}{}: {}\n",
         match found.palm {
             "rests" | "within" => " and the palm",
@@ -210,7 +214,7 @@ pub(super) fn closure(found: &ClosureReport, of: &str, pure: Option<[f64; 3]>) -
     text
 }
 
-fn balance(multipliers: &[MultiplierReport], found: &ClosureReport) -> Sheet {
+fn balance(multipliers: &[MultiplierReport], found: &ClosureReport) -> Report {
     let line = |of: &MultiplierReport| {
         let value = match (of.force_n, of.torque_n_m) {
             (Some(force), _) => [number(force), "N".to_string()],
@@ -221,12 +225,12 @@ fn balance(multipliers: &[MultiplierReport], found: &ClosureReport) -> Sheet {
     let rows: Vec<_> = multipliers.iter().map(line).collect();
     let (rank, residual) = (found.rank, figure(found.residual, 1));
     let head = format!("certificate: U has full rank {rank} and these, all positive, are in balance (to {residual})\n");
-    Sheet::from(head).and(list(&rows))
+    Report::from(head).and(list(&rows))
 }
 
-fn free(motion: &MotionReport, found: &ClosureReport) -> Sheet {
+fn free(motion: &MotionReport, found: &ClosureReport) -> Report {
     let residual = figure(found.residual, 1);
-    let mut text = Sheet::from(format!("certificate: a motion that breaks no constraint (to {residual})\n"));
+    let mut text = Report::from(format!("certificate: a motion that breaks no constraint (to {residual})\n"));
     for sentence in &motion.words {
         text.push_str(&format!("  {sentence}\n"));
     }

@@ -1,10 +1,10 @@
 //! Tables as wide as they need to be.
 
 /// Rows of cells in columns as wide as they need: the first to the left, the others to the right, two spaces between.
-pub(super) fn table(rows: &[Vec<String>]) -> String {
+pub(super) fn table(rows: &[Vec<impl AsRef<str>>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.as_ref().chars().count()).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     rows.iter().map(|row| line(row, &widths) + "\n").collect()

@@ -3,9 +3,9 @@
 //! Heads wrap first, and long names in the first column. Where that is not enough, columns go into groups below each other,
 //! each beside the keys of the rows again. Figures are never broken.
 
-use super::Table;
 use super::plain;
 use super::wrap::{length, line_of, longest_word};
+use super::{Cell, Table};
 
 /// Between two columns.
 const GAP: usize = 2;
@@ -32,15 +32,15 @@ pub(super) fn table(table: &Table, width: usize) -> String {
 }
 
 /// A heading of the rows below it belongs to no column.
-fn is_heading(row: &[String]) -> bool {
+fn is_heading(row: &[Cell]) -> bool {
     row.len() == 1
 }
 
 fn measured(table: &Table, width: usize) -> Vec<Column> {
-    let count = table.rows.iter().map(Vec::len).max().unwrap_or(0);
+    let count = table.columns();
     let cells = |column: usize| {
         let rows = table.rows.iter().enumerate().filter(|(_, row)| !is_heading(row));
-        rows.filter_map(move |(index, row)| Some((index < table.heads, row.get(column)?.as_str())))
+        rows.filter_map(move |(index, row)| Some((index < table.heads, row.get(column)?.as_ref())))
     };
     let natural = |column: usize| cells(column).map(|(_, cell)| length(cell)).max().unwrap_or(0);
     let mut columns: Vec<Column> = Vec::with_capacity(count);
@@ -109,13 +109,13 @@ fn block(table: &Table, columns: &[Column], group: &[usize], width: usize) -> St
     let mut text = String::new();
     for (index, row) in table.rows.iter().enumerate() {
         if is_heading(row) {
-            line_of(&row[0], width, HANG).iter().for_each(|line| text.extend([line, "\n"]));
+            line_of(row[0].as_ref(), width, HANG).iter().for_each(|line| text.extend([line, "\n"]));
             continue;
         }
         let cells: Vec<Vec<String>> = shown
             .iter()
             .zip(&widths)
-            .map(|(&column, &width)| wrapped(row.get(column).map_or("", String::as_str), column == 0, width))
+            .map(|(&column, &width)| wrapped(row.get(column).map_or("", AsRef::as_ref), column == 0, width))
             .collect();
         let height = cells.iter().map(Vec::len).max().unwrap_or(1);
         for line in 0..height {
@@ -148,7 +148,7 @@ fn widths(table: &Table, columns: &[Column], shown: &[usize], width: usize) -> V
     room -= names;
     let height = |place: usize, width: usize| {
         let cells = table.rows.iter().filter(|row| !is_heading(row)).filter_map(|row| row.get(shown[place]));
-        cells.map(|cell| line_of(cell, width, 0).len()).max().unwrap_or(1)
+        cells.map(|cell| line_of(cell.as_ref(), width, 0).len()).max().unwrap_or(1)
     };
     while room > 0 {
         let tallest = (1..shown.len()).max_by_key(|&place| (height(place, widths[place]), shown.len() - place));
