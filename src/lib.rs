@@ -41,7 +41,6 @@ mod files;
 pub mod limits;
 #[cfg(feature = "live")]
 pub mod live;
-pub mod log;
 pub mod page;
 pub mod plot;
 pub mod report;
@@ -55,3 +54,4 @@ pub use phalanx_core::{
     analytic, check, criteria, drawing, engine, fivebar, grasp, gripper, integrator, invariants, law, numeric, sizing,
     statics, trace, units,
 };
+pub use phalanx_log as log;

@@ -1,0 +1,136 @@
+//! A run with everything that listens to it. `phalanx run`, `validate --out`, `replay --verify` and [`run_to`](super::run_to)
+//! all go through here, so that what a log should hold is decided in one place.
+
+use std::io::Write;
+use std::time::Instant;
+
+use super::beside::Beside;
+use super::core::Severity;
+use super::metadata::{CHECK_NAME, check_entries};
+use phalanx_core::check::Check;
+use phalanx_core::criteria::{Criteria, Fate, GraspCriteria, Judge, Judged, Rebound};
+use phalanx_core::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run};
+
+/// A run that is over, and its log, which is not.
+pub struct Ran<W: Write + Send + 'static> {
+    pub result: Result<Outcome, RunError>,
+    /// Of a finger, if it can grasp its object and the run was completed.
+    pub criteria: Option<Criteria>,
+    /// Of a gripper.
+    pub grasp: Option<GraspCriteria>,
+    /// Of every pair of discs; empty where there is a finger.
+    pub rebounds: Vec<Rebound>,
+    /// Time of the latest sample.
+    pub last_s: f64,
+    pub wall_s: f64,
+    pub log: Open<W>,
+}
+
+/// A log that waits for what is said in the end.
+pub struct Open<W: Write + Send + 'static> {
+    log: Option<Beside<W>>,
+    /// Whether the last sample could be passed on.
+    last: Result<(), SinkError>,
+    last_s: f64,
+    /// What is to be said of the grasp.
+    verdict: Option<String>,
+}
+
+/// Simulates a scene; `also` gets what the log gets, and is asked whether the run may go on.
+pub fn simulate<W: Write + Send + 'static>(
+    model: Model,
+    scene: Simulated<'_>,
+    log: Option<Beside<W>>,
+    also: &mut impl Sink,
+) -> Ran<W> {
+    let listeners = Listeners { log, judge: Judge::of(scene), last_s: 0.0, also };
+    let mut thinned = Thinned::new(scene.log().numeric_hz, listeners);
+    let start = Instant::now();
+    let result = run(model, scene, &mut thinned);
+    let wall_s = start.elapsed().as_secs_f64();
+    let last = thinned.end();
+    let Listeners { log, judge, last_s, .. } = thinned.sink;
+    let Judged { criteria, grasp, rebounds } = judge.judged(result.is_ok());
+    let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
+    let log = Open { log, last, last_s, verdict: said };
+    Ran { result, criteria, grasp, rebounds, last_s, wall_s, log }
+}
+
+impl<W: Write + Send + 'static> Open<W> {
+    /// Says in the log how the run ended (`stopped`: when, and why, if before its time) and finishes it.
+    pub fn close(self, stopped: Option<(f64, &str)>, check: Option<&Check>) -> Result<Option<W>, SinkError> {
+        let Some(mut log) = self.log else { return Ok(None) };
+        self.last?;
+        if let Some(verdict) = &self.verdict {
+            log.note(self.last_s, Severity::Info, "grasp", verdict)?;
+        }
+        match stopped {
+            None => log.note(self.last_s, Severity::Info, "run", "completed")?,
+            Some((time_s, reason)) => log.note(time_s, Severity::Error, "run", &format!("stopped: {reason}"))?,
+        }
+        // Last of all: it ends a chunk.
+        if let Some(check) = check {
+            log.record(CHECK_NAME, check_entries(check))?;
+        }
+        log.finish().map(Some)
+    }
+}
+
+/// What the log says of the grasp in the end.
+fn verdict(criteria: &Criteria) -> String {
+    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
+    let class = criteria.class.name();
+    if !criteria.statically_stable {
+        return format!("{class}: at rest a phalanx would have to pull");
+    }
+    match (criteria.tts_s, criteria.rebound_percent, criteria.t_geo_s) {
+        (Some(tts_s), Some(rebound), _) => {
+            format!("{class}: both phalanges hold for good from {}, rebounds {rebound:.3} %", ms(tts_s))
+        }
+        (_, _, Some(t_geo_s)) => {
+            format!("{class}: in position from {}, but not held by both phalanges in the end", ms(t_geo_s))
+        }
+        _ => format!("{class}: the finger never came into position"),
+    }
+}
+
+/// The same of a gripper.
+fn fate(found: &GraspCriteria) -> String {
+    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
+    match (found.fate, found.tts_s) {
+        (Fate::Held, Some(tts_s)) => format!("held: all contacts hold for good from {}", ms(tts_s)),
+        (Fate::Held, None) => "held".to_string(),
+        (Fate::Dropped { since_s }, _) => format!("dropped: no longer held from both sides from {}", ms(since_s)),
+        (Fate::Ejected { at_s }, _) => format!("ejected: the object left the gripper at {}", ms(at_s)),
+        (Fate::NotGrasped, _) => "not grasped: never held from both sides".to_string(),
+    }
+}
+
+/// Everything that listens to a run.
+struct Listeners<'a, W: Write + Send + 'static, A> {
+    log: Option<Beside<W>>,
+    judge: Judge,
+    /// Time of the latest sample.
+    last_s: f64,
+    /// Whoever else wants what the log gets.
+    also: &'a mut A,
+}
+
+impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.last_s = sample.time_s;
+        self.judge.sample(sample)?;
+        self.also.sample(sample)?;
+        self.log.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.judge.event(event)?;
+        self.also.event(event)?;
+        self.log.event(event)
+    }
+
+    fn proceed(&self) -> bool {
+        self.also.proceed()
+    }
+}

@@ -1,0 +1,127 @@
+//! Bodies as foxglove primitives: filled outlines in the plane, one entity a body, each in its own frame.
+
+use std::f64::consts::{PI, TAU};
+
+use foxglove::messages::line_primitive::Type as LineType;
+use foxglove::messages::{
+    Color, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TriangleListPrimitive, Vector3,
+};
+
+use phalanx_core::drawing::{Body, Drawing, Part, Shape};
+use phalanx_core::numeric::elementary::{atan2, sin_cos};
+
+/// Corners of a full circle.
+const CORNERS: usize = 64;
+/// Distance between the layers in which bodies lie, and thickness of their outlines, as parts of the view.
+const LAYER: f64 = 2e-3;
+const OUTLINE: f64 = 2e-3;
+
+/// All bodies, without a time.
+pub fn scene(drawing: &Drawing) -> SceneUpdate {
+    let view_m = drawing.view_m();
+    let entities = drawing.bodies.iter().map(|body| entity(body, drawing, view_m)).collect();
+    SceneUpdate { deletions: Vec::new(), entities }
+}
+
+fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
+    let colour = colour(body.part);
+    let z = layer(body.part) * LAYER * view_m;
+    let (mut triangles, mut lines) = (Vec::new(), Vec::new());
+    for (index, shape) in body.shapes.iter().enumerate() {
+        // The surface that touches lies upon the outline of the body's mass.
+        let z = z + 0.25 * index as f64 * LAYER * view_m;
+        let corners = outline(shape, drawing.extent_m);
+        let points: Vec<Point3> = corners.iter().map(|&[x, y]| Point3 { x, y, z }).collect();
+        let alpha = if index == 0 { 0.55 } else { 0.9 };
+        triangles.push(TriangleListPrimitive {
+            pose: Some(identity()),
+            // A fan: every shape is convex.
+            indices: (1..points.len() as u32 - 1).flat_map(|k| [0, k, k + 1]).collect(),
+            points: points.clone(),
+            color: Some(Color { a: alpha, ..colour }),
+            colors: Vec::new(),
+        });
+        lines.push(LinePrimitive {
+            r#type: LineType::LineLoop as i32,
+            pose: Some(identity()),
+            thickness: OUTLINE * view_m,
+            scale_invariant: false,
+            points,
+            color: Some(Color { a: 1.0, ..colour }),
+            colors: Vec::new(),
+            indices: Vec::new(),
+        });
+    }
+    SceneEntity {
+        frame_id: body.name.clone(),
+        id: body.name.clone(),
+        // The shapes move with their frame.
+        frame_locked: true,
+        lines,
+        triangles,
+        ..SceneEntity::default()
+    }
+}
+
+/// Corners of a convex shape, counter-clockwise; a half plane ends with the view.
+fn outline(shape: &Shape, [low, high]: [[f64; 2]; 2]) -> Vec<[f64; 2]> {
+    match shape {
+        Shape::Polygon { corners_m } => corners_m.clone(),
+        Shape::Disc { radius_m } => arc([0.0; 2], *radius_m, 0.0, TAU, CORNERS),
+        Shape::Capsule { from_m, to_m, radius_m } => {
+            let along = atan2(to_m[1] - from_m[1], to_m[0] - from_m[0]);
+            let mut corners = arc(*to_m, *radius_m, along - 0.5 * PI, along + 0.5 * PI, CORNERS / 2);
+            corners.extend(arc(*from_m, *radius_m, along + 0.5 * PI, along + 1.5 * PI, CORNERS / 2));
+            corners
+        }
+        Shape::HalfPlane { level_m } => {
+            let floor = low[1].min(level_m - 0.05 * (high[0] - low[0]));
+            vec![[low[0], floor], [high[0], floor], [high[0], *level_m], [low[0], *level_m]]
+        }
+    }
+}
+
+/// Points of an arc; the last one is left out of a full circle, where it would be the first.
+fn arc([x, y]: [f64; 2], radius: f64, from: f64, to: f64, corners: usize) -> Vec<[f64; 2]> {
+    let pieces = if to - from >= TAU { corners } else { corners - 1 };
+    (0..corners)
+        .map(|k| {
+            let (sin, cos) = sin_cos(from + (to - from) * k as f64 / pieces as f64);
+            [x + radius * cos, y + radius * sin]
+        })
+        .collect()
+}
+
+/// The colours of the page and of all other pictures, strong enough for a dark view.
+fn colour(part: Part) -> Color {
+    let of = |r: u8, g: u8, b: u8| Color { r: r.into(), g: g.into(), b: b.into(), a: 255.0 };
+    let Color { r, g, b, a } = match part {
+        Part::Driver => of(122, 134, 150),
+        Part::Coupler => of(160, 170, 184),
+        Part::Proximal => of(0, 114, 178),
+        Part::Distal => of(213, 94, 0),
+        Part::Object => of(190, 170, 120),
+        Part::Palm => of(120, 120, 120),
+        Part::Disc => of(86, 180, 233),
+    };
+    Color { r: r / 255.0, g: g / 255.0, b: b / 255.0, a: a / 255.0 }
+}
+
+/// Height of a part over the plane, in layers; the driver and the coupler lie behind the phalanges.
+fn layer(part: Part) -> f64 {
+    match part {
+        Part::Palm => -2.0,
+        Part::Object | Part::Disc => -1.0,
+        Part::Driver => 0.0,
+        Part::Coupler => 1.0,
+        Part::Proximal => 2.0,
+        Part::Distal => 3.0,
+    }
+}
+
+pub(super) fn identity() -> Pose {
+    Pose {
+        position: Some(Vector3 { x: 0.0, y: 0.0, z: 0.0 }),
+        orientation: Some(Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
+    }
+}

@@ -1,0 +1,130 @@
+//! Motor torque over time.
+
+use std::f64::consts::PI;
+
+use super::{Actuation, Interpolation};
+use crate::law::smoothstep;
+use crate::numeric::elementary::sin_cos;
+
+/// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the later branch holds (t in [tᵢ, tᵢ₊₁)).
+#[inline(always)]
+pub fn torque(actuation: &Actuation, t: f64) -> (f64, f64) {
+    match actuation {
+        Actuation::Constant { torque_n_m } => (*torque_n_m, 0.0),
+        Actuation::Table { points, interpolation } => table(points, *interpolation, t),
+        Actuation::Ramp { torque_n_m, rise_s } => {
+            let (sigma, slope) = smoothstep(t / rise_s);
+            (torque_n_m * sigma, torque_n_m * slope / rise_s)
+        }
+        Actuation::HalfSine { torque_n_m, length_s } => {
+            if t >= *length_s {
+                return (0.0, 0.0);
+            }
+            let omega = PI / length_s;
+            let (sin, cos) = sin_cos(omega * t);
+            (torque_n_m * sin, torque_n_m * omega * cos)
+        }
+        Actuation::Reversal { torque_n_m, at_s } => (if t < *at_s { *torque_n_m } else { -torque_n_m }, 0.0),
+    }
+}
+
+#[inline]
+fn table(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f64) {
+    let after = points.partition_point(|p| p.0 <= t);
+    let Some(&(t0, y0)) = after.checked_sub(1).and_then(|i| points.get(i)) else {
+        return (points.first().map_or(0.0, |p| p.1), 0.0);
+    };
+    match (interpolation, points.get(after)) {
+        (Interpolation::Linear, Some(&(t1, y1))) => {
+            let slope = (y1 - y0) / (t1 - t0);
+            (y0 + slope * (t - t0), slope)
+        }
+        _ => (y0, 0.0),
+    }
+}
+
+/// The next time after `t` at which the torque or its slope jumps; infinite if there is none.
+///
+/// The integrator lands on it, so that no step straddles a corner.
+#[inline]
+pub fn next_corner(actuation: &Actuation, t: f64) -> f64 {
+    let later = |corner: f64| if corner > t { corner } else { f64::INFINITY };
+    match actuation {
+        Actuation::Constant { .. } => f64::INFINITY,
+        Actuation::Table { points, .. } => {
+            points.get(points.partition_point(|p| p.0 <= t)).map_or(f64::INFINITY, |p| p.0)
+        }
+        Actuation::Ramp { rise_s, .. } => later(*rise_s),
+        Actuation::HalfSine { length_s, .. } => later(*length_s),
+        Actuation::Reversal { at_s, .. } => later(*at_s),
+    }
+}
+
+/// A torque `factor` times as large at every time.
+pub fn scaled(actuation: &Actuation, factor: f64) -> Actuation {
+    let mut scaled = actuation.clone();
+    match &mut scaled {
+        Actuation::Constant { torque_n_m }
+        | Actuation::Ramp { torque_n_m, .. }
+        | Actuation::HalfSine { torque_n_m, .. }
+        | Actuation::Reversal { torque_n_m, .. } => *torque_n_m *= factor,
+        Actuation::Table { points, .. } => points.iter_mut().for_each(|(_, torque_n_m)| *torque_n_m *= factor),
+    }
+    scaled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_interpolate_hold_and_announce_their_corners() {
+        let points = vec![(0.0, 1.0), (1.0, 3.0), (2.0, -1.0)];
+        let linear = Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear };
+        let step = Actuation::Table { points, interpolation: Interpolation::Step };
+        assert_eq!(torque(&linear, -1.0), (1.0, 0.0));
+        assert_eq!(torque(&linear, 0.25), (1.5, 2.0));
+        assert_eq!(torque(&linear, 1.5), (1.0, -4.0));
+        assert_eq!(torque(&linear, 9.0), (-1.0, 0.0));
+        assert_eq!(torque(&step, 0.999), (1.0, 0.0));
+        assert_eq!(torque(&step, 1.0), (3.0, 0.0));
+        assert_eq!(next_corner(&step, 0.0), 1.0);
+        assert_eq!(next_corner(&step, 1.0), 2.0);
+        assert_eq!(next_corner(&step, 2.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn named_profiles_have_the_slopes_they_say() {
+        let profiles = [
+            Actuation::Ramp { torque_n_m: 0.4, rise_s: 2e-3 },
+            Actuation::HalfSine { torque_n_m: 0.4, length_s: 5e-3 },
+        ];
+        for profile in &profiles {
+            for t in [3e-4, 1.7e-3, 4.9e-3, 6e-3] {
+                let h = 1e-8;
+                let slope = (torque(profile, t + h).0 - torque(profile, t - h).0) / (2.0 * h);
+                assert!((torque(profile, t).1 - slope).abs() < 1e-5 * (1.0 + slope.abs()));
+            }
+        }
+        let reversal = Actuation::Reversal { torque_n_m: 0.4, at_s: 1e-3 };
+        assert_eq!((torque(&reversal, 9e-4).0, torque(&reversal, 1e-3).0), (0.4, -0.4));
+    }
+
+    #[test]
+    fn every_kind_of_torque_is_scaled_at_every_time() {
+        let points = vec![(0.0, 0.1), (1e-3, 0.4), (5e-3, -0.2)];
+        for actuation in [
+            Actuation::Constant { torque_n_m: 0.48 },
+            Actuation::Ramp { torque_n_m: 0.48, rise_s: 2e-3 },
+            Actuation::HalfSine { torque_n_m: 0.48, length_s: 8e-3 },
+            Actuation::Reversal { torque_n_m: 0.48, at_s: 3e-3 },
+            Actuation::Table { points: points.clone(), interpolation: Interpolation::Linear },
+            Actuation::Table { points, interpolation: Interpolation::Step },
+        ] {
+            let twice = scaled(&actuation, 2.0);
+            for t in [0.0, 0.7e-3, 2.1e-3, 6e-3] {
+                assert_eq!(torque(&twice, t).0, 2.0 * torque(&actuation, t).0, "{actuation:?} at {t}");
+            }
+        }
+    }
+}
