@@ -168,17 +168,7 @@ fn make(args: &SweepArgs, study: &Study, out: &Path, mut store: Store, most: u64
 fn tell(args: &SweepArgs, study: &Study, out: &Path, table: &Table, now: SweepWork) -> Result<Status, Failure> {
     let found = summary(table).map_err(Failure::incomplete)?;
     let nothing = nothing(&found);
-    let report = SweepReport {
-        study: study.name.clone(),
-        model: study.model.name().to_string(),
-        out: out.display().to_string(),
-        runs: study.runs(),
-        designs: study.designs(),
-        shard: None,
-        parts: None,
-        found,
-        now,
-    };
+    let report = SweepReport::new(study, out, found, now);
     answer(&report, args.how.json)?;
     match nothing {
         true => Err(Failure::incomplete(format!(

@@ -76,15 +76,8 @@ pub fn run(args: &MergeArgs) -> Result<Status, Failure> {
         (error, _) => error.into(),
     })?;
     let report = SweepReport {
-        study: study.name.clone(),
-        model: study.model.name().to_string(),
-        out: args.out.display().to_string(),
-        runs: study.runs(),
-        designs: study.designs(),
-        shard: None,
         parts: Some(merged.parts),
-        found: merged.found,
-        now: SweepWork::new(0, 0, 0, 0.0),
+        ..SweepReport::new(&study, &args.out, merged.found, SweepWork::new(0, 0, 0, 0.0))
     };
     answer(&report, args.json)?;
     Ok(Status::Done)

@@ -67,17 +67,7 @@ pub fn run(study: &Study, of: ShardOf, place: &Place<'_>) -> Result<Status, Fail
             SweepWork::new(0, 0, 0, 0.0)
         }
     };
-    let report = SweepReport {
-        study: study.name.clone(),
-        model: study.model.name().to_string(),
-        out: place.out.display().to_string(),
-        runs: study.runs(),
-        designs: study.designs(),
-        shard: Some(shard),
-        parts: None,
-        found: made.found,
-        now,
-    };
+    let report = SweepReport { shard: Some(shard), ..SweepReport::new(study, place.out, made.found, now) };
     answer(&report, place.json)?;
     Ok(Status::Done)
 }

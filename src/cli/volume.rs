@@ -139,7 +139,7 @@ pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
 
 /// Where not one design exists there is nothing to tabulate; where none does at one base of several, that is said.
 fn refuse_nothing(report: &VolumeReport) -> Result<(), Failure> {
-    let empty: Vec<_> = report.volumes.iter().filter(|volume| volume.fingers == 0).collect();
+    let empty: Vec<_> = report.volumes.iter().filter(|volume| volume.of.fingers == 0).collect();
     let why = |volume: &ShareReport| {
         let reason = volume.no_finger.first().map_or("", |told| told.reason.as_str());
         format!("no design exists at a base of {}: {reason}", units::format(volume.base_m, Dimension::Length))

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::grasp::TravelReport;
 use super::tables::milliseconds;
+use crate::criteria::Travel;
 use crate::study::capture::{Capture, Edge, Placed};
 use crate::wording::figures::{figure, row};
 use crate::wording::report::{Report, Reported, Table};
@@ -41,7 +41,7 @@ pub struct PlaceReport {
     pub angle_rad: Option<f64>,
     pub speed_m_s: Option<f64>,
     /// Since it is held for good.
-    pub slip: Option<TravelReport>,
+    pub slip: Option<Travel>,
     /// Of the contacts at the end, where it is held.
     pub form_closed: Option<bool>,
     pub steps: Option<u64>,
@@ -78,7 +78,7 @@ impl From<&Placed> for PlaceReport {
             y_m: found.map(|found| found.centre_m[1]),
             angle_rad: found.map(|found| found.angle_rad),
             speed_m_s: found.map(|found| found.speed_m_s),
-            slip: found.and_then(|found| found.slip).map(TravelReport::from),
+            slip: found.and_then(|found| found.slip),
             form_closed: found.and_then(|found| found.form_closed),
             steps: found.map(|found| found.steps),
             reason: placed.found.as_ref().err().cloned(),

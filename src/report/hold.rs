@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::grasp::TravelReport;
+use crate::criteria::Travel;
 use crate::scene::Axis;
 use crate::study::hold::{Answer, AtRest, Case, Held, Hold, Limit, Since, Stage, Tried};
 
@@ -23,7 +23,7 @@ pub struct HoldReport {
     pub scan: usize,
     pub tolerance: f64,
     /// In the hand, in the same time, with no load at all.
-    pub unloaded_slip: TravelReport,
+    pub unloaded_slip: Travel,
     /// All runs under loads, and those of them that could not be finished.
     pub runs: usize,
     pub unfinished: usize,
@@ -97,7 +97,7 @@ pub struct TriedReport {
     /// `held`, `dropped` or `ejected`; null where the run was not finished.
     pub fate: Option<&'static str>,
     /// In the hand since the load began.
-    pub slip: Option<TravelReport>,
+    pub slip: Option<Travel>,
     /// Largest turn of the driven links under their brakes.
     pub brake_slip_rad: Option<f64>,
     pub end_s: Option<f64>,
@@ -125,7 +125,7 @@ impl From<&Hold> for HoldReport {
             to_m_s2: found.plan.to_m_s2,
             scan: found.plan.scan,
             tolerance: found.plan.tolerance,
-            unloaded_slip: found.unloaded.slip.into(),
+            unloaded_slip: found.unloaded.slip,
             runs: tried().count(),
             unfinished: tried().filter(|tried| tried.drops() == Answer::Unknown).count(),
             loads: found.held.iter().map(|held| LoadReport::new(held, found)).collect(),
@@ -158,7 +158,7 @@ impl LoadReport {
                 peak_m_s2: tried.peak_m_s2,
                 size: size(tried.peak_m_s2),
                 fate: found.map(|found| found.fate.name()),
-                slip: found.map(|found| found.slip.into()),
+                slip: found.map(|found| found.slip),
                 brake_slip_rad: found.map(|found| found.brake_slip_rad),
                 end_s: found.map(|found| found.end_s),
                 steps: found.map(|found| found.steps),

@@ -1,5 +1,7 @@
 //! What a sweep came to, as tables and JSON.
 
+use std::path::Path;
+
 use serde::Serialize;
 
 use crate::study::sweep::{Reason, Shard, Study, Summary};
@@ -26,6 +28,23 @@ pub struct SweepReport {
     pub found: Summary,
     /// What was done now; all else was there already.
     pub now: SweepWork,
+}
+
+impl SweepReport {
+    /// Of the whole of a study, written to `out`.
+    pub fn new(study: &Study, out: &Path, found: Summary, now: SweepWork) -> Self {
+        SweepReport {
+            study: study.name.clone(),
+            model: study.model.name().to_string(),
+            out: out.display().to_string(),
+            runs: study.runs(),
+            designs: study.designs(),
+            shard: None,
+            parts: None,
+            found,
+            now,
+        }
+    }
 }
 
 /// What this sweep itself did.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::study::volume::{Axis, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
+use crate::study::volume::{Axes, Intersection, Point, Shares, Volume, VolumeRequest, intersections, percent, shares};
 use crate::wording::report::{Report, Reported, Table};
 
 /// Reasons for missing fingers that are told of one volume; there may be as many as points.
@@ -15,7 +15,8 @@ pub struct VolumeReport {
     pub scene: String,
     /// How motor and spring were sized.
     pub sizing: &'static str,
-    pub axes: AxesReport,
+    /// Of every volume.
+    pub axes: Axes,
     /// Bases slowest, as they were asked for.
     pub volumes: Vec<ShareReport>,
     /// What holds at every base, for each friction.
@@ -39,27 +40,9 @@ pub struct Effort {
     pub threads: usize,
 }
 
-/// The axes of every volume.
+/// Shares of all points of a volume, or of those that hold at every base.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AxesReport {
-    pub l21_fraction: AxisReport,
-    pub phi22_rad: AxisReport,
-    pub arm_ratio: AxisReport,
-}
-
-/// Evenly spaced values, both ends included.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AxisReport {
-    pub from: f64,
-    pub to: f64,
-    pub points: usize,
-}
-
-/// Shares of one volume, of all its points.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ShareReport {
-    pub base_m: f64,
-    pub mu_static: f64,
+pub struct PercentReport {
     pub points: usize,
     /// Points where there is a finger.
     pub fingers: usize,
@@ -70,10 +53,27 @@ pub struct ShareReport {
     pub form_closed_percent: f64,
     /// Form-closed, stable or not.
     pub form_closed_anyway_percent: f64,
+}
+
+/// One volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ShareReport {
+    pub base_m: f64,
+    pub mu_static: f64,
+    #[serde(flatten)]
+    pub of: PercentReport,
     /// The largest palm force of the stable region; null where nothing is stable.
     pub largest_palm_force: Option<BestReport>,
     /// Why there are no fingers: the most frequent reasons.
     pub no_finger: Vec<ReasonReport>,
+}
+
+/// What holds at every base.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IntersectionReport {
+    pub mu_static: f64,
+    #[serde(flatten)]
+    pub of: PercentReport,
 }
 
 /// Where a palm force is largest.
@@ -92,34 +92,16 @@ pub struct ReasonReport {
     pub reason: String,
 }
 
-/// Shares of the points that hold at every base.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct IntersectionReport {
-    pub mu_static: f64,
-    pub points: usize,
-    pub fingers: usize,
-    pub stable_percent: f64,
-    pub palm_positive_percent: f64,
-    pub form_closed_percent: f64,
-    pub form_closed_anyway_percent: f64,
-}
-
 impl VolumeReport {
     /// Counts the volumes of a request.
     pub fn new(request: &VolumeRequest, volumes: &[Volume]) -> Self {
-        let axes = &request.axes;
-        let axis = |axis: &Axis| AxisReport { from: axis.from, to: axis.to, points: axis.points };
         Self {
             scene: request.template.name.clone(),
             sizing: request.rule.name(),
-            axes: AxesReport {
-                l21_fraction: axis(&axes.l21_fraction),
-                phi22_rad: axis(&axes.phi22_rad),
-                arm_ratio: axis(&axes.arm_ratio),
-            },
+            axes: request.axes,
             volumes: volumes.iter().map(|volume| share(volume, &shares(volume))).collect(),
             intersections: intersections(volumes).iter().map(common).collect(),
-            designs: request.bases_m.len() * axes.len(),
+            designs: request.bases_m.len() * request.axes.len(),
             effort: None,
             directory: None,
             files: Vec::new(),
@@ -128,35 +110,32 @@ impl VolumeReport {
 }
 
 fn share(volume: &Volume, counted: &Shares) -> ShareReport {
-    let of = |part| percent(part, counted.points);
     let best = counted.best.map(|best| {
         let Point { l21_fraction, phi22_rad, arm_ratio, .. } = volume.points[best.point];
         BestReport { static_pfp_n: best.pfp_n, l21_fraction, phi22_rad, arm_ratio }
     });
-    ShareReport {
-        base_m: counted.base_m,
-        mu_static: counted.mu_static,
-        points: counted.points,
-        fingers: counted.fingers,
-        stable_percent: of(counted.stable),
-        palm_positive_percent: of(counted.palm_positive),
-        form_closed_percent: of(counted.form_closed),
-        form_closed_anyway_percent: of(counted.form_closed_anyway),
-        largest_palm_force: best,
-        no_finger: reasons(volume),
-    }
+    let Shares { base_m, mu_static, points, fingers, stable, palm_positive, form_closed, form_closed_anyway, .. } =
+        *counted;
+    let of = percents([points, fingers, stable, palm_positive, form_closed, form_closed_anyway]);
+    ShareReport { base_m, mu_static, of, largest_palm_force: best, no_finger: reasons(volume) }
 }
 
 fn common(counted: &Intersection) -> IntersectionReport {
-    let of = |part| percent(part, counted.points);
-    IntersectionReport {
-        mu_static: counted.mu_static,
-        points: counted.points,
-        fingers: counted.fingers,
-        stable_percent: of(counted.stable),
-        palm_positive_percent: of(counted.palm_positive),
-        form_closed_percent: of(counted.form_closed),
-        form_closed_anyway_percent: of(counted.form_closed_anyway),
+    let Intersection { mu_static, points, fingers, stable, palm_positive, form_closed, form_closed_anyway } = *counted;
+    let of = percents([points, fingers, stable, palm_positive, form_closed, form_closed_anyway]);
+    IntersectionReport { mu_static, of }
+}
+
+fn percents([points, fingers, parts @ ..]: [usize; 6]) -> PercentReport {
+    let [stable_percent, palm_positive_percent, form_closed_percent, form_closed_anyway_percent] =
+        parts.map(|part| percent(part, points));
+    PercentReport {
+        points,
+        fingers,
+        stable_percent,
+        palm_positive_percent,
+        form_closed_percent,
+        form_closed_anyway_percent,
     }
 }
 
@@ -180,7 +159,7 @@ fn reasons(volume: &Volume) -> Vec<ReasonReport> {
 /// Tables for people.
 impl Reported for VolumeReport {
     fn report(&self) -> Report {
-        let AxesReport { l21_fraction, phi22_rad, arm_ratio } = &self.axes;
+        let Axes { l21_fraction, phi22_rad, arm_ratio } = &self.axes;
         let [phi_from, phi_to] = [phi22_rad.from, phi22_rad.to].map(|angle| short(angle.to_degrees()));
         let mut text = Report::from(format!(
             "{}: grasp-state volumes of {} x {} x {} points, motor and spring sized by the rule \"{}\"\nl21 {} to {} of its range, \
@@ -196,26 +175,16 @@ impl Reported for VolumeReport {
             short(arm_ratio.to)
         ));
         text.push_str("\nstable: F21 >= 0 and F22 >= 0, %\n");
-        text.push(grid(self, |share| vec![two(share.stable_percent)], |all| vec![two(all.stable_percent)], &[""]));
+        text.push(grid(self, &[""], |of, _| vec![two(of.stable_percent)]));
         text.push_str(
             "\nstable with PFP >= 0 (the object is pressed on the palm), %; largest PFP of the stable region, N\n",
         );
-        text.push(grid(
-            self,
-            |share| {
-                let largest = share.largest_palm_force.as_ref().map_or("-".to_string(), |best| two(best.static_pfp_n));
-                vec![two(share.palm_positive_percent), largest]
-            },
-            |all| vec![two(all.palm_positive_percent), "-".to_string()],
-            &["%", "max"],
-        ));
+        let largest = |best: Option<&BestReport>| best.map_or("-".to_string(), |best| two(best.static_pfp_n));
+        text.push(grid(self, &["%", "max"], |of, best| vec![two(of.palm_positive_percent), largest(best)]));
         text.push_str("\nstable and form-closed, %; form-closed, stable or not, %\n");
-        text.push(grid(
-            self,
-            |share| vec![two(share.form_closed_percent), two(share.form_closed_anyway_percent)],
-            |all| vec![two(all.form_closed_percent), two(all.form_closed_anyway_percent)],
-            &["stable", "any"],
-        ));
+        text.push(grid(self, &["stable", "any"], |of, _| {
+            vec![two(of.form_closed_percent), two(of.form_closed_anyway_percent)]
+        }));
         text.push(best(self));
         text.push_str(&missing(self));
         if let Some(Effort { wall_s, threads }) = self.effort {
@@ -232,9 +201,8 @@ impl Reported for VolumeReport {
 /// A row for each base, columns for each friction, and the intersection below where there are several bases.
 fn grid(
     report: &VolumeReport,
-    cells: impl Fn(&ShareReport) -> Vec<String>,
-    all: impl Fn(&IntersectionReport) -> Vec<String>,
     heads: &[&str],
+    cells: impl Fn(&PercentReport, Option<&BestReport>) -> Vec<String>,
 ) -> Report {
     let mut head = vec!["base".to_string()];
     for of in &report.intersections {
@@ -247,11 +215,16 @@ fn grid(
     let frictions = report.intersections.len().max(1);
     for shares in report.volumes.chunks(frictions) {
         let base = format!("{} mm", short(shares[0].base_m * 1e3));
-        rows.push([base].into_iter().chain(shares.iter().flat_map(&cells)).collect());
+        rows.push(
+            [base]
+                .into_iter()
+                .chain(shares.iter().flat_map(|share| cells(&share.of, share.largest_palm_force.as_ref())))
+                .collect(),
+        );
     }
     if report.volumes.len() > frictions {
         let name = "intersection".to_string();
-        rows.push([name].into_iter().chain(report.intersections.iter().flat_map(all)).collect());
+        rows.push([name].into_iter().chain(report.intersections.iter().flat_map(|all| cells(&all.of, None))).collect());
     }
     Table::new(&rows).together(heads.len()).into()
 }
@@ -282,9 +255,9 @@ fn best(report: &VolumeReport) -> Report {
 fn missing(report: &VolumeReport) -> String {
     let mut text = String::new();
     let frictions = report.intersections.len().max(1);
-    for share in report.volumes.iter().step_by(frictions).filter(|share| share.fingers < share.points) {
-        let (gone, base) = (share.points - share.fingers, short(share.base_m * 1e3));
-        text.push_str(&format!("\nbase {base} mm: {gone} of {} points have no finger\n", share.points));
+    for share in report.volumes.iter().step_by(frictions).filter(|share| share.of.fingers < share.of.points) {
+        let (gone, base) = (share.of.points - share.of.fingers, short(share.base_m * 1e3));
+        text.push_str(&format!("\nbase {base} mm: {gone} of {} points have no finger\n", share.of.points));
         for ReasonReport { points, reason } in &share.no_finger {
             text.push_str(&format!("  {points} points, such as: {reason}\n"));
         }

@@ -1,5 +1,7 @@
 //! Values of a table, to and from the text of a cell.
 
+use serde::Serialize;
+
 /// What the values of a column are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -22,7 +24,8 @@ impl Kind {
 }
 
 /// One cell.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
 pub enum Value {
     Integer(i64),
     Number(f64),

@@ -75,9 +75,9 @@ pub struct ObjectiveReport {
 #[derive(Clone, Debug, Serialize)]
 pub struct ConstraintReport {
     pub column: String,
-    pub at_least: Option<serde_json::Value>,
+    pub at_least: Option<Value>,
     pub at_most: Option<f64>,
-    pub equals: Option<serde_json::Value>,
+    pub equals: Option<Value>,
 }
 
 /// A design: its values by their columns, in SI.
@@ -87,10 +87,10 @@ pub struct DesignReport {
     pub generation: u64,
     pub feasible: bool,
     pub violation: f64,
-    pub variables: BTreeMap<String, serde_json::Value>,
+    pub variables: BTreeMap<String, Value>,
     pub objectives: BTreeMap<String, Option<f64>>,
     /// The worst over the conditions.
-    pub constraints: BTreeMap<String, serde_json::Value>,
+    pub constraints: BTreeMap<String, Value>,
 }
 
 /// What a design gains over the start, by each objective.
@@ -186,11 +186,11 @@ impl From<&crate::study::optimize::Constraint> for ConstraintReport {
         let none = ConstraintReport { column: of.column.clone(), at_least: None, at_most: None, equals: None };
         match &of.limit {
             Limit::Between { at_least, at_most } => {
-                ConstraintReport { at_least: at_least.map(Into::into), at_most: *at_most, ..none }
+                ConstraintReport { at_least: at_least.map(Value::Number), at_most: *at_most, ..none }
             }
-            Limit::Flag(flag) => ConstraintReport { equals: Some((*flag).into()), ..none },
-            Limit::Word(word) => ConstraintReport { equals: Some(word.clone().into()), ..none },
-            Limit::Class(rank) => ConstraintReport { at_least: Some(CLASSES[*rank].name().into()), ..none },
+            Limit::Flag(flag) => ConstraintReport { equals: Some(Value::Flag(*flag)), ..none },
+            Limit::Word(word) => ConstraintReport { equals: Some(Value::Text(word.clone())), ..none },
+            Limit::Class(rank) => ConstraintReport { at_least: Some(Value::from(CLASSES[*rank].name())), ..none },
         }
     }
 }
@@ -206,20 +206,10 @@ impl DesignReport {
             generation: design.generation,
             feasible: design.is_feasible(),
             violation: judged.score.violation,
-            variables: variables.map(|(of, point)| (of.column(), json(&point.value))).collect(),
+            variables: variables.map(|(of, point)| (of.column(), point.value.clone())).collect(),
             objectives: objectives.map(|(of, value)| (of.figure.name.clone(), *value)).collect(),
-            constraints: constraints.map(|(of, value)| (of.column.clone(), json(value))).collect(),
+            constraints: constraints.map(|(of, value)| (of.column.clone(), value.clone())).collect(),
         }
-    }
-}
-
-fn json(value: &Value) -> serde_json::Value {
-    match value {
-        Value::Integer(value) => (*value).into(),
-        Value::Number(value) => (*value).into(),
-        Value::Flag(value) => (*value).into(),
-        Value::Text(value) => value.clone().into(),
-        Value::Missing => serde_json::Value::Null,
     }
 }
 

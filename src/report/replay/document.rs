@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Dynamics, Energies, Failure, Final, Used, finals};
+use super::super::document::{Failure, Final, Used, finals};
 use super::super::grasp::GraspReport;
 use super::super::named::Named;
 use super::summary::Summary;
@@ -15,7 +15,7 @@ use crate::criteria::{Criteria, GraspCriteria};
 use crate::log::{Loss, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
 use crate::scene::{AnyScene, Engine, Integrator};
-use crate::trace::{Outcome, Simulated};
+use crate::trace::{Energy, Outcome, Simulated};
 
 /// One log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,11 +72,11 @@ pub struct ReplayReport {
     /// Peaks are those of the samples, among which the run's own are.
     pub contacts: Option<Contacts>,
     /// Null without an object or a scene, or if the log does not reach the end of a completed run.
-    pub criteria: Option<Dynamics>,
+    pub criteria: Option<Criteria>,
     /// Of a log of a gripper.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<GraspReport>,
-    pub energy: Option<Energies>,
+    pub energy: Option<Energy>,
     /// Whether simulating again gives the same; null unless that was asked for.
     pub verification: Option<VerificationReport>,
 }
@@ -120,9 +120,9 @@ impl ReplayReport {
             object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
             discs: of(SceneKind::Bodies).map(bodies),
             contacts: outcome.map(|outcome| Contacts::new(layout, outcome, summary.rebounds())),
-            criteria: criteria.map(Dynamics::from),
+            criteria,
             grasp: grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, scene, &of.last)),
-            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
+            energy: outcome.map(|outcome| outcome.last.energy),
             ..ReplayReport::of_log(log, reading)
         }
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Comparison, Verdict, comparisons};
 use crate::report::select::SelectionReport;
-use crate::study::reproduce::{DRIFT_S, Reproduction, Variation};
+use crate::study::reproduce::{Checks, DRIFT_S, Flip, Reproduction, Variation};
 
 /// Everything that is judged, in SI.
 #[derive(Clone, Debug, Serialize)]
@@ -17,8 +17,8 @@ pub struct ReproductionReport<'a> {
     pub outside: usize,
     pub figures: Vec<Comparison>,
     pub other_sizings: Vec<OtherSizingReport>,
-    pub checks: ChecksReport,
-    pub near_chaotic: ChaosReport,
+    pub checks: &'a Checks,
+    pub near_chaotic: ChaosReport<'a>,
     pub selection: SelectionReport<'a>,
 }
 
@@ -29,25 +29,14 @@ pub struct OtherSizingReport {
     pub statically_stable_mu_0_8: usize,
 }
 
-/// Completed runs by what their checks say.
 #[derive(Clone, Debug, Serialize)]
-pub struct ChecksReport {
-    pub runs: usize,
-    pub uncertain_runs: Vec<i64>,
-    pub chaotic_runs: Vec<i64>,
-    pub unknown_runs: Vec<i64>,
-    /// Largest error of all others.
-    pub worst_error_rad: f64,
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub struct ChaosReport {
+pub struct ChaosReport<'a> {
     pub variations: Vec<&'static str>,
     pub conditions: Vec<SpreadReport>,
     /// Runs whose class changes.
-    pub runs: Vec<FlipReport>,
+    pub runs: &'a [Flip],
     /// Runs whose time to stability moves by more than `drift_s`.
-    pub drifting_runs: Vec<i64>,
+    pub drifting_runs: &'a [i64],
     pub drift_s: f64,
 }
 
@@ -61,15 +50,6 @@ pub struct SpreadReport {
     pub in_any: usize,
 }
 
-#[derive(Clone, Debug, Serialize)]
-pub struct FlipReport {
-    pub run: i64,
-    pub design: i64,
-    pub class: &'static str,
-    /// In the order of the variations.
-    pub by_variation: Vec<&'static str>,
-}
-
 impl<'a> ReproductionReport<'a> {
     pub fn new(found: &'a Reproduction) -> Self {
         let figures = comparisons(found);
@@ -81,12 +61,6 @@ impl<'a> ReproductionReport<'a> {
             in_all: chaos.always[condition],
             in_any: chaos.ever[condition],
         };
-        let flips = chaos.flips.iter().map(|flip| FlipReport {
-            run: flip.run,
-            design: flip.design,
-            class: flip.class.name(),
-            by_variation: flip.classes.iter().map(|class| class.name()).collect(),
-        });
         ReproductionReport {
             found,
             quick: found.quick,
@@ -102,18 +76,12 @@ impl<'a> ReproductionReport<'a> {
                     statically_stable_mu_0_8: of.stable[1],
                 })
                 .collect(),
-            checks: ChecksReport {
-                runs: found.checks.runs,
-                uncertain_runs: found.checks.uncertain.clone(),
-                chaotic_runs: found.checks.chaotic.clone(),
-                unknown_runs: found.checks.unknown.clone(),
-                worst_error_rad: found.checks.worst_rad,
-            },
+            checks: &found.checks,
             near_chaotic: ChaosReport {
                 variations: Variation::ALL.map(Variation::name).to_vec(),
                 conditions: (0..chaos.stable.len()).map(spread).collect(),
-                runs: flips.collect(),
-                drifting_runs: chaos.drifting.clone(),
+                runs: &chaos.flips,
+                drifting_runs: &chaos.drifting,
                 drift_s: DRIFT_S,
             },
             selection: SelectionReport::new("thesis.toml", &found.selection, usize::MAX),

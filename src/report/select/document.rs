@@ -1,8 +1,10 @@
 //! The JSON document of a selection.
 
-use serde::Serialize;
-use serde_json::Value as Json;
+use std::collections::BTreeMap;
 
+use serde::Serialize;
+
+use crate::criteria::Class;
 use crate::study::select::{CLASSES, Criterion, Parts, RunStatus, Selection, Side, Weights};
 use crate::table::Value;
 use crate::wording::{criterion_key, criterion_name};
@@ -44,7 +46,7 @@ pub struct VariedReport {
 #[derive(Clone, Debug, Serialize)]
 pub struct ClassesReport {
     /// Values of the axes that make the condition.
-    pub condition: serde_json::Map<String, Json>,
+    pub condition: BTreeMap<String, Value>,
     pub runs: usize,
     pub statuses: StatusesReport,
     pub statically_stable: usize,
@@ -71,7 +73,7 @@ pub struct CriterionReport {
     pub criterion: String,
     pub words: String,
     /// The least class, or the bound in the unit of its column.
-    pub at_least: Option<Json>,
+    pub at_least: Option<Value>,
     pub at_most: Option<f64>,
     pub holds: usize,
     pub fails: usize,
@@ -86,8 +88,8 @@ pub struct RankedReport {
     pub place: usize,
     pub run: i64,
     pub design: i64,
-    pub axes: serde_json::Map<String, Json>,
-    pub class: Option<&'static str>,
+    pub axes: BTreeMap<String, Value>,
+    pub class: Option<Class>,
     pub pfp_n: Option<f64>,
     pub tts_s: Option<f64>,
     pub f21_n: Option<f64>,
@@ -123,7 +125,7 @@ fn classes(selection: &Selection) -> Vec<ClassesReport> {
     let one = |(condition, of): (&crate::study::select::Condition, &crate::study::select::Classes)| {
         let status = |status: RunStatus| of.statuses[status as usize];
         ClassesReport {
-            condition: condition.values.iter().map(|(column, value)| (column.clone(), json(value))).collect(),
+            condition: condition.values.iter().map(|(column, value)| (column.clone(), value.clone())).collect(),
             runs: of.runs,
             statuses: StatusesReport {
                 completed: status(RunStatus::Completed),
@@ -147,8 +149,8 @@ fn classes(selection: &Selection) -> Vec<ClassesReport> {
 fn criteria(selection: &Selection) -> Vec<CriterionReport> {
     let one = |tally: &crate::study::select::Tally| {
         let (at_least, at_most) = match &tally.criterion {
-            Criterion::Class(least) => (Some(Json::from(least.name())), None),
-            Criterion::Bound(bound) if bound.side == Side::AtLeast => (Some(Json::from(bound.value)), None),
+            Criterion::Class(least) => (Some(Value::from(least.name())), None),
+            Criterion::Bound(bound) if bound.side == Side::AtLeast => (Some(Value::Number(bound.value)), None),
             Criterion::Bound(bound) => (None, Some(bound.value)),
             _ => (None, None),
         };
@@ -175,8 +177,8 @@ fn ranking(selection: &Selection) -> Vec<RankedReport> {
             place: ranked.place,
             run: run.run,
             design: run.design,
-            axes: axes.map(|(axis, value)| (axis.column.clone(), json(value))).collect(),
-            class: run.class.map(|class| class.name()),
+            axes: axes.map(|(axis, value)| (axis.column.clone(), value.clone())).collect(),
+            class: run.class,
             pfp_n: run.pfp_n,
             tts_s: run.tts_s,
             f21_n: run.f21_n,
@@ -186,14 +188,4 @@ fn ranking(selection: &Selection) -> Vec<RankedReport> {
         }
     };
     selection.ranking.iter().map(one).collect()
-}
-
-fn json(value: &Value) -> Json {
-    match value {
-        Value::Integer(value) => Json::from(*value),
-        Value::Number(value) => Json::from(*value),
-        Value::Flag(value) => Json::from(*value),
-        Value::Text(text) => Json::from(text.clone()),
-        Value::Missing => Json::Null,
-    }
 }

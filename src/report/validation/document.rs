@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Energies, Final, finals};
+use super::super::document::{Final, finals};
 use super::super::named::Named;
 use super::differences::{DifferencesReport, Errors};
 use super::invariants::FindingReport;
@@ -17,7 +17,7 @@ use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
 use crate::scene::Words;
 use crate::scene::words::SceneKind;
-use crate::trace::{Layout, Outcome, Simulated};
+use crate::trace::{Energy, Layout, Outcome, Simulated};
 use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
@@ -90,7 +90,7 @@ pub struct ModelReport {
     pub discs: Option<BTreeMap<String, DiscReport>>,
     /// Restitution is not measured here: `phalanx run` does.
     pub contacts: Contacts,
-    pub energy: Energies,
+    pub energy: Energy,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loop_gap_m: Option<f64>,
     /// How near this run came to breaking each invariant.
@@ -212,7 +212,7 @@ impl ModelReport {
             object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
             discs: of(SceneKind::Bodies).map(bodies),
             contacts: Contacts::new(&layout, outcome, &[]),
-            energy: Energies::from(&outcome.last.energy),
+            energy: outcome.last.energy,
             loop_gap_m: (scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),
             invariants: invariants.iter().map(FindingReport::from).collect(),
         }

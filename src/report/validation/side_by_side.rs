@@ -149,7 +149,8 @@ fn of_discs(
         rows.push(line(&format!("{name} spin, rad/s"), ours.spin_rad_s, theirs.spin_rad_s, 6));
     }
     for (name, ours) in pairs {
-        let Some(theirs) = their_pairs.get(name) else { continue };
+        let Some(theirs) = their_pairs.get(name).map(|pair| &pair.surface) else { continue };
+        let ours = &ours.surface;
         if ours.touchdowns == 0 && theirs.touchdowns == 0 {
             continue;
         }

@@ -4,6 +4,8 @@
 //! one of them not at all; then the class is not a property of the design alone. The runs that a check makes anyway say what
 //! another method, finer, and a torque that is pushed make of it.
 
+use serde::Serialize;
+
 use super::checks::{Checks, tell};
 use super::{ReproduceError, STOPPED};
 use crate::check::{Check, PUSH, check_heard, pushed};
@@ -60,13 +62,15 @@ pub struct Chaos {
 }
 
 /// One run whose class changes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Flip {
     pub run: i64,
     pub design: i64,
+    #[serde(skip)]
     pub condition: usize,
     pub class: Class,
     /// In the order of the variations.
+    #[serde(rename = "by_variation")]
     pub classes: Vec<Class>,
 }
 

@@ -1,18 +1,24 @@
 //! What the checks of the 384 simulations found.
 
+use serde::Serialize;
+
 use crate::check::{Check, Verdict};
 use crate::table::{Table, Value};
 
 /// Runs by what their check says.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Checks {
     /// That came to their end, and were checked.
     pub runs: usize,
     /// Of which the outcome depends on the tolerance, on the last digits of the input, or that could not be checked.
+    #[serde(rename = "uncertain_runs")]
     pub uncertain: Vec<i64>,
+    #[serde(rename = "chaotic_runs")]
     pub chaotic: Vec<i64>,
+    #[serde(rename = "unknown_runs")]
     pub unknown: Vec<i64>,
     /// Largest error of an angle in all others, rad.
+    #[serde(rename = "worst_error_rad")]
     pub worst_rad: f64,
 }
 

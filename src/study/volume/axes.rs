@@ -1,7 +1,9 @@
 //! The three axes of a volume, and the order of its points.
 
+use serde::Serialize;
+
 /// Evenly spaced values, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Axis {
     pub from: f64,
     pub to: f64,
@@ -38,7 +40,7 @@ impl Axis {
 }
 
 /// The axes of a volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Axes {
     /// Place of l21 within the range its base allows.
     pub l21_fraction: Axis,

@@ -1,5 +1,7 @@
 //! The rebound formula and the classes, as pure functions.
 
+use serde::{Serialize, Serializer};
+
 /// ε: how near the final angles the finger counts as in position, 0.2° (thesis §4.1.1.1; the value from 2-design §2.4,
 /// wide enough for the penetration and narrow enough to see a rebound).
 pub const EPSILON_RAD: f64 = 0.2 * std::f64::consts::PI / 180.0;
@@ -41,6 +43,13 @@ pub enum Class {
     SemiStable,
     SemiUnstable,
     Unstable,
+}
+
+/// By its name.
+impl Serialize for Class {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Class {

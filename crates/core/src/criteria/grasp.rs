@@ -1,5 +1,7 @@
 //! What a run of a gripper came to, as figures.
 
+use serde::Serialize;
+
 use crate::numeric::elementary::hypot;
 use crate::scene::Place;
 use crate::trace::BodyState;
@@ -65,8 +67,9 @@ impl GraspCriteria {
 }
 
 /// One contact through a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ContactCriteria {
+    #[serde(skip)]
     pub place: Place,
     /// When the surfaces first met; `None` if they never did.
     pub first_touch_s: Option<f64>,
@@ -118,7 +121,7 @@ impl Fate {
 }
 
 /// How far the object got from a pose, at most: at the samples and changes of contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Travel {
     /// Of its centre, m.
     pub displacement_m: f64,

@@ -40,18 +40,20 @@ pub use rebounds::{Rebound, Rebounds};
 pub use stance::{force_closure_of, friction, is_form_closed, normal_forces, stance};
 pub use tracker::{FinalAngles, Tracker};
 
+use serde::Serialize;
+
 /// The dynamic criteria of one run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Criteria {
-    /// First time in position; `None` if the finger never gets there.
-    pub t_geo_s: Option<f64>,
     /// Time to stability; `None` if the run does not end in a stable state.
     pub tts_s: Option<f64>,
-    /// Time after t_geo that went to rebounds: out of position, or with a phalanx off the object it had touched.
-    pub lost_s: f64,
     /// (4.1); `None` if the finger is not stable.
     pub rebound_percent: Option<f64>,
+    pub class: Class,
+    /// First time in position; `None` if the finger never gets there.
+    pub t_geo_s: Option<f64>,
+    /// Time after t_geo that went to rebounds: out of position, or with a phalanx off the object it had touched.
+    pub lost_s: f64,
     /// Force positiveness of the grasp at rest: without it the class is unstable, whatever the run shows.
     pub statically_stable: bool,
-    pub class: Class,
 }

@@ -1,5 +1,7 @@
 //! What remains of a run when it is over: figures found on the dense output, and what it cost.
 
+use serde::Serialize;
+
 use super::{Sample, Site};
 
 /// The history of one contact in a few figures. For the limit of a joint, read rad for m and N·m for N.
@@ -41,19 +43,21 @@ impl ContactSummary {
 }
 
 /// What a run cost. Counters of the model that has no such thing stay 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Work {
     /// Accepted steps.
+    #[serde(skip)]
     pub steps: u64,
     /// Steps repeated because the error was too large, to land on an event, or to approach a fold.
+    #[serde(rename = "rejected_steps")]
     pub rejected: u64,
     pub rhs_evaluations: u64,
     pub jacobian_evaluations: u64,
+    /// Events: touch-downs, lift-offs and reloads of any contact.
+    pub events: u64,
     /// Sub-steps of the engine's contact solver, and Newton iterations in them.
     pub contact_substeps: u64,
     pub newton_iterations: u64,
-    /// Events: touch-downs, lift-offs and reloads of any contact.
-    pub events: u64,
 }
 
 /// A finished run.

@@ -1,5 +1,7 @@
 //! One instant of a run, and the events between instants.
 
+use serde::Serialize;
+
 pub use crate::gripper::Site;
 
 /// One place of contact: a phalanx against the object, a disc against another, the joint limit. Where there is nothing to
@@ -73,7 +75,7 @@ impl ContactSample {
 }
 
 /// Energies and works since the start, in joules.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     pub kinetic_j: f64,
     pub gravity_j: f64,

@@ -33,7 +33,7 @@ pub struct FingerContacts {
     pub limit: LimitReport,
 }
 
-/// One phalanx against the object.
+/// One phalanx against the object, or two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhalanxReport {
     pub first_s: Option<f64>,
@@ -59,20 +59,12 @@ pub struct LimitReport {
     pub impulse_n_m_s: f64,
 }
 
-/// A pair of surfaces: the keys of a finger's contact, and its first impact.
+/// A pair of surfaces: the keys of a finger's contact, and its first impact. Forces are on the first disc of the pair's name, along
+/// the normal from its partner to it and the tangent to the left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairReport {
-    pub first_s: Option<f64>,
-    pub touchdowns: u32,
-    /// Forces on the first disc of the pair's name, along the normal from its partner to it and the tangent to the left.
-    pub final_normal_n: f64,
-    pub final_tangential_n: f64,
-    pub peak_normal_n: f64,
-    pub max_penetration_m: f64,
-    pub impulse_n_s: f64,
-    /// How often friction that holds began to slip; left out where it never did.
-    #[serde(skip_serializing_if = "is_none")]
-    pub slips: u32,
+    #[serde(flatten)]
+    pub surface: PhalanxReport,
     /// Of the first impact: closing speed at the touch-down, parting speed at the lift-off, and their ratio; null where
     /// there was none.
     pub approach_m_s: Option<f64>,
@@ -97,7 +89,7 @@ pub fn pairs(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> BTreeM
     pairs
         .map(|(index, ((place, summary), last))| {
             let rebound = rebounds.get(index).copied().unwrap_or_default();
-            (place.name.clone(), PairReport::new(summary, last, &rebound))
+            (place.name.clone(), PairReport::new((summary, last), &rebound))
         })
         .collect()
 }
@@ -160,16 +152,9 @@ impl LimitReport {
 }
 
 impl PairReport {
-    fn new(summary: &ContactSummary, last: &ContactSample, rebound: &Rebound) -> Self {
+    fn new(of: (&ContactSummary, &ContactSample), rebound: &Rebound) -> Self {
         PairReport {
-            first_s: summary.first_s,
-            touchdowns: summary.touchdowns,
-            final_normal_n: last.normal_n,
-            final_tangential_n: last.tangential_n,
-            peak_normal_n: summary.peak_normal_n,
-            max_penetration_m: summary.max_penetration_m,
-            impulse_n_s: summary.impulse_n_s,
-            slips: summary.slips,
+            surface: PhalanxReport::new(of),
             approach_m_s: rebound.approach_m_s,
             separation_m_s: rebound.separation_m_s,
             restitution: rebound.restitution(),

@@ -49,7 +49,7 @@ pub struct RunReport {
     pub contacts: Option<Contacts>,
     /// Of a finger; null without an object, without a grasp of it, or if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub criteria: Option<Option<Dynamics>>,
+    pub criteria: Option<Option<Criteria>>,
     /// Of a gripper: what became of the object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<Option<GraspReport>>,
@@ -58,8 +58,8 @@ pub struct RunReport {
     pub end_s: Option<f64>,
     /// Null if the run was completed.
     pub error: Option<Failure>,
-    pub energy: Option<Energies>,
-    pub work: Option<WorkReport>,
+    pub energy: Option<Energy>,
+    pub work: Option<Work>,
     /// Settings of the analytic model; null for a run of the engine.
     pub integrator: Option<Used<Integrator>>,
     /// Settings of the engine model; null for a run of the analytic one.
@@ -87,46 +87,11 @@ pub struct Final {
     pub q13_rad: f64,
 }
 
-/// The dynamic criteria, see [`crate::criteria`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Dynamics {
-    pub tts_s: Option<f64>,
-    pub rebound_percent: Option<f64>,
-    pub class: &'static str,
-    pub t_geo_s: Option<f64>,
-    pub lost_s: f64,
-    pub statically_stable: bool,
-}
-
 /// Why a run ended early.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
     pub time_s: f64,
     pub reason: String,
-}
-
-/// Energies and works at the end.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Energies {
-    pub kinetic_j: f64,
-    pub gravity_j: f64,
-    pub spring_j: f64,
-    pub elastic_j: f64,
-    pub dissipated_j: f64,
-    pub motor_work_j: f64,
-    pub balance_j: f64,
-}
-
-/// What the run cost beside its steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct WorkReport {
-    pub rejected_steps: u64,
-    pub rhs_evaluations: u64,
-    pub jacobian_evaluations: u64,
-    pub events: u64,
-    /// Sub-steps of the engine's contact solver, and Newton iterations in them; 0 for the analytic model.
-    pub contact_substeps: u64,
-    pub newton_iterations: u64,
 }
 
 /// The settings in force of one model, under the names of the table of settings; null is what a choice among them leaves out.
@@ -171,14 +136,14 @@ impl RunReport {
             object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
             discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
             contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
-            criteria: finger.then(|| came.criteria.filter(|_| error.is_none()).map(Dynamics::from)),
+            criteria: finger.then(|| came.criteria.filter(|_| error.is_none())),
             grasp: gripper
                 .then(|| came.grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, Some(scene), &of.last))),
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
             error,
-            energy: outcome.map(|outcome| Energies::from(&outcome.last.energy)),
-            work: outcome.map(|outcome| WorkReport::from(&outcome.work)),
+            energy: outcome.map(|outcome| outcome.last.energy),
+            work: outcome.map(|outcome| outcome.work),
             integrator: (!engine).then(|| Used(*scene.integrator())),
             engine: engine.then(|| Used(*scene.engine())),
             loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
@@ -210,46 +175,6 @@ impl From<&FingerState> for Final {
             qd21_rad_s: finger.qd21_rad_s,
             q12_rad: finger.q12_rad,
             q13_rad: finger.q13_rad,
-        }
-    }
-}
-
-impl From<&Energy> for Energies {
-    fn from(energy: &Energy) -> Self {
-        Energies {
-            kinetic_j: energy.kinetic_j,
-            gravity_j: energy.gravity_j,
-            spring_j: energy.spring_j,
-            elastic_j: energy.elastic_j,
-            dissipated_j: energy.dissipated_j,
-            motor_work_j: energy.motor_work_j,
-            balance_j: energy.balance_j,
-        }
-    }
-}
-
-impl From<Criteria> for Dynamics {
-    fn from(criteria: Criteria) -> Self {
-        Dynamics {
-            tts_s: criteria.tts_s,
-            rebound_percent: criteria.rebound_percent,
-            class: criteria.class.name(),
-            t_geo_s: criteria.t_geo_s,
-            lost_s: criteria.lost_s,
-            statically_stable: criteria.statically_stable,
-        }
-    }
-}
-
-impl From<&Work> for WorkReport {
-    fn from(work: &Work) -> Self {
-        WorkReport {
-            rejected_steps: work.rejected,
-            rhs_evaluations: work.rhs_evaluations,
-            jacobian_evaluations: work.jacobian_evaluations,
-            events: work.events,
-            contact_substeps: work.contact_substeps,
-            newton_iterations: work.newton_iterations,
         }
     }
 }

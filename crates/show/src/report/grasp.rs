@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::named::Named;
-use crate::criteria::{CycleCriteria, Fate, GraspCriteria, Travel, force_closure_of, is_form_closed};
+use crate::criteria::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, force_closure_of, is_form_closed};
 use crate::statics::ForceClosure;
 use crate::trace::{Sample, Simulated};
 
@@ -31,13 +31,13 @@ pub struct GraspReport {
     /// Of its centre at the end.
     pub speed_m_s: f64,
     /// Largest of the object since the start, and in the hand since `tts_s`.
-    pub travel: TravelReport,
-    pub slip: Option<TravelReport>,
+    pub travel: Travel,
+    pub slip: Option<Travel>,
     /// Of a gripper that carries or lets go.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle: Option<CycleReport>,
     /// By their names.
-    pub contacts: Named<HeldContactReport>,
+    pub contacts: Named<ContactCriteria>,
 }
 
 /// What became of a cycle, see [`CycleCriteria`].
@@ -47,7 +47,7 @@ pub struct CycleReport {
     pub carries_s: Option<f64>,
     pub releases_s: Option<f64>,
     /// Slip in the hand between.
-    pub carried: Option<TravelReport>,
+    pub carried: Option<Travel>,
     /// Since when no phalanx presses after that; and how long that took, the opening time.
     pub opened_s: Option<f64>,
     pub opening_s: Option<f64>,
@@ -61,7 +61,6 @@ impl CycleReport {
         let CycleCriteria { carries_s, releases_s, carried, opened_s, brake_slip_rad } = *found;
         let is_one = carries_s.is_some() || releases_s.is_some() || brake_slip_rad.iter().any(Option::is_some);
         let opening_s = opened_s.zip(releases_s).map(|(opened, released)| opened - released);
-        let carried = carried.map(TravelReport::from);
         is_one.then_some(CycleReport { carries_s, releases_s, carried, opened_s, opening_s, brake_slip_rad })
     }
 }
@@ -84,28 +83,6 @@ impl From<ForceClosure> for ForceClosureReport {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TravelReport {
-    pub displacement_m: f64,
-    pub rotation_rad: f64,
-}
-
-/// A contact of the grasp.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct HeldContactReport {
-    pub first_touch_s: Option<f64>,
-    pub presses_since_s: Option<f64>,
-    /// How often its force went to zero once it had pressed, and for how long in all.
-    pub times_lost: u32,
-    pub lost_s: f64,
-}
-
-impl From<Travel> for TravelReport {
-    fn from(travel: Travel) -> Self {
-        TravelReport { displacement_m: travel.displacement_m, rotation_rad: travel.rotation_rad }
-    }
-}
-
 impl GraspReport {
     /// Of a run that ended with this sample; without its scene nothing is said of form closure.
     pub fn new(found: &GraspCriteria, scene: Option<Simulated<'_>>, last: &Sample) -> Self {
@@ -115,15 +92,7 @@ impl GraspReport {
         };
         // Fingers that have let go hold nothing.
         let holding = gripper.filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none());
-        let contacts = found.contacts.iter().map(|contact| {
-            let report = HeldContactReport {
-                first_touch_s: contact.first_touch_s,
-                presses_since_s: contact.presses_since_s,
-                times_lost: contact.times_lost,
-                lost_s: contact.lost_s,
-            };
-            (contact.place.name(), report)
-        });
+        let contacts = found.contacts.iter().map(|contact| (contact.place.name(), *contact));
         GraspReport {
             fate: found.fate.name(),
             grasped_s: found.grasped_s,
@@ -137,8 +106,8 @@ impl GraspReport {
             x_end_m: found.end.centre_m[0],
             offset_ratio: found.offset_ratio(),
             speed_m_s: found.end_speed_m_s(),
-            travel: found.travel.into(),
-            slip: found.slip.map(TravelReport::from),
+            travel: found.travel,
+            slip: found.slip,
             cycle: CycleReport::new(&found.cycle),
             contacts: contacts.collect(),
         }

@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use super::contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 use super::discs::DiscReport;
-use super::document::{Dynamics, Energies, Final};
+use super::document::Final;
 use super::grasp::{CycleReport, GraspReport};
 use super::named::Named;
+use crate::criteria::Criteria;
+use crate::trace::Energy;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
 use crate::wording::report::{Report, table};
@@ -85,6 +87,19 @@ pub fn contacts(contacts: &Contacts) -> Option<Report> {
     }
 }
 
+fn surface(name: &str, report: &PhalanxReport) -> Vec<String> {
+    row([
+        name,
+        &milliseconds(report.first_s),
+        &report.touchdowns.to_string(),
+        &figure(report.final_normal_n, 6),
+        &figure(report.final_tangential_n, 6),
+        &figure(report.peak_normal_n, 5),
+        &figure(report.max_penetration_m * 1e6, 5),
+        &figure(report.impulse_n_s * 1e3, 5),
+    ])
+}
+
 fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) -> Report {
     let mut rows = vec![row([
         "contact",
@@ -96,18 +111,7 @@ fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) 
         "depth, µm",
         "impulse, mN·s",
     ])];
-    rows.extend(surfaces.iter().map(|(name, report)| {
-        row([
-            name,
-            &milliseconds(report.first_s),
-            &report.touchdowns.to_string(),
-            &figure(report.final_normal_n, 6),
-            &figure(report.final_tangential_n, 6),
-            &figure(report.peak_normal_n, 5),
-            &figure(report.max_penetration_m * 1e6, 5),
-            &figure(report.impulse_n_s * 1e3, 5),
-        ])
-    }));
+    rows.extend(surfaces.iter().map(|(name, report)| surface(name, report)));
     let mut text = table(&rows);
     if limits.is_empty() {
         return text;
@@ -143,23 +147,15 @@ fn pairs(pairs: &BTreeMap<String, PairReport>) -> Report {
         "restitution",
     ])];
     for (name, pair) in pairs {
-        rows.push(row([
-            name,
-            &milliseconds(pair.first_s),
-            &pair.touchdowns.to_string(),
-            &figure(pair.final_normal_n, 6),
-            &figure(pair.final_tangential_n, 6),
-            &figure(pair.peak_normal_n, 5),
-            &figure(pair.max_penetration_m * 1e6, 5),
-            &figure(pair.impulse_n_s * 1e3, 5),
-            &pair.restitution.map_or("–".to_string(), |ratio| figure(ratio, 5)),
-        ]));
+        let mut cells = surface(name, &pair.surface);
+        cells.push(pair.restitution.map_or("–".to_string(), |ratio| figure(ratio, 5)));
+        rows.push(cells);
     }
     table(&rows)
 }
 
 /// Of a finger, whose `motor` works against its spring, or of what is driven.
-pub fn energies(energy: &Energies, motor: bool) -> Report {
+pub fn energies(energy: &Energy, motor: bool) -> Report {
     let mj = |joule: f64| figure(joule * 1e3, 5);
     let spring = |cell: &str| motor.then(|| cell.to_string());
     let line = |first: &str, [kinetic, gravity, spring_of, rest @ ..]: [&str; 7]| {
@@ -184,14 +180,14 @@ pub fn energies(energy: &Energies, motor: bool) -> Report {
     ])
 }
 
-pub fn dynamics(criteria: &Dynamics) -> Report {
+pub fn dynamics(criteria: &Criteria) -> Report {
     let rebound = match criteria.rebound_percent {
         Some(percent) => format!("{} %", figure(percent, 4)),
         None => "–".to_string(),
     };
     let mut text = table(&[
         row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
-        row(["", criteria.class, &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
+        row(["", criteria.class.name(), &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
     ]);
     if !criteria.statically_stable {
         text.push_str("Unstable in statics: at rest a phalanx would have to pull (phalanx statics says which).\n");

@@ -93,7 +93,7 @@ fn cost(report: &RunReport) -> String {
             format!("{} contact sub-steps, {} Newton iterations", work.contact_substeps, work.newton_iterations)
         }
     };
-    let (rejected, events) = (work.rejected_steps, work.events);
+    let (rejected, events) = (work.rejected, work.events);
     let plural = if events == 1 { "" } else { "s" };
     format!("{} in {steps} steps ({rejected} rejected), {effort}, {events} event{plural}; ", duration(end_s))
 }
