@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Failure, Final, Used, finals};
+use super::super::document::{Failure, Used, finals};
 use super::super::grasp::GraspReport;
 use super::super::named::Named;
 use super::summary::Summary;
@@ -15,7 +15,7 @@ use crate::criteria::{Criteria, GraspCriteria};
 use crate::log::{Loss, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
 use crate::scene::{AnyScene, Engine, Integrator};
-use crate::trace::{Energy, Outcome, Simulated};
+use crate::trace::{Energy, FingerState, Outcome, Simulated};
 
 /// One log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -61,10 +61,10 @@ pub struct ReplayReport {
     pub unknown_messages: u64,
     pub unknown_channels: u64,
     #[serde(rename = "final")]
-    pub last: Option<Final>,
+    pub last: Option<FingerState>,
     /// Of a log of a gripper: its fingers, and what they grasp.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub fingers: Option<Named<Final>>,
+    pub fingers: Option<Named<FingerState>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<DiscReport>,
     /// Discs by their names, of a log of discs.
@@ -115,7 +115,7 @@ impl ReplayReport {
         let scene = scene.map(Simulated::from);
         let bodies = |outcome: &Outcome| discs(&layout.bodies, scene, &outcome.last.bodies);
         ReplayReport {
-            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).map(Final::from),
+            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).copied(),
             fingers: of(SceneKind::Gripper).map(|outcome| finals(layout, outcome)),
             object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
             discs: of(SceneKind::Bodies).map(bodies),

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::super::contacts::Contacts;
 use super::super::discs::{DiscReport, discs};
-use super::super::document::{Final, finals};
+use super::super::document::finals;
 use super::super::named::Named;
 use super::differences::{DifferencesReport, Errors};
 use super::invariants::FindingReport;
@@ -17,7 +17,7 @@ use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
 use crate::scene::Words;
 use crate::scene::words::SceneKind;
-use crate::trace::{Energy, Layout, Outcome, Simulated};
+use crate::trace::{Energy, FingerState, Layout, Outcome, Simulated};
 use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
@@ -79,10 +79,10 @@ pub struct ModelReport {
     /// Median wall time with nothing listening.
     pub wall_s: Option<f64>,
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
-    pub last: Option<Final>,
+    pub last: Option<FingerState>,
     /// Of a gripper: its fingers and what they grasp.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub fingers: Option<Named<Final>>,
+    pub fingers: Option<Named<FingerState>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<DiscReport>,
     /// At the end of what is compared.
@@ -207,7 +207,7 @@ impl ModelReport {
             setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
             steps: cost.map(|cost| cost.steps),
             wall_s: cost.map(|cost| cost.wall_s),
-            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).map(Final::from),
+            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).copied(),
             fingers: of(SceneKind::Gripper).map(|outcome| finals(&layout, outcome)),
             object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
             discs: of(SceneKind::Bodies).map(bodies),

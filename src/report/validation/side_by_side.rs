@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::super::contacts::{Contacts, FingerContacts, PairReport, PhalanxReport, PlaceReport};
 use super::super::discs::DiscReport;
-use super::super::document::Final;
 use super::super::named::Named;
 use super::differences::{
     AngleDifference, DifferencesReport, DiscDifference, DiscDifferences, GripperDifferences, JointDifferences,
@@ -12,6 +11,7 @@ use super::differences::{
 };
 use super::document::ValidationReport;
 use super::figures::{number, percent};
+use crate::trace::FingerState;
 use crate::validate::turned;
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
@@ -109,7 +109,7 @@ fn of_gripper(report: &ValidationReport, [contacts, others]: [&Named<PlaceReport
 
 fn of_finger(
     report: &ValidationReport,
-    [last, other]: [&Final; 2],
+    [last, other]: [&FingerState; 2],
     [contacts, others]: [&FingerContacts; 2],
 ) -> Report {
     let mut rows = vec![

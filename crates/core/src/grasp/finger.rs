@@ -1,5 +1,7 @@
 //! The grasp of a scene at rest: what `phalanx statics` reports.
 
+use serde::Serialize;
+
 use crate::fivebar::spring::gradient;
 use crate::gripper::{Circle, FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
@@ -32,7 +34,7 @@ pub struct Grasp {
 }
 
 /// Where a phalanx touches.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Contact {
     /// Along the phalanx from its joint.
     pub from_joint_m: f64,
@@ -42,6 +44,7 @@ pub struct Contact {
     /// n, from the object into the phalanx.
     pub normal: [f64; 2],
     /// t, from the joint of the phalanx to its end.
+    #[serde(skip)]
     pub tangent: [f64; 2],
 }
 

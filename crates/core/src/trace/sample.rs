@@ -117,19 +117,22 @@ impl Energy {
     }
 }
 
-/// A finger at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// A finger at one instant. Its document has the angles, and the rates of those that move by themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FingerState {
     pub q11_rad: f64,
     pub q21_rad: f64,
-    /// Passive angles, each relative to the link before it; q13 is the absolute orientation of l22.
-    pub q12_rad: f64,
     pub q22_rad: f64,
-    pub q13_rad: f64,
     pub qd11_rad_s: f64,
     pub qd21_rad_s: f64,
+    /// q12 and q22 are passive angles, each relative to the link before it; q13 is the absolute orientation of l22.
+    pub q12_rad: f64,
+    pub q13_rad: f64,
+    #[serde(skip)]
     pub qd12_rad_s: f64,
+    #[serde(skip)]
     pub qd22_rad_s: f64,
+    #[serde(skip)]
     pub motor_torque_n_m: f64,
 }
 

@@ -36,10 +36,10 @@ pub struct RunReport {
     pub wall_s: f64,
     /// Of a finger.
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
-    pub last: Option<Option<Final>>,
+    pub last: Option<Option<FingerState>>,
     /// Of a gripper: its fingers, right and left.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub fingers: Option<Option<Named<Final>>>,
+    pub fingers: Option<Option<Named<FingerState>>>,
     /// Of a gripper: what it grasps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<Option<DiscReport>>,
@@ -73,18 +73,6 @@ pub struct RunReport {
     pub page: Option<String>,
     /// Null if the run was not checked.
     pub check: Option<RunCheckReport>,
-}
-
-/// The state at the end.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Final {
-    pub q11_rad: f64,
-    pub q21_rad: f64,
-    pub q22_rad: f64,
-    pub qd11_rad_s: f64,
-    pub qd21_rad_s: f64,
-    pub q12_rad: f64,
-    pub q13_rad: f64,
 }
 
 /// Why a run ended early.
@@ -131,7 +119,7 @@ impl RunReport {
             duration_s: scene.duration_s(),
             steps: outcome.map(|outcome| outcome.work.steps),
             wall_s: came.wall_s,
-            last: finger.then(|| outcome.map(|outcome| Final::from(outcome.last.finger()))),
+            last: finger.then(|| outcome.map(|outcome| *outcome.last.finger())),
             fingers: gripper.then(|| outcome.map(|outcome| finals(&layout, outcome))),
             object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
             discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
@@ -160,21 +148,6 @@ impl RunReport {
 }
 
 /// The fingers at the end, by their names.
-pub fn finals(layout: &Layout, outcome: &Outcome) -> Named<Final> {
-    let fingers = layout.fingers.iter().cloned().zip(&outcome.last.fingers);
-    fingers.map(|(name, finger)| (name, Final::from(finger))).collect()
-}
-
-impl From<&FingerState> for Final {
-    fn from(finger: &FingerState) -> Self {
-        Final {
-            q11_rad: finger.q11_rad,
-            q21_rad: finger.q21_rad,
-            q22_rad: finger.q22_rad,
-            qd11_rad_s: finger.qd11_rad_s,
-            qd21_rad_s: finger.qd21_rad_s,
-            q12_rad: finger.q12_rad,
-            q13_rad: finger.q13_rad,
-        }
-    }
+pub fn finals(layout: &Layout, outcome: &Outcome) -> Named<FingerState> {
+    layout.fingers.iter().cloned().zip(outcome.last.fingers.iter().copied()).collect()
 }

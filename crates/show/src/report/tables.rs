@@ -4,16 +4,15 @@ use std::collections::BTreeMap;
 
 use super::contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
 use super::discs::DiscReport;
-use super::document::Final;
 use super::grasp::{CycleReport, GraspReport};
 use super::named::Named;
 use crate::criteria::Criteria;
-use crate::trace::Energy;
+use crate::trace::{Energy, FingerState};
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
 use crate::wording::report::{Report, table};
 
-pub fn final_state(last: &Final, end_s: f64) -> Report {
+pub fn final_state(last: &FingerState, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
@@ -23,7 +22,7 @@ pub fn final_state(last: &Final, end_s: f64) -> Report {
 }
 
 /// Of both fingers of a gripper.
-pub fn final_states(fingers: &Named<Final>, end_s: f64) -> Report {
+pub fn final_states(fingers: &Named<FingerState>, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "q11, deg", "q21, deg", "q22, deg", "qd11, rad/s", "qd21, rad/s"])];

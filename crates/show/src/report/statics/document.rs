@@ -29,17 +29,8 @@ pub struct FinalPostureReport {
     pub q12_rad: f64,
     pub q22_rad: f64,
     pub phi_c_rad: f64,
-    pub proximal: ContactPlaceReport,
-    pub distal: ContactPlaceReport,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ContactPlaceReport {
-    pub from_joint_m: f64,
-    pub phalanx_m: f64,
-    pub point_m: [f64; 2],
-    /// From the object into the phalanx.
-    pub normal: [f64; 2],
+    pub proximal: Contact,
+    pub distal: Contact,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -89,7 +80,7 @@ pub struct BirglenReport {
 
 impl StaticsReport {
     pub fn new(grasp: &Grasp) -> Self {
-        let [proximal, distal] = grasp.contacts.map(place);
+        let [proximal, distal] = grasp.contacts;
         let posture = &grasp.end.posture;
         let pure = &grasp.pure;
         Self {
@@ -110,11 +101,6 @@ impl StaticsReport {
             svg: None,
         }
     }
-}
-
-fn place(contact: Contact) -> ContactPlaceReport {
-    let Contact { from_joint_m, phalanx_m, point_m, normal, .. } = contact;
-    ContactPlaceReport { from_joint_m, phalanx_m, point_m, normal }
 }
 
 fn drive(drive: &Drive) -> DriveReport {

@@ -1,10 +1,9 @@
 //! Statics for people: short tables with units.
 
 use super::closure::{ClosureReport, MultiplierReport};
-use super::document::{
-    BirglenReport, ContactPlaceReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport,
-};
+use super::document::{BirglenReport, DriveReport, FinalPostureReport, ForcesReport, StaticsReport};
 use super::motion::MotionReport;
+use crate::grasp::finger::Contact;
 use crate::wording::figures::{figure, row};
 use crate::wording::report::{Report, Reported, list, table};
 
@@ -47,7 +46,7 @@ fn posture(end: &FinalPostureReport) -> Report {
         ("phi_c", end.phi_c_rad),
     ];
     let angles: Vec<String> = angles.iter().map(|(name, angle)| format!("{name} {}", degrees(*angle))).collect();
-    let line = |name: &str, at: &ContactPlaceReport| {
+    let line = |name: &str, at: &Contact| {
         let [x, y] = at.point_m;
         let lengths = [at.from_joint_m, at.phalanx_m, x, y].map(millimetres);
         std::iter::once(name.to_string()).chain(lengths).collect::<Vec<_>>()
