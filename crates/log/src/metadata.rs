@@ -152,8 +152,7 @@ mod tests {
 
     #[test]
     fn versions_are_those_of_the_manifest() {
-        let manifest =
-            concat!(include_str!("../../core/Cargo.toml"), include_str!("../../mechanics/Cargo.toml"));
+        let manifest = concat!(include_str!("../../core/Cargo.toml"), include_str!("../../mechanics/Cargo.toml"));
         for (name, version) in [("rapier2d-f64 = { version = ", RAPIER_VERSION), ("libm = ", LIBM_VERSION)] {
             assert!(manifest.contains(&format!("{name}\"={version}\"")), "{name}{version}");
         }
