@@ -14,7 +14,7 @@ pub use contact::{friction_force, normal_over_gap};
 pub use friction::{FrictionRange, friction_coefficient, friction_range};
 pub use hertz::{Material, hertz_stiffness};
 pub use normal::{
-    NormalForce, damping, elastic_energy, normal_force, spring_force, stopping_depth, unclamped_normal_force,
+    NormalForce, damping, elastic_energy, is_damped, normal_force, spring_force, stopping_depth, unclamped_normal_force,
 };
 pub use smoothstep::smoothstep;
 

@@ -21,6 +21,12 @@ pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
 }
 
+/// Whether the force depends on the rate: then surfaces can let go before they part.
+#[inline(always)]
+pub fn is_damped(law: &NormalLaw) -> bool {
+    law.damping_max_n_s_per_m > 0.0
+}
+
 /// k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
 #[inline(always)]
 pub fn spring_force(law: &NormalLaw, delta: f64) -> f64 {
