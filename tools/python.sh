@@ -31,8 +31,8 @@ if [ "$(cat "$venv/.installed-from" 2>/dev/null)" != "$wanted" ]; then
 fi
 
 # The package is of all that is compiled into it.
-sources=$( (find src crates/core/src python/src python/phalanx -type f ! -path '*/__pycache__/*' -print0 | sort -z | xargs -0 cat
-    cat Cargo.toml crates/core/Cargo.toml python/Cargo.toml python/Cargo.lock python/pyproject.toml python/README.md) | cksum)
+sources=$( (find src crates python/src python/phalanx -type f ! -path '*/__pycache__/*' -print0 | sort -z | xargs -0 cat
+    cat Cargo.toml python/Cargo.toml python/Cargo.lock python/pyproject.toml python/README.md) | cksum)
 if [ "$(cat "$venv/.phalanx-from" 2>/dev/null)" != "$sources" ]; then
     say "Python: pip install ./python"
     rm -f "$venv/.phalanx-from"

@@ -61,9 +61,11 @@ fn declared(line: &str) -> Option<String> {
 fn index() -> BTreeMap<Number, Vec<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
-    sources(&root.join("crates/core/src"), &mut files);
-    sources(&root.join("crates/show/src"), &mut files);
-    sources(&root.join("src"), &mut files);
+    for part in
+        ["crates/mechanics/src", "crates/scene/src", "crates/core/src", "crates/show/src", "crates/log/src", "src"]
+    {
+        sources(&root.join(part), &mut files);
+    }
     let mut found: BTreeMap<Number, Vec<String>> = BTreeMap::new();
     for path in files {
         let text = fs::read_to_string(&path).expect("a source");

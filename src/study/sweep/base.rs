@@ -13,7 +13,7 @@ use super::field::{Holds, join};
 use super::problem::problem;
 use crate::scene::any::Any;
 use crate::scene::kinds::Words;
-use crate::scene::schema::schema_of;
+use crate::scene::schema::{schema_of, schemas_but};
 use crate::scene::text::syntax;
 use crate::scene::words::SceneKind;
 use crate::scene::{Layer, Problem, SceneError, keys, layers, parse_layers};
@@ -77,12 +77,7 @@ pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, kind: SceneKind, pr
         ));
         return Table::new();
     }
-    let others = SceneKind::ALL.into_iter().filter(|other| *other != kind);
-    let allowed = keys::Allowed {
-        kind: kind.word(),
-        schema: schema_of(kind),
-        others: others.map(|other| (other.word(), schema_of(other))).collect(),
-    };
+    let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others: &|| schemas_but(kind) };
     problems.extend(keys::weed(document.get_mut(), &allowed));
     leaves(document.get_ref(), schema_of(kind), path, problems);
     Table::deserialize(Deserializer::from(document)).unwrap_or_default()

@@ -45,7 +45,7 @@ pub(in crate::study) fn document<R: for<'de> Deserialize<'de>>(
     let mut document = DeTable::parse(text).map_err(|error| refuse(vec![syntax(&error)]))?;
     let inline = take(document.get_mut(), "scene");
     let set = take(document.get_mut(), "set");
-    let allowed = keys::Allowed { kind: "study", schema, others: Vec::new() };
+    let allowed = keys::Allowed { kind: "study", schema, others: &Vec::new };
     let mut problems = keys::weed(document.get_mut(), &allowed);
     let raw = R::deserialize(Deserializer::from(document)).map_err(|error| refuse(vec![syntax(&error)]))?;
     let entry = scene_of(&raw);

@@ -4,7 +4,8 @@ use std::ops::{Index, IndexMut};
 
 use crate::integrator::{Guard, Look, Strain};
 use crate::law::{
-    Bristle, FrictionLaw, FrictionRange, NormalLaw, cone, damping, friction_range, spring_force, unclamped_normal_force,
+    Bristle, FrictionLaw, FrictionRange, NormalLaw, cone, damping, friction_range, is_damped, spring_force,
+    unclamped_normal_force,
 };
 
 /// Branch of the normal law at one site.
@@ -54,7 +55,7 @@ impl DamperRange {
     /// That of a contact which is so deep.
     #[inline(always)]
     pub fn of(law: &NormalLaw, delta: f64) -> Self {
-        match law.damping_max_n_s_per_m > 0.0 {
+        match is_damped(law) {
             false => DamperRange::Any,
             true if delta < law.transition_m => DamperRange::Engaging,
             true => DamperRange::Engaged,
@@ -313,7 +314,7 @@ impl<const S: usize> Mode<S> {
             // Just landed and about to enter.
             SiteState::Active if delta <= 0.0 && rate >= 0.0 => Guard { apart: false, ..quiet },
             // Without a damper the force ends where the surfaces part, and is small long before.
-            SiteState::Active if law.damping_max_n_s_per_m == 0.0 => {
+            SiteState::Active if !is_damped(law) => {
                 let value = if delta > 0.0 { delta } else { delta.min(-1e-290) };
                 Guard { value, rate, look: Look::Gap, apart: false, strain: strain() }
             }
@@ -382,7 +383,7 @@ impl<const S: usize> Mode<S> {
             return friction.map_or(0.0, |law| RANGE_LANDING * RANGE_MARGIN * law.finest_m_s());
         }
         match self.sites[site] {
-            SiteState::Active if law.damping_max_n_s_per_m > 0.0 => landing.force(law),
+            SiteState::Active if is_damped(law) => landing.force(law),
             SiteState::Released | SiteState::Natural => landing.force(law),
             SiteState::Free | SiteState::Active => landing.depth_share * law.transition_m,
         }

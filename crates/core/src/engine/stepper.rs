@@ -11,8 +11,7 @@
 
 use super::motion::Motion;
 use super::substeps::time_to_zero;
-use crate::law::NormalLaw;
-use crate::numeric::elementary::{cbrt, pow};
+use crate::law::stopping_depth;
 use crate::scene::Stepping;
 
 /// Part of its stopping depth an impact may cross in one step…
@@ -126,18 +125,4 @@ fn turning(motion: &Motion) -> f64 {
 /// Part of its stopping depth that an impact may cross in one step.
 fn crossing_part(stop: f64) -> f64 {
     CROSSING * (SHALLOW / stop).sqrt().clamp(DEEPEST_SHARE, 1.0)
-}
-
-/// About how deep a surface gets that hits with `speed` and nothing behind it: spring or damper alone, whichever stops it
-/// sooner.
-fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
-    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
-    let spring = pow((e + 1.0) * speed * speed / (2.0 * k * inverse_mass), (e + 1.0).recip());
-    // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
-    let beyond = speed / (c * inverse_mass) - 0.5 * transition_m;
-    let damper = match beyond > 0.0 {
-        true => transition_m + beyond,
-        false => cbrt(speed * transition_m * transition_m / (c * inverse_mass)),
-    };
-    spring.min(damper)
 }

@@ -174,7 +174,7 @@ fn hold(plan: &Plan, index: usize) -> Touch {
     let width = brake.v_static_rad_s;
     Touch {
         index: plan.first_hold() + index,
-        law: NormalLaw { stiffness_n_per_m_e: 0.0, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1.0 },
+        law: NormalLaw::pressed_with(0.0),
         friction: Some(FrictionLaw {
             mu_static: 1.0,
             mu_dynamic: 1.0,
@@ -199,8 +199,9 @@ pub fn grip(plan: &Plan, t: f64, touches: &mut [Touch]) {
     for touch in touches {
         if let Source::Hold(index) = touch.source {
             let brake = &plan.holds[index].brake;
-            touch.law.stiffness_n_per_m_e = brake.torque_n_m * brake.grip(t).0;
-            touch.governed = touch.law.stiffness_n_per_m_e > 0.0;
+            let torque = brake.torque_n_m * brake.grip(t).0;
+            touch.law = NormalLaw::pressed_with(torque);
+            touch.governed = torque > 0.0;
         }
     }
 }

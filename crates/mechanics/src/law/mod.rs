@@ -13,7 +13,9 @@ pub use bristle::{Bristle, Stepped, bristle_pull, cone, friction_with_memory, st
 pub use contact::{friction_force, normal_over_gap};
 pub use friction::{FrictionRange, friction_coefficient, friction_range};
 pub use hertz::{Material, hertz_stiffness};
-pub use normal::{NormalForce, damping, elastic_energy, normal_force, spring_force, unclamped_normal_force};
+pub use normal::{
+    NormalForce, damping, elastic_energy, is_damped, normal_force, spring_force, stopping_depth, unclamped_normal_force,
+};
 pub use smoothstep::smoothstep;
 
 /// Parameters of the Hertz/STEP normal law (thesis (2.38), (2.39), errata 7): F = max(0, k δᵉ + c(δ) δ̇).
@@ -29,6 +31,13 @@ pub struct NormalLaw {
     pub damping_max_n_s_per_m: f64,
     /// δ_max, in m (limit: rad): penetration at which the damper is fully engaged.
     pub transition_m: f64,
+}
+
+impl NormalLaw {
+    /// The law of what is pressed with a given force, however it moves: at a depth of 1, as a brake's is.
+    pub const fn pressed_with(force: f64) -> Self {
+        Self { stiffness_n_per_m_e: force, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1.0 }
+    }
 }
 
 /// Parameters of the regularised Coulomb law (thesis (2.35), errata 8), or of friction that holds.

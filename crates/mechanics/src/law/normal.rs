@@ -1,7 +1,7 @@
 //! Normal law: Hertz spring and STEP damper (thesis (2.38), (2.39), errata 7).
 
 use super::{NormalLaw, smoothstep};
-use crate::numeric::elementary::pow;
+use crate::numeric::elementary::{cbrt, pow};
 
 /// A force with its derivatives in penetration and penetration rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +19,12 @@ pub struct NormalForce {
 pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     let (sigma, slope) = smoothstep(delta / law.transition_m);
     (law.damping_max_n_s_per_m * sigma, law.damping_max_n_s_per_m * slope / law.transition_m)
+}
+
+/// Whether the force depends on the rate: then surfaces can let go before they part.
+#[inline(always)]
+pub fn is_damped(law: &NormalLaw) -> bool {
+    law.damping_max_n_s_per_m > 0.0
 }
 
 /// k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
@@ -54,6 +60,20 @@ pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
         return 0.0;
     }
     law.stiffness_n_per_m_e * pow(delta, law.exponent + 1.0) / (law.exponent + 1.0)
+}
+
+/// About how deep a surface gets that hits with `speed` and nothing behind it: spring or damper alone, whichever stops it
+/// sooner.
+pub fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
+    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, damping_max_n_s_per_m: c, transition_m } = *law;
+    let spring = pow((e + 1.0) * speed * speed / (2.0 * k * inverse_mass), (e + 1.0).recip());
+    // v(δ) = v₀ − (c/m)(δ³/δ_max² − …), linear beyond the transition.
+    let beyond = speed / (c * inverse_mass) - 0.5 * transition_m;
+    let damper = match beyond > 0.0 {
+        true => transition_m + beyond,
+        false => cbrt(speed * transition_m * transition_m / (c * inverse_mass)),
+    };
+    spring.min(damper)
 }
 
 #[cfg(test)]

@@ -34,15 +34,13 @@ impl Bound {
         if (self.allowed)(way * f64::MAX) {
             return End::Open;
         }
-        let (mut within, mut beyond) = (inside, way * f64::MAX);
-        loop {
-            let middle = 0.5 * within + 0.5 * beyond;
-            if middle == within || middle == beyond {
-                break;
-            }
-            if (self.allowed)(middle) { within = middle } else { beyond = middle }
+        // By the place in the order of all numbers: 64 halvings find two neighbours, and those of the values themselves would be a thousand.
+        let (mut low, mut high) = (rank(inside), rank(way * f64::MAX));
+        while low.abs_diff(high) > 1 {
+            let middle = low.midpoint(high);
+            if (self.allowed)(ranked(middle)) { low = middle } else { high = middle }
         }
-        // Halving comes as near to 0 as numbers go, and to other ends as their last digits.
+        let (within, beyond) = (ranked(low), ranked(high));
         let digits = |x: f64| if x.abs() < f64::MIN_POSITIVE { 0 } else { format!("{x:e}").len() };
         match digits(beyond) < digits(within) {
             true if beyond.abs() < f64::MIN_POSITIVE => End::Before(0.0),
@@ -52,6 +50,17 @@ impl Bound {
             false => End::At(within),
         }
     }
+}
+
+/// The place of a number among all, −0 next to 0.
+fn rank(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    if bits < 0 { i64::MIN - bits } else { bits }
+}
+
+/// The number at a place.
+fn ranked(place: i64) -> f64 {
+    f64::from_bits(if place < 0 { i64::MIN - place } else { place } as u64)
 }
 
 pub const ANY: Bound = Bound { allowed: |_| true, text: "any finite number" };

@@ -13,26 +13,26 @@ use crate::limits::MOST_PROBLEMS;
 pub struct Allowed<'a> {
     pub kind: &'a str,
     pub schema: &'a Value,
-    /// The other kinds, with their schemas.
-    pub others: Vec<Foreign<'a>>,
+    /// The other kinds, with their schemas: made only for a key that this kind has not, for each takes as long as a whole scene.
+    pub others: &'a dyn Fn() -> Vec<Foreign<'a>>,
 }
 
 /// The same table in a scene of another kind.
-type Foreign<'a> = (&'a str, &'a Value);
+pub type Foreign<'a> = (&'a str, &'a Value);
 
 /// Takes out every unknown key, and every table where a value is wanted or the other way round, and says so of each.
 pub fn weed(document: &mut DeTable<'_>, allowed: &Allowed) -> Vec<Problem> {
     let mut problems = Vec::new();
-    walk(document, allowed.schema, &allowed.others, allowed, "", &mut problems);
+    walk(document, allowed.schema, allowed.others, allowed, "", &mut problems);
     problems
 }
 
 /// One table; `foreign` is the same table of every other kind of scene that has one.
-fn walk(
+fn walk<'a>(
     table: &mut DeTable<'_>,
     schema: &Value,
-    foreign: &[Foreign<'_>],
-    allowed: &Allowed,
+    foreign: &dyn Fn() -> Vec<Foreign<'a>>,
+    allowed: &Allowed<'a>,
     path: &str,
     problems: &mut Vec<Problem>,
 ) {
@@ -43,10 +43,11 @@ fn walk(
         }
         let name = key.get_ref().as_ref();
         let here = join(path, name);
-        let foreign: Vec<Foreign<'_>> =
-            foreign.iter().filter_map(|(kind, table)| Some((*kind, child(table, name)?))).collect();
+        let foreign = || -> Vec<Foreign<'a>> {
+            foreign().into_iter().filter_map(|(kind, table)| Some((kind, child(table, name)?))).collect()
+        };
         let Some(property) = child(schema, name) else {
-            problems.push(match foreign.first() {
+            problems.push(match foreign().first() {
                 Some((other, _)) => of_other_kind(name, path, key.span(), allowed.kind, other),
                 None => unknown(name, path, key.span(), schema, allowed.schema),
             });
@@ -60,7 +61,7 @@ fn walk(
                 if let Some(each) = property.get("items").filter(|each| is_table(each)) {
                     for item in items.iter_mut() {
                         if let DeValue::Table(inner) = item.get_mut() {
-                            walk(inner, each, &[], allowed, &here, problems);
+                            walk(inner, each, &Vec::new, allowed, &here, problems);
                         }
                     }
                 }

@@ -46,6 +46,12 @@ pub fn schema_of(kind: SceneKind) -> &'static Value {
     }
 }
 
+/// The schemas of all other kinds, each with its word.
+pub fn schemas_but(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
+    let others = SceneKind::ALL.into_iter().filter(|other| *other != kind);
+    others.map(|other| (other.word(), schema_of(other))).collect()
+}
+
 /// Tables are nested in place: no references to follow.
 fn make(kind: SceneKind) -> Value {
     fn generate<T: JsonSchema>() -> Value {

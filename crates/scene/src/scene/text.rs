@@ -9,7 +9,7 @@ use super::kinds::Words;
 use super::raw::RawScene;
 use super::raw_bodies::RawBodiesScene;
 use super::raw_gripper::{RawGripper, take_fingers};
-use super::schema::schema_of;
+use super::schema::{schema_of, schemas_but};
 use super::suggest::nearest;
 use super::words::SceneKind;
 use super::{AnyScene, Scene, Template, keys, resolve};
@@ -52,9 +52,7 @@ pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneErro
 fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
     let mut document = DeTable::parse(text).map_err(|e| vec![syntax(&e)])?;
     let kind = kind(document.get_ref());
-    let others = SceneKind::ALL.into_iter().filter(|other| *other != kind);
-    let others = others.map(|other| (other.word(), schema_of(other))).collect();
-    let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others };
+    let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others: &|| schemas_but(kind) };
     let weeds = keys::weed(document.get_mut(), &allowed);
     let checker = Checker::new(text, weeds);
     let wrong = |e: toml::de::Error| vec![syntax(&e)];
