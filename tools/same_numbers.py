@@ -20,7 +20,9 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # What a clock says, and how many threads there were.
-CLOCK = re.compile(r'"[a-z_]*(wall|cpu|simulations_per_s|threads|speed)[a-z_]*":.*|; [^;]* of wall time|simulations? in .* s on .*')
+CLOCK = re.compile(
+    r'"[a-z_]*(wall|cpu|simulations_per_s|threads|speed)[a-z_]*":.*|[;,]? *[0-9.e]+ [mµn]?s of wall time|in [0-9.]+ s on [0-9]+ threads?.*'
+)
 
 
 def commands():
@@ -52,7 +54,7 @@ def said(program, steps, place):
     answer = []
     for step in steps:
         arguments = [str(part).replace("{}", place) for part in step]
-        done = subprocess.run([program, "--quiet", *arguments], cwd=ROOT, capture_output=True, env={**os.environ, "COLUMNS": "120"})
+        done = subprocess.run([program, "--quiet", *arguments], cwd=ROOT, capture_output=True, env={**os.environ, "COLUMNS": "1000"})
         # A program is named in usages and hints.
         errors = done.stderr.decode().replace(pathlib.Path(program).name, "phalanx")
         answer.append(f"$ {' '.join(map(str, step))}\n{done.stdout.decode()}{errors}exit {done.returncode}\n")
