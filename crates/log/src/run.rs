@@ -44,14 +44,15 @@ pub enum LoggedRunError {
 /// where it was changed since it was read.
 ///
 /// ```
-/// use phalanx::{log, scene, trace::Model};
+/// use phalanx_core::{scene, trace::Model};
 ///
-/// let mut scene = scene::load("scenes/experiment-95.toml")?;
+/// let text = std::fs::read_to_string("../../scenes/experiment-95.toml")?;
+/// let mut scene = scene::parse(&text, "experiment-95.toml")?;
 /// scene.duration_s = 5e-3;
 /// # let directory = tempfile::tempdir()?;
 /// # let path = directory.path().join("run.mcap");
-/// let run = log::run_to(&scene, Model::Analytic, &path)?;
-/// let read = log::read_file(&path, &mut ())?;
+/// let run = phalanx_log::run_to(&scene, Model::Analytic, &path)?;
+/// let read = phalanx_log::read_file(&path, &mut ())?;
 /// assert_eq!(read.last_s, Some(run.outcome.last.time_s));
 /// assert_eq!(read.ended.unwrap().stopped, None);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
