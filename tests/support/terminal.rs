@@ -1,12 +1,15 @@
 //! Runs the binary in a terminal of a chosen width, or without one.
 
 use std::fs::{File, OpenOptions};
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{Winsize, tcsetwinsize};
+
+/// What no command prints: what was shown on a terminal ends here.
+const END: u8 = 0;
 
 /// What a command showed on a terminal, and what went to the other stream.
 pub struct Seen {
@@ -38,17 +41,15 @@ pub fn command(args: &[&str], settings: &[(&str, &str)]) -> Command {
     command
 }
 
-/// Starts a command with stdout, or with stderr, on a terminal. The other stream is a pipe.
-pub fn start(mut command: Command, errors: bool, columns: u16) -> (Child, File) {
+/// Starts a command with stdout, or with stderr, on a terminal, whose two ends come with it. The other stream is a pipe.
+pub fn start(mut command: Command, errors: bool, columns: u16) -> (Child, File, File) {
     let (ours, theirs) = terminal(columns);
+    let its = theirs.try_clone().expect("the same end again");
     match errors {
-        false => command.stdout(theirs).stderr(Stdio::piped()),
-        true => command.stderr(theirs).stdout(Stdio::piped()),
+        false => command.stdout(its).stderr(Stdio::piped()),
+        true => command.stderr(its).stdout(Stdio::piped()),
     };
-    let child = command.spawn().expect("the binary starts");
-    // The command has the other end alone: reading ends when it ends.
-    drop(command);
-    (child, ours)
+    (command.spawn().expect("the binary starts"), ours, theirs)
 }
 
 /// Runs a command with stdout on a terminal of so many columns.
@@ -61,7 +62,7 @@ pub fn errors_on_terminal(args: &[&str]) -> Seen {
     seen(start(command(args, &[]), true, 100))
 }
 
-fn seen((mut child, mut ours): (Child, File)) -> Seen {
+fn seen((mut child, ours, mut theirs): (Child, File, File)) -> Seen {
     let mut pipe: Box<dyn Read + Send> = match (child.stdout.take(), child.stderr.take()) {
         (Some(stdout), _) => Box::new(stdout),
         (None, Some(stderr)) => Box::new(stderr),
@@ -71,11 +72,18 @@ fn seen((mut child, mut ours): (Child, File)) -> Seen {
         let mut text = String::new();
         pipe.read_to_string(&mut text).map(|_| text)
     });
+    // A terminal whose other end is closed may end before all that was written to it was read: so ours stays open, and
+    // says itself when the command has ended.
+    let status = thread::spawn(move || {
+        let status = child.wait().expect("ended").code();
+        theirs.write_all(&[END]).expect("a terminal that is read");
+        status
+    });
     let mut bytes = Vec::new();
-    // Linux ends a terminal with an error.
-    let _ = ours.read_to_end(&mut bytes);
+    BufReader::new(ours).read_until(END, &mut bytes).expect("an open terminal");
+    assert_eq!(bytes.pop(), Some(END), "the terminal ended by itself");
     let other = other.join().expect("read").expect("text");
-    let status = child.wait().expect("ended").code();
+    let status = status.join().expect("waited for");
     Seen { screen: String::from_utf8(bytes).expect("text").replace("\r\n", "\n"), other, status }
 }
 
