@@ -1,6 +1,6 @@
 //! When a gripper carries: from when its palm moves until nothing closes its fingers any more.
 
-use super::{Actuation, GripperScene, Motor, torque};
+use super::{Actuation, Motor, Scene, torque};
 
 /// Times of a cycle, s; `None` of what a scene does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -13,13 +13,15 @@ pub struct Cycle {
     pub releases_s: Option<f64>,
 }
 
-impl GripperScene {
+impl Scene {
+    /// Of a gripper.
     pub fn cycle(&self) -> Cycle {
-        let input = self.differential.as_ref().map(|differential| &differential.motor);
-        let motors: Vec<&Motor> = input.into_iter().chain(self.fingers.iter().map(|finger| &finger.motor)).collect();
+        let input = self.system.differential.as_ref().map(|differential| &differential.motor);
+        let motors: Vec<&Motor> =
+            input.into_iter().chain(self.system.fingers.iter().map(|finger| &finger.motor)).collect();
         let gripped = |motor: &Motor| motor.brake.map(|brake| brake.start_s + brake.rise_s);
-        let blocked_s = [0, 1].map(|side: usize| gripped(input.unwrap_or(&self.fingers[side].motor)));
-        let motion = self.palm_motion.as_ref();
+        let blocked_s = [0, 1].map(|side: usize| gripped(input.unwrap_or(&self.system.fingers[side].motor)));
+        let motion = self.system.palm_motion.as_ref();
         let carries_s = motion.map(|motion| motion.starts_s()).filter(|start| *start < self.duration_s);
         let closes = |t: f64| {
             motors.iter().any(|motor| {

@@ -10,28 +10,32 @@
 //! | `text`, `keys` | text → raw, unknown keys |
 //! | `check`, `error`, `suggest`, `locate` | collecting and showing what is wrong, and where |
 //! | `table` | settings: every key with its kind, default, range and use |
-//! | `resolve`, `defaults` | raw → [`Scene`], [`BodiesScene`] or [`GripperScene`], physics checked |
-//! | `show` | any of them → a complete scene file |
+//! | `resolve`, `defaults` | raw → [`Scene`], physics checked |
+//! | `show` | a scene → a complete scene file |
 //! | `template` | what all designs of a study have in common |
 //! | `torque` | the motor torque of an actuation over time |
-//! | `bodies` | scenes of discs instead of a finger |
-//! | `gripper` | scenes of two fingers and what they grasp |
+//! | `system` | what is simulated: [`System`], the description that both models read |
+//! | `finger`, `disc` | its parts: fingers, discs and planes |
+//! | `place`, `pairs` | where they touch |
+//! | `sound` | which systems neither model takes |
 //! | `palm_motion`, `cycle` | how a gripper's palm moves, and brakes; when it carries |
 
 pub mod any;
-mod bodies;
 pub mod check;
 mod compose;
 mod cycle;
 mod defaults;
+mod disc;
 pub mod entry;
 pub mod error;
-mod gripper;
+mod finger;
 pub mod keys;
 pub mod kinds;
 mod locate;
 mod over;
+mod pairs;
 mod palm_motion;
+mod place;
 mod raw;
 mod raw_bodies;
 mod raw_gripper;
@@ -40,36 +44,40 @@ pub mod schema;
 mod sections;
 mod setting;
 mod show;
+mod sound;
 mod suggest;
+mod system;
 pub mod table;
 mod template;
 pub mod text;
 mod torque;
 pub mod words;
 
-pub use bodies::{AnyScene, BodiesScene, DiscMotion, HalfPlane, NamedDisc, Pair, Partner};
 pub use compose::{Layer, extended, parse_layers};
 pub use cycle::Cycle;
+pub use disc::{Disc, DiscMotion, HalfPlane};
 pub use error::{Problem, SceneError};
-pub use gripper::{Differential, GripperFinger, GripperObject, GripperScene, Motor, ObjectMotion, Place, Side, Table};
+pub use finger::{Contacts, Differential, DrivenFinger, Initial, Motor};
 pub use kinds::Words;
 pub use locate::{Located, located};
+pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
+pub use place::{Place, Side};
 pub use schema::schema;
 pub use setting::{setting, setting_of};
-pub use show::{show, show_any, show_bodies, show_gripper, show_written};
+pub use show::{show, show_written};
 pub use suggest::nearest;
-pub use table::bounds::{BodiesBounds, Bounds, GripperBounds};
+pub use system::System;
+pub use table::bounds::Bounds;
 pub use table::engine::{Construction, ENGINE_MAX_STEP_S, Engine, Response, Stepping};
 pub use table::integrator::{Integrator, Method, Preset};
 pub use table::log::{LogExcess, LogRates};
 pub use template::Template;
 pub use text::{parse, parse_any, parse_template};
-pub use torque::{next_corner, scaled, torque};
+pub use torque::{Actuation, Interpolation, next_corner, scaled, torque};
+use words::SceneKind;
 
-use crate::gripper::{Circle, Finger, Site};
 pub use crate::gripper::{Placement, Spring, SpringKind};
-use crate::law::{Bristle, ContactLaw, NormalLaw};
 
 /// A resolved scene: everything a model needs, in SI.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,20 +87,9 @@ pub struct Scene {
     pub description: String,
     /// The exact text of the file, kept for the log's attachment.
     pub source: String,
-    pub finger: Finger,
-    /// The disc to be grasped; `None` for a free swing.
-    pub object: Option<Disc>,
-    /// Whether the palm (half plane y ≤ 0) is there.
-    pub palm: bool,
-    pub actuation: Actuation,
-    pub spring: Option<Spring>,
-    /// Joint limit q22 ≥ −φ22; `None` switches it off.
-    pub limit: Option<NormalLaw>,
-    /// Laws of the two object contacts.
-    pub contact: Contacts,
-    pub gravity_m_s2: [f64; 2],
+    /// What is simulated.
+    pub system: System,
     pub duration_s: f64,
-    pub initial: Initial,
     pub integrator: Integrator,
     pub engine: Engine,
     pub bounds: Bounds,
@@ -100,89 +97,47 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Whether friction holds at any contact.
-    pub fn holds(&self) -> bool {
-        self.object.is_some() && Site::ALL.into_iter().any(|site| self.bristle(site).is_some())
+    /// Of which kind it is.
+    pub fn kind(&self) -> SceneKind {
+        self.system.kind()
     }
 
-    /// What holds at a contact; the joint limit has no friction.
-    pub fn bristle(&self, site: Site) -> Option<Bristle> {
-        match site {
-            Site::Proximal => self.contact.proximal.bristle(),
-            Site::Distal => self.contact.distal.bristle(),
-            Site::Limit => None,
-        }
+    /// The finger that is alone, or the right one.
+    ///
+    /// # Panics
+    /// Where there is none: where its kind is not known, look at that first.
+    #[inline]
+    pub fn finger(&self) -> &DrivenFinger {
+        &self.system.fingers[0]
     }
-}
 
-/// A fixed disc.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disc {
-    pub radius_m: f64,
-    pub centre_m: [f64; 2],
-}
-
-impl Disc {
-    /// The disc as postures and grasps know it.
-    pub fn circle(&self) -> Circle {
-        Circle { radius_m: self.radius_m, centre_m: self.centre_m }
+    /// The same, to be changed.
+    ///
+    /// # Panics
+    /// Where there is none.
+    pub fn finger_mut(&mut self) -> &mut DrivenFinger {
+        &mut self.system.fingers[0]
     }
-}
 
-/// Laws of the proximal (l21) and the distal (t22) contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contacts {
-    pub proximal: ContactLaw,
-    pub distal: ContactLaw,
-}
-
-impl Contacts {
-    /// μ_s of both contacts; 0 without friction.
-    pub fn mu_static(&self) -> [f64; 2] {
-        [self.proximal, self.distal].map(|law| law.friction.map_or(0.0, |law| law.mu_static))
+    /// What fingers grasp.
+    #[inline]
+    pub fn object(&self) -> Option<&Disc> {
+        self.system.object()
     }
-}
 
-/// Motor torque τ11 on l11.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Actuation {
-    Constant {
-        torque_n_m: f64,
-    },
-    /// Torque over time; the first value holds before the first time, the last one after the last.
-    Table {
-        points: Vec<(f64, f64)>,
-        interpolation: Interpolation,
-    },
-    /// Smooth rise 0 → torque over `rise_s` (cubic smoothstep), then constant.
-    Ramp {
-        torque_n_m: f64,
-        rise_s: f64,
-    },
-    /// A half sine of the given length, then zero.
-    HalfSine {
-        torque_n_m: f64,
-        length_s: f64,
-    },
-    /// Constant torque that changes sign at `at_s` (closing, then opening).
-    Reversal {
-        torque_n_m: f64,
-        at_s: f64,
-    },
-}
+    /// The same for so long in a palm that moves so.
+    pub fn moved_by(&self, palm_motion: Option<PalmMotion>, duration_s: f64) -> Self {
+        let mut moved = self.clone();
+        (moved.system.palm_motion, moved.duration_s) = (palm_motion, duration_s);
+        moved
+    }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interpolation {
-    Linear,
-    /// Each value holds until the next time.
-    Step,
-}
-
-/// Initial joint angles and rates of the two generalised coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Initial {
-    pub q11_rad: f64,
-    pub q21_rad: f64,
-    pub qd11_rad_s: f64,
-    pub qd21_rad_s: f64,
+    /// Integrates as a preset says for this kind of scene, within the same step budget.
+    pub fn integrate_by(&mut self, preset: Preset) {
+        let max_steps = self.integrator.max_steps;
+        self.integrator = match preset {
+            Preset::Engineering => Integrator { max_steps, ..Integrator::everyday(self.kind()) },
+            Preset::Reference => self.integrator.with_preset(preset),
+        };
+    }
 }

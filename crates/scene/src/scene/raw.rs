@@ -2,12 +2,13 @@
 
 use super::entry::Section;
 use super::sections::sections;
+use super::table::bounds::FingerBounds;
 use super::table::drive::{Motor, Springs};
 use super::table::finger::{Bodies, Material, Object, Start};
 use super::table::keys::Keys;
 use super::table::law::{Contact, Limit};
 use super::table::top::FingerKeys;
-use super::{Bounds, Engine, Integrator, LogRates};
+use super::{Engine, Integrator, LogRates};
 use crate::gripper::{Design, Lengths};
 
 sections! {
@@ -24,7 +25,7 @@ sections! {
         initial: Keys<Start>,
         integrator: Keys<Integrator>,
         engine: Keys<Engine>,
-        validate: Keys<Bounds>,
+        validate: Keys<FingerBounds>,
         log: Keys<LogRates>,
     }
 }

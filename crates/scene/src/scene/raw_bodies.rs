@@ -9,20 +9,22 @@ use toml::Spanned;
 
 use super::entry::Section;
 use super::sections::sections;
+use super::table::bounds::DiscBounds;
 use super::table::disc::DiscKeys;
+use super::table::half_plane::Ground;
 use super::table::keys::{self, Keys};
 use super::table::law::BodiesContact;
 use super::table::top::BodiesKeys;
-use super::{BodiesBounds, Engine, HalfPlane, Integrator, LogRates};
+use super::{Engine, Integrator, LogRates};
 
 sections! {
     "scene of discs", RawBodiesScene: BodiesKeys {
         discs: RawDiscs,
-        half_plane: Keys<HalfPlane>,
+        half_plane: Keys<Ground>,
         contact: Keys<BodiesContact>,
         integrator: Keys<Integrator>,
         engine: Keys<Engine>,
-        validate: Keys<BodiesBounds>,
+        validate: Keys<DiscBounds>,
         log: Keys<LogRates>,
     }
 }

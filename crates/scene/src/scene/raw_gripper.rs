@@ -17,13 +17,13 @@ use super::raw::RawScene;
 use super::sections::sections;
 use super::table::bounds::GripperBounds;
 use super::table::drive::BoughtMotor;
-use super::table::gripper::{Seesaw, Support};
+use super::table::gripper::{Grasped, Seesaw, Support};
 use super::table::keys::Keys;
 use super::table::law::GripperContact;
 use super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
 use super::table::top::GripperKeys;
 use super::table::{self, Table};
-use super::{Engine, GripperObject, Integrator, LogRates, Side};
+use super::{Engine, Integrator, LogRates, Side};
 
 /// Keys and sections that a gripper shares with the scene of a finger.
 pub const OF_FINGER: [&str; 11] = [
@@ -45,7 +45,7 @@ pub const OF_SIDE: [&str; 2] = ["motor", "contact"];
 
 sections! {
     "scene of a gripper", RawGripper: GripperKeys {
-        object: Keys<GripperObject>,
+        object: Keys<Grasped>,
         table: Keys<Support>,
         differential: Keys<Seesaw>,
         moves: Named<MoveKeys>,

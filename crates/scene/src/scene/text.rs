@@ -12,7 +12,7 @@ use super::raw_gripper::{RawGripper, take_fingers};
 use super::schema::{schema_of, schemas_but};
 use super::suggest::nearest;
 use super::words::SceneKind;
-use super::{AnyScene, Scene, Template, keys, resolve};
+use super::{Scene, Template, keys, resolve};
 
 /// Checks and resolves the text of a finger's scene; `file_name` appears in messages and gives the default name.
 ///
@@ -20,15 +20,15 @@ use super::{AnyScene, Scene, Template, keys, resolve};
 /// What is wrong with the text, or that it is a scene of another kind.
 pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
-    match any(text, file_name).map_err(refuse)? {
-        AnyScene::Finger(scene) => Ok(*scene),
-        AnyScene::Bodies(_) => Err(refuse(vec![not_a_finger(text, SceneKind::Bodies)])),
-        AnyScene::Gripper(_) => Err(refuse(vec![not_a_finger(text, SceneKind::Gripper)])),
+    let scene = any(text, file_name).map_err(refuse)?;
+    match scene.kind() {
+        SceneKind::Finger => Ok(scene),
+        kind => Err(refuse(vec![not_a_finger(text, kind)])),
     }
 }
 
 /// Checks and resolves the text of a scene of any kind.
-pub fn parse_any(text: &str, file_name: &str) -> Result<AnyScene, SceneError> {
+pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     any(text, file_name).map_err(|problems| SceneError::Invalid {
         file: file_name.to_string(),
         text: text.to_string(),
@@ -49,7 +49,7 @@ pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneErro
     resolve::template(&raw, Checker::new(text, Vec::new()), &scene).map_err(refuse)
 }
 
-fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
+fn any(text: &str, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let mut document = DeTable::parse(text).map_err(|e| vec![syntax(&e)])?;
     let kind = kind(document.get_ref());
     let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others: &|| schemas_but(kind) };
@@ -59,16 +59,16 @@ fn any(text: &str, file_name: &str) -> Result<AnyScene, Vec<Problem>> {
     match kind {
         SceneKind::Finger => {
             let raw = RawScene::deserialize(Deserializer::from(document)).map_err(wrong)?;
-            resolve::finger(&raw, checker, file_name).map(|scene| AnyScene::Finger(Box::new(scene)))
+            resolve::finger(&raw, checker, file_name)
         }
         SceneKind::Bodies => {
             let raw = RawBodiesScene::deserialize(Deserializer::from(document)).map_err(wrong)?;
-            resolve::bodies(&raw, checker, file_name).map(|scene| AnyScene::Bodies(Box::new(scene)))
+            resolve::bodies(&raw, checker, file_name)
         }
         SceneKind::Gripper => {
             let fingers = take_fingers(document.get_mut()).map_err(wrong)?;
             let raw = RawGripper::deserialize(Deserializer::from(document)).map_err(wrong)?;
-            resolve::gripper(&raw, &fingers, checker, file_name).map(|scene| AnyScene::Gripper(Box::new(scene)))
+            resolve::gripper(&raw, &fingers, checker, file_name)
         }
     }
 }

@@ -2,9 +2,43 @@
 
 use std::f64::consts::PI;
 
-use super::{Actuation, Interpolation};
 use crate::law::smoothstep;
 use crate::numeric::elementary::sin_cos;
+
+/// Motor torque τ11 on l11.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Actuation {
+    Constant {
+        torque_n_m: f64,
+    },
+    /// Torque over time; the first value holds before the first time, the last one after the last.
+    Table {
+        points: Vec<(f64, f64)>,
+        interpolation: Interpolation,
+    },
+    /// Smooth rise 0 → torque over `rise_s` (cubic smoothstep), then constant.
+    Ramp {
+        torque_n_m: f64,
+        rise_s: f64,
+    },
+    /// A half sine of the given length, then zero.
+    HalfSine {
+        torque_n_m: f64,
+        length_s: f64,
+    },
+    /// Constant torque that changes sign at `at_s` (closing, then opening).
+    Reversal {
+        torque_n_m: f64,
+        at_s: f64,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    Linear,
+    /// Each value holds until the next time.
+    Step,
+}
 
 /// τ11 and dτ11/dt at time t, in N·m and N·m/s. At a jump the later branch holds (t in [tᵢ, tᵢ₊₁)).
 #[inline(always)]

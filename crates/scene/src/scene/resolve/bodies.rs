@@ -4,41 +4,49 @@ use super::super::check::Checker;
 use super::super::entry::Section;
 use super::super::error::Problem;
 use super::super::raw_bodies::RawBodiesScene;
+use super::super::table::half_plane::Ground;
 use super::super::table::keys::Keys;
 use super::super::table::top::{BODIES_GRAVITY_M_S2, BodiesKeys};
 use super::super::table::{Table, read};
-use super::super::{BodiesScene, Construction, DiscMotion, Engine, HalfPlane, Integrator};
+use super::super::{Construction, DiscMotion, Engine, HalfPlane, Integrator, Scene, System};
 use super::disc::{Placed, disc, judge_starts};
 use super::{contact, heading, run};
 use crate::limits::MOST_DISCS;
 
 /// Resolves a scene of discs; `file_name` gives its default name.
-pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Result<BodiesScene, Vec<Problem>> {
+pub fn bodies(raw: &RawBodiesScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let BodiesKeys { heading: said } = read(&mut c, "", &raw.keys, BodiesKeys::usual());
     let (name, duration) = heading(&mut c, &raw.keys, &said, file_name);
     let gravity_m_s2 = said.gravity_m_s2;
     let discs = discs(&mut c, raw, gravity_m_s2);
-    let half_plane = raw.half_plane.is_given().then(|| read(&mut c, "half_plane", &raw.half_plane, HalfPlane::usual()));
+    let half_plane = raw.half_plane.is_given().then(|| read(&mut c, "half_plane", &raw.half_plane, Ground::usual()));
     let contact = contact::contact(&mut c, &raw.contact);
     let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
     let mu_static = contact.map(|law| law.friction.map_or(0.0, |law| law.mu_static));
     let engine = run::engine(&mut c, &raw.engine, mu_static);
     refuse_joints(&mut c, &raw.engine, engine);
-    let bounds = run::bodies_bounds(&mut c, &raw.validate, duration);
+    let bounds = run::bounds(&mut c, &raw.validate, duration);
     let log = run::log(&mut c, &raw.log, duration);
     // Starts are judged only if everything they stand on is sound.
     if let (Some(discs), true) = (&discs, c.is_clean()) {
         judge_starts(&mut c, discs, half_plane);
     }
     match (discs, contact, duration) {
-        (Some(discs), Some(contact), Some(duration_s)) if c.is_clean() => Ok(BodiesScene {
+        (Some(discs), Some(contact), Some(duration_s)) if c.is_clean() => Ok(Scene {
             name,
             description: said.description,
             source: c.text.to_string(),
-            discs: discs.into_iter().map(|placed| placed.disc).collect(),
-            half_plane,
-            contact,
-            gravity_m_s2,
+            system: System {
+                fingers: Vec::new(),
+                palm_width_m: 0.0,
+                differential: None,
+                discs: discs.into_iter().map(|placed| placed.disc).collect(),
+                between_discs: Some(contact),
+                palm: half_plane.map(|Ground { level_m }| HalfPlane { level_m, contact: Some(contact) }),
+                table: None,
+                palm_motion: None,
+                gravity_m_s2,
+            },
             duration_s,
             integrator,
             engine,

@@ -8,10 +8,11 @@ use super::super::check::Checker;
 use super::super::entry::Section;
 use super::super::kinds::Choice;
 use super::super::table::disc::DiscKeys;
+use super::super::table::half_plane::Ground;
 use super::super::table::keys::Keys;
 use super::super::table::{Table, read};
 use super::super::words::Motion;
-use super::super::{DiscMotion, HalfPlane, NamedDisc};
+use super::super::{Disc, DiscMotion};
 use crate::numeric::elementary::{hypot, powi};
 use crate::units::{Dimension, format};
 
@@ -20,7 +21,7 @@ const PLANE: &str = "plane";
 
 /// A sound disc, and the place of its centre in the file.
 pub struct Placed {
-    pub disc: NamedDisc,
+    pub disc: Disc,
     pub span: Option<Range<usize>>,
 }
 
@@ -48,7 +49,7 @@ pub fn disc(c: &mut Checker<'_>, name: &Spanned<String>, raw: &Section<Keys<Disc
     if radius_m.is_nan() || centre_m[0].is_nan() {
         return None;
     }
-    Some(Placed { disc: NamedDisc { name: named?, radius_m, centre_m, motion }, span: raw.span("centre") })
+    Some(Placed { disc: Disc { name: named?, radius_m, centre_m, angle_rad: 0.0, motion }, span: raw.span("centre") })
 }
 
 /// Names stand in topics, keys and columns, joined by `-` in those of pairs.
@@ -99,7 +100,7 @@ fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<DiscKeys>, said: &DiscKey
 }
 
 /// Refuses starts in which the centre of one disc is within the other, or in the half plane: no penetration is so deep.
-pub fn judge_starts(c: &mut Checker<'_>, discs: &[Placed], half_plane: Option<HalfPlane>) {
+pub fn judge_starts(c: &mut Checker<'_>, discs: &[Placed], half_plane: Option<Ground>) {
     for (index, second) in discs.iter().enumerate() {
         for first in &discs[..index] {
             let (a, b) = (&first.disc, &second.disc);

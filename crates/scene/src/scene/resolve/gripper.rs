@@ -7,14 +7,14 @@ use super::super::entry::Section;
 use super::super::error::Problem;
 use super::super::raw_gripper::{RawFinger, RawGripper};
 use super::super::table::drive::BoughtMotor;
-use super::super::table::gripper::{Seesaw, Support};
+use super::super::table::gripper::{Grasped, GraspedMotion, Seesaw, Support};
 use super::super::table::keys::Keys;
 use super::super::table::top::{FingerKeys, GripperKeys};
-use super::super::table::{Table as Settings, read};
+use super::super::table::{Table, read};
 use super::super::words::SceneKind;
 use super::super::{
-    Actuation, Construction, Differential, Disc, Engine, GripperFinger, GripperObject, GripperScene, Integrator, Motor,
-    ObjectMotion, Side, Table, defaults,
+    Actuation, Construction, Differential, DrivenFinger, Engine, HalfPlane, Integrator, Motor, Scene, Side, System,
+    defaults,
 };
 use super::finger::Plan;
 use super::sizing::Sized;
@@ -32,7 +32,7 @@ pub fn gripper(
     fingers: &[RawFinger; 2],
     mut c: Checker<'_>,
     file_name: &str,
-) -> Result<GripperScene, Vec<Problem>> {
+) -> Result<Scene, Vec<Problem>> {
     let keys = read(&mut c, "", &raw.keys, GripperKeys::usual());
     let (name, duration) = heading(&mut c, &raw.keys, &keys.heading, file_name);
     let (gravity_m_s2, palm) = (keys.heading.gravity_m_s2, keys.palm);
@@ -73,7 +73,7 @@ pub fn gripper(
     let mu_static = resolved[0].as_ref().map(|finger| finger.contact.mu_static()[0]);
     let engine = run::engine(&mut c, &raw.engine, mu_static);
     refuse_joints(&mut c, &raw.engine, engine);
-    let bounds = run::gripper_bounds(&mut c, &raw.validate, duration);
+    let bounds = run::bounds(&mut c, &raw.validate, duration);
     let log = run::log(&mut c, &raw.log, duration);
 
     let [right, left] = resolved;
@@ -81,18 +81,21 @@ pub fn gripper(
         (Some((right, left)), Some(palm_width_m), Some(differential), Some([palm, on_table]), Some(duration_s))
             if c.is_clean() =>
         {
-            Ok(GripperScene {
+            Ok(Scene {
                 name,
                 description: keys.heading.description,
                 source: c.text.to_string(),
-                fingers: [right, left],
-                palm_width_m,
-                object,
-                palm,
-                table: level_m.zip(on_table).map(|(level_m, contact)| Table { level_m, contact }),
-                differential,
-                palm_motion,
-                gravity_m_s2,
+                system: System {
+                    fingers: vec![right, left],
+                    palm_width_m,
+                    differential,
+                    discs: vec![object.disc()],
+                    between_discs: None,
+                    palm: palm.map(|law| HalfPlane { level_m: 0.0, contact: Some(law) }),
+                    table: level_m.zip(on_table).map(|(level_m, law)| HalfPlane { level_m, contact: Some(law) }),
+                    palm_motion,
+                    gravity_m_s2,
+                },
                 duration_s,
                 integrator,
                 engine,
@@ -105,13 +108,13 @@ pub fn gripper(
 }
 
 /// The object with what follows from its radius.
-fn object(c: &mut Checker<'_>, raw: &Section<Keys<GripperObject>>) -> GripperObject {
-    let mut object = read(c, "object", raw, GripperObject::usual());
+fn object(c: &mut Checker<'_>, raw: &Section<Keys<Grasped>>) -> Grasped {
+    let mut object = read(c, "object", raw, Grasped::usual());
     let radius_m = object.radius_m;
     if object.centre_m[1].is_nan() {
         object.centre_m[1] = radius_m;
     }
-    if let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut object.motion {
+    if let GraspedMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut object.motion {
         if mass_kg.is_nan() {
             *mass_kg = defaults::DENSITY_KG_M3 * std::f64::consts::PI * radius_m * radius_m * defaults::DEPTH_M;
         }
@@ -150,13 +153,7 @@ struct Room {
 }
 
 /// The palm's width and the positioning error, which must be no less than the object's.
-fn room(
-    c: &mut Checker<'_>,
-    raw: &RawGripper,
-    keys: &GripperKeys,
-    object: GripperObject,
-    palm_width_m: f64,
-) -> Option<Room> {
+fn room(c: &mut Checker<'_>, raw: &RawGripper, keys: &GripperKeys, object: Grasped, palm_width_m: f64) -> Option<Room> {
     let offset = object.centre_m[0];
     let error_m = if raw.keys.has("positioning_error") { keys.positioning_error_m } else { offset.abs() };
     if error_m.is_nan() {
@@ -182,7 +179,7 @@ struct Place<'a> {
     keys: &'a FingerKeys,
     gravity_m_s2: [f64; 2],
     seesaw: Option<Seesaw>,
-    object: GripperObject,
+    object: Grasped,
     /// What says where the object is.
     span: Option<Range<usize>>,
 }
@@ -194,7 +191,7 @@ fn resolve_finger(
     plan: &Plan,
     Place { side, keys, gravity_m_s2: [x, y], seesaw, object, span: place }: Place<'_>,
     room: &mut Option<Room>,
-) -> (Sized, Option<GripperFinger>) {
+) -> (Sized, Option<DrivenFinger>) {
     let finger = finger::finger(c, raw, plan);
     let radius_m = object.radius_m;
     let seen = room.map(|room| room.seen(side, object));
@@ -216,32 +213,32 @@ fn resolve_finger(
     let limit = contact::limit(c, &raw.limit);
     let contact = contact::contacts(c, &raw.contact, radius_m);
     let sound = finger.zip(seen).map(|(finger, seen)| ((finger, Some(seen.object)), limit));
-    let ends = seen.map_or([Circle { radius_m, centre_m: [0.0; 2] }; 2], |seen| seen.ends.map(|disc| disc.circle()));
+    let ends = seen.map_or([Circle { radius_m, centre_m: [0.0; 2] }; 2], |seen| seen.ends);
     let initial = start::initial(c, raw, plan, sound, &ends);
     let whole = (finger, motor, spring, contact, initial);
     let (Some(finger), Some(motor), Some(spring), Some(contact), Some(initial)) = whole else { return (sized, None) };
-    (sized, Some(GripperFinger { finger, motor, spring, limit, contact, initial }))
+    (sized, Some(DrivenFinger { linkage: finger, motor, spring, limit, contact, initial }))
 }
 
 /// The object as one finger sees it, in the finger's own frame.
 #[derive(Clone, Copy)]
 struct Seen {
-    object: Disc,
+    object: Circle,
     /// At either end of the positioning error.
-    ends: [Disc; 2],
+    ends: [Circle; 2],
 }
 
 impl Room {
-    fn seen(&self, side: Side, object: GripperObject) -> Seen {
+    fn seen(&self, side: Side, object: Grasped) -> Seen {
         let [x, y] = object.centre_m;
-        let at = |x: f64| Disc { radius_m: object.radius_m, centre_m: [x - self.half_palm_m, y] };
+        let at = |x: f64| Circle { radius_m: object.radius_m, centre_m: [x - self.half_palm_m, y] };
         Seen { object: at(side.mirror() * x), ends: [at(-self.error_m), at(self.error_m)] }
     }
 }
 
 /// Whether the ground joint of a finger is outside of the object grown by half a link's width, wherever that may be.
 fn is_clear(c: &mut Checker<'_>, place: Option<Range<usize>>, side: Side, seen: &Seen, half_width_m: f64) -> bool {
-    let near = |disc: &Disc| hypot(disc.centre_m[0], disc.centre_m[1]);
+    let near = |disc: &Circle| hypot(disc.centre_m[0], disc.centre_m[1]);
     let [one, other] = seen.ends.each_ref().map(near);
     let distance = near(&seen.object).min(one).min(other);
     let reach = seen.object.radius_m + half_width_m;
@@ -265,7 +262,7 @@ fn ends_sized(
     raw: &super::super::raw::RawScene,
     keys: &FingerKeys,
     finger: &Finger,
-    ends: [Disc; 2],
+    ends: [Circle; 2],
     gravity_m_s2: [f64; 2],
 ) -> Sized {
     let differ = ends[0] != ends[1];
@@ -326,7 +323,7 @@ fn input(
 }
 
 /// Palm and table must not be inside the object.
-fn judge_object(c: &mut Checker<'_>, raw: &RawGripper, object: GripperObject, palm: bool, level_m: Option<f64>) {
+fn judge_object(c: &mut Checker<'_>, raw: &RawGripper, object: Grasped, palm: bool, level_m: Option<f64>) {
     let [_, y] = object.centre_m;
     let span = |key: &str| raw.object.span(key).or(raw.object.span.clone());
     let planes: [(&str, f64, Option<Range<usize>>); 2] = [

@@ -29,7 +29,7 @@ use super::table::finger::Object;
 use super::table::keys::Keys;
 use super::table::top::{FingerKeys, Heading};
 use super::table::{Table, read};
-use super::{Integrator, Scene};
+use super::{Disc, DrivenFinger, HalfPlane, Integrator, Motor, Scene, System};
 
 /// Resolves the scene of a finger; `file_name` gives its default name.
 pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
@@ -68,16 +68,26 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
             name,
             description: keys.heading.description,
             source: c.text.to_string(),
-            finger,
-            object,
-            palm: keys.palm,
-            actuation,
-            spring,
-            limit,
-            contact,
-            gravity_m_s2,
+            system: System {
+                fingers: vec![DrivenFinger {
+                    linkage: finger,
+                    motor: Motor::of(actuation),
+                    spring,
+                    limit,
+                    contact,
+                    initial,
+                }],
+                palm_width_m: 0.0,
+                differential: None,
+                discs: object.map(Disc::object).into_iter().collect(),
+                between_discs: None,
+                // Nothing that moves can reach it.
+                palm: keys.palm.then_some(HalfPlane { level_m: 0.0, contact: None }),
+                table: None,
+                palm_motion: None,
+                gravity_m_s2,
+            },
             duration_s,
-            initial,
             integrator,
             engine,
             bounds,

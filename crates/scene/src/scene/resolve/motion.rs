@@ -2,12 +2,13 @@
 
 use super::super::check::Checker;
 use super::super::raw_gripper::RawGripper;
+use super::super::table::gripper::{Grasped, GraspedMotion};
 use super::super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
 use super::super::table::{Table, read};
-use super::super::{GripperObject, ObjectMotion, PalmMotion, Path};
+use super::super::{PalmMotion, Path};
 
 /// `None` where nothing moves it; what is wrong is noted.
-pub fn palm_motion(c: &mut Checker<'_>, raw: &RawGripper, object: GripperObject) -> Option<PalmMotion> {
+pub fn palm_motion(c: &mut Checker<'_>, raw: &RawGripper, object: Grasped) -> Option<PalmMotion> {
     let mut motion = PalmMotion::default();
     for (name, keys) in &raw.moves.0 {
         let path = format!("moves.{}", name.get_ref());
@@ -21,7 +22,7 @@ pub fn palm_motion(c: &mut Checker<'_>, raw: &RawGripper, object: GripperObject)
     if motion == PalmMotion::default() {
         return None;
     }
-    if object.motion == ObjectMotion::Fixed {
+    if object.motion == GraspedMotion::Fixed {
         let places = [&raw.moves.span, &raw.vibrations.span, &raw.path.span];
         c.push(
             places.into_iter().flatten().next().cloned(),

@@ -1,12 +1,12 @@
 //! The object to be grasped.
 
-use super::super::Disc;
 use super::super::check::Checker;
 use super::super::raw::RawScene;
 use super::super::table::finger::Object;
+use crate::gripper::Circle;
 
 /// The disc: `Some(None)` where the scene has none, `None` where it is wrong.
-pub fn object(c: &mut Checker<'_>, raw: &RawScene, said: Object, base_m: Option<f64>) -> Option<Option<Disc>> {
+pub fn object(c: &mut Checker<'_>, raw: &RawScene, said: Object, base_m: Option<f64>) -> Option<Option<Circle>> {
     let Object { present, radius_m, centre_m } = said;
     let object = &raw.object;
     if !present {
@@ -26,5 +26,5 @@ pub fn object(c: &mut Checker<'_>, raw: &RawScene, said: Object, base_m: Option<
     }
     let centre_m = if object.has("centre") { centre_m } else { [-base_m?, radius_m] };
     // A wrong one is noted already.
-    centre_m[0].is_finite().then_some(Some(Disc { radius_m, centre_m }))
+    centre_m[0].is_finite().then_some(Some(Circle { radius_m, centre_m }))
 }

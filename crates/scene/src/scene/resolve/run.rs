@@ -5,9 +5,10 @@ use std::ops::Range;
 use super::super::check::Checker;
 use super::super::entry::Section;
 use super::super::table::Table;
+use super::super::table::bounds::Said;
 use super::super::table::keys::Keys;
 use super::super::table::read;
-use super::super::{BodiesBounds, Bounds, Engine, GripperBounds, LogRates, Response, defaults};
+use super::super::{Bounds, Engine, LogRates, Response, defaults};
 use crate::units::{Dimension, format};
 
 /// The engine model; rapier's friction is `mu_static`, that of the scene's contact, unless given.
@@ -22,26 +23,9 @@ pub fn engine(c: &mut Checker<'_>, raw: &Section<Keys<Engine>>, mu_static: Optio
 }
 
 /// Bounds of the validation, judged even where the duration is wrong (`None`): only the end of the comparison needs it.
-pub fn bounds(c: &mut Checker<'_>, raw: &Section<Keys<Bounds>>, duration_s: Option<f64>) -> Bounds {
-    let bounds = read(c, "validate", raw, Bounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
-    judge_until(c, raw.span("until"), bounds.until_s, duration_s);
-    bounds
-}
-
-/// The same for a scene of discs.
-pub fn bodies_bounds(c: &mut Checker<'_>, raw: &Section<Keys<BodiesBounds>>, duration_s: Option<f64>) -> BodiesBounds {
-    let bounds = read(c, "validate", raw, BodiesBounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
-    judge_until(c, raw.span("until"), bounds.until_s, duration_s);
-    bounds
-}
-
-/// The same for a gripper.
-pub fn gripper_bounds(
-    c: &mut Checker<'_>,
-    raw: &Section<Keys<GripperBounds>>,
-    duration_s: Option<f64>,
-) -> GripperBounds {
-    let bounds = read(c, "validate", raw, GripperBounds::over(duration_s.unwrap_or(defaults::DURATION_S)));
+pub fn bounds<T: Said>(c: &mut Checker<'_>, raw: &Section<Keys<T>>, duration_s: Option<f64>) -> Bounds {
+    let usual = Bounds::over(T::KIND, duration_s.unwrap_or(defaults::DURATION_S));
+    let bounds = read(c, "validate", raw, T::from(usual)).bounds();
     judge_until(c, raw.span("until"), bounds.until_s, duration_s);
     bounds
 }

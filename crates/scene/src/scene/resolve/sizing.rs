@@ -4,7 +4,7 @@ use super::super::check::Checker;
 use super::super::kinds::Choice;
 use super::super::raw::RawScene;
 use super::super::table::top::FingerKeys;
-use super::super::{Actuation, Disc, Placement, SpringKind};
+use super::super::{Actuation, Placement, SpringKind};
 use super::finger::geometry;
 use crate::gripper::{Circle, Finger, contact_angle_proximal};
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
@@ -54,7 +54,7 @@ pub fn sizing(
     c: &mut Checker<'_>,
     raw: &RawScene,
     keys: &FingerKeys,
-    sound: Option<(&Finger, &Option<Disc>)>,
+    sound: Option<(&Finger, &Option<Circle>)>,
     gravity_m_s2: [f64; 2],
 ) -> Sized {
     if !raw.keys.has("sizing") {
@@ -76,11 +76,10 @@ pub fn sizing(
         );
         return Sized::Wrong;
     };
-    let disc = disc.circle();
-    let Some(opening_rad) = opening(c, raw, finger, disc) else {
+    let Some(opening_rad) = opening(c, raw, finger, *disc) else {
         return Sized::Wrong;
     };
-    let task = Task { disc, opening_rad, gravity_m_s2, closing_s };
+    let task = Task { disc: *disc, opening_rad, gravity_m_s2, closing_s };
     match size_with(finger, &task, rule, placement, INTERVALS) {
         Ok(sizing) => Sized::By(sizing),
         Err(error) => {

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
+use super::super::Initial;
 use super::super::check::Checker;
 use super::super::raw::RawScene;
 use super::super::table::finger::{Object, Start};
 use super::super::table::{Table, read};
-use super::super::{Disc, Initial};
 use super::finger::{Plan, geometry};
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
@@ -19,7 +19,7 @@ const MAX_PENETRATION_M: f64 = 1e-3;
 const LIMIT_SLACK_RAD: f64 = 1e-6;
 
 /// Object and limit a start is judged by.
-type Sound = ((Finger, Option<Disc>), Option<NormalLaw>);
+type Sound = ((Finger, Option<Circle>), Option<NormalLaw>);
 
 /// How far before the contact a start is unless angles are given, and these: not a number where they are not.
 pub fn start(c: &mut Checker<'_>, raw: &RawScene) -> (f64, Initial) {
@@ -92,13 +92,13 @@ fn before_contact(
     c: &mut Checker<'_>,
     raw: &RawScene,
     plan: &Plan,
-    object: Option<Disc>,
+    object: Option<Circle>,
     offset: f64,
     elsewhere: &[Circle],
 ) -> Option<f64> {
     let lengths = plan.lengths?;
     let circle = match (object, plan.base_m) {
-        (Some(disc), _) => disc.circle(),
+        (Some(disc), _) => disc,
         (None, Some(base_m)) => {
             let Object { radius_m, .. } = read(c, "object", &raw.object, Object::usual());
             Circle { radius_m, centre_m: [-base_m, radius_m] }
@@ -163,7 +163,7 @@ fn judge_limit(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Postu
     );
 }
 
-fn judge_overlap(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Posture, lengths: &Lengths, disc: Disc) {
+fn judge_overlap(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Posture, lengths: &Lengths, disc: Circle) {
     let Joints { a22_m, tip_m, .. } = gripper::joints(lengths, posture);
     let reach = disc.radius_m + lengths.half_width_m;
     for (name, from, to) in [("proximal", [0.0, 0.0], a22_m), ("distal", a22_m, tip_m)] {

@@ -1,35 +1,25 @@
-//! The scene of a finger.
+//! One finger, and what every finger is shown by.
 
 use super::super::table::drive::{Motor, Springs};
 use super::super::table::finger::{Object, Start};
 use super::super::table::law::Limit;
-use super::super::table::top::FingerKeys;
+use super::super::table::top::{FingerKeys, Heading};
 use super::super::table::{Table, show as show_table, show_keys};
-use super::super::words::SceneKind;
-use super::super::{Bounds, Contacts, Disc, Initial, Scene, Spring};
+use super::super::{Contacts, Disc, DrivenFinger, Initial, Side, Spring, System};
 use super::out::Out;
-use super::parts::{contact, heading};
+use super::parts::contact;
 use crate::gripper::{Body, BodyOverride, Finger};
 use crate::law::NormalLaw;
 
-/// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
-/// excepted).
-pub fn show(scene: &Scene) -> String {
-    shown(scene, Out::default())
-}
-
-pub(super) fn shown(scene: &Scene, mut out: Out) -> String {
-    let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
-    let heading = heading(&mut out, SceneKind::Finger, heading_of);
-    show_keys(&mut out, &FingerKeys { heading, palm: scene.palm, ..links(&scene.finger) }, |_| true);
-    bodies(&mut out, "", &scene.finger);
-    show_table(&mut out, "object", &object(scene.object));
-    show_table(&mut out, "motor", &Motor::of(&scene.actuation));
-    spring_and_limit(&mut out, "", scene.spring, scene.limit);
-    laws(&mut out, "", &scene.contact);
-    start(&mut out, "", scene.initial);
-    run(&mut out, scene);
-    out.text
+pub fn system(out: &mut Out, heading: Heading, system: &System) {
+    let DrivenFinger { linkage, motor, spring, limit, contact, initial } = system.finger(Side::Right);
+    show_keys(out, &FingerKeys { heading, palm: system.palm.is_some(), ..links(linkage) }, |_| true);
+    bodies(out, "", linkage);
+    show_table(out, "object", &object(system.object()));
+    show_table(out, "motor", &Motor::of(&motor.actuation));
+    spring_and_limit(out, "", *spring, *limit);
+    laws(out, "", contact);
+    start(out, "", *initial);
 }
 
 /// What stands before the sections of a finger, as far as the finger says it.
@@ -55,10 +45,10 @@ pub(super) fn bodies(out: &mut Out, path: &str, finger: &Finger) {
     }
 }
 
-fn object(disc: Option<Disc>) -> Object {
+fn object(disc: Option<&Disc>) -> Object {
     // Without an object its size means nothing.
     let none = Object { present: false, radius_m: f64::NAN, centre_m: [f64::NAN; 2] };
-    disc.map_or(none, |Disc { radius_m, centre_m }| Object { present: true, radius_m, centre_m })
+    disc.map_or(none, |disc| Object { present: true, radius_m: disc.radius_m, centre_m: disc.centre_m })
 }
 
 pub(super) fn spring_and_limit(out: &mut Out, path: &str, spring: Option<Spring>, limit: Option<NormalLaw>) {
@@ -74,13 +64,4 @@ pub(super) fn laws(out: &mut Out, path: &str, laws: &Contacts) {
 
 pub(super) fn start(out: &mut Out, path: &str, joints: Initial) {
     show_table(out, &format!("{path}initial"), &Start { offset_rad: None, joints });
-}
-
-fn run(out: &mut Out, scene: &Scene) {
-    show_table(out, "integrator", &scene.integrator);
-    show_table(out, "engine", &scene.engine);
-    // A program may have shortened the run.
-    let until_s = scene.bounds.until_s.min(scene.duration_s);
-    show_table(out, "validate", &Bounds { until_s, ..scene.bounds });
-    show_table(out, "log", &scene.log);
 }

@@ -1,62 +1,46 @@
-//! The scene of a gripper.
+//! Two fingers and what they grasp.
 
-use super::super::table::bounds::GripperBounds;
 use super::super::table::drive::BoughtMotor;
-use super::super::table::gripper::{Seesaw, Support};
+use super::super::table::gripper::{Grasped, Seesaw, Support};
 use super::super::table::motion;
-use super::super::table::top::{GripperKeys, HEADING};
+use super::super::table::top::{GripperKeys, HEADING, Heading};
 use super::super::table::{Table as _, show as show_table, show_keys};
-use super::super::words::SceneKind;
-use super::super::{GripperFinger, GripperScene, PalmMotion, Side};
+use super::super::{Differential, DrivenFinger, PalmMotion, Side, System};
 use super::finger::{bodies, laws, show_links, spring_and_limit, start};
 use super::out::Out;
-use super::parts::{contact, heading};
+use super::parts::contact;
 
-/// The scene with everything filled in, as a scene file that parses back to the same scene, bit for bit (its `source`
-/// excepted).
-pub fn show_gripper(scene: &GripperScene) -> String {
-    shown(scene, Out::default())
-}
-
-pub(super) fn shown(scene: &GripperScene, mut out: Out) -> String {
-    let to = &mut out;
-    let heading_of = (scene.name.as_str(), scene.description.as_str(), scene.duration_s, scene.gravity_m_s2);
-    let (heading, palm) = (heading(to, SceneKind::Gripper, heading_of), scene.palm.is_some());
-    let keys = GripperKeys { heading, palm, palm_width_m: scene.palm_width_m, ..GripperKeys::usual() };
+pub fn system(to: &mut Out, heading: Heading, system: &System) {
+    let keys =
+        GripperKeys { heading, palm: system.palm.is_some(), palm_width_m: system.palm_width_m, ..GripperKeys::usual() };
     show_keys(to, &keys, |key| HEADING.contains(&key));
-    let [right, left] = &scene.fingers;
+    let [right, left] = Side::BOTH.map(|side| system.finger(side));
     if right == left {
-        show_links(to, &right.finger);
+        show_links(to, &right.linkage);
     }
     show_keys(to, &keys, |key| !HEADING.contains(&key));
-    show_table(to, "object", &scene.object);
-    let level_m = scene.table.map_or(f64::NAN, |table| table.level_m);
-    show_table(to, "table", &Support { present: scene.table.is_some(), level_m });
-    differential(to, scene);
+    system.object().iter().for_each(|object| show_table(to, "object", &Grasped::of(object)));
+    let level_m = system.table.map_or(f64::NAN, |table| table.level_m);
+    show_table(to, "table", &Support { present: system.table.is_some(), level_m });
+    differential(to, system.differential.as_ref());
+    let has_motor = system.differential.is_none();
     match right == left {
-        true => finger(to, "", right, scene.differential.is_none()),
+        true => finger(to, "", right, has_motor),
         false => Side::BOTH.into_iter().for_each(|side| {
             to.section(side.word());
-            let of = scene.finger(side);
-            show_links(to, &of.finger);
-            finger(to, &format!("{}.", side.word()), of, scene.differential.is_none());
+            let of = system.finger(side);
+            show_links(to, &of.linkage);
+            finger(to, &format!("{}.", side.word()), of, has_motor);
         }),
     }
-    for (path, law) in [("contact.palm", scene.palm), ("contact.table", scene.table.map(|table| table.contact))] {
-        law.iter().for_each(|law| contact(to, path, law));
+    for (path, plane) in [("contact.palm", system.palm), ("contact.table", system.table)] {
+        plane.and_then(|plane| plane.contact).iter().for_each(|law| contact(to, path, law));
     }
-    scene.palm_motion.iter().for_each(|motion| palm_motion(to, motion));
-    show_table(to, "integrator", &scene.integrator);
-    show_table(to, "engine", &scene.engine);
-    // A program may have shortened the run.
-    let until_s = scene.bounds.until_s.min(scene.duration_s);
-    show_table(to, "validate", &GripperBounds { until_s, ..scene.bounds });
-    show_table(to, "log", &scene.log);
-    out.text
+    system.palm_motion.iter().for_each(|motion| palm_motion(to, motion));
 }
 
-fn differential(out: &mut Out, scene: &GripperScene) {
-    let Some(differential) = &scene.differential else {
+fn differential(out: &mut Out, differential: Option<&Differential>) {
+    let Some(differential) = differential else {
         let none = Seesaw { present: false, input_inertia_kg_m2: 0.0, seesaw_inertia_kg_m2: 0.0 };
         return show_table(out, "differential", &none);
     };
@@ -66,8 +50,8 @@ fn differential(out: &mut Out, scene: &GripperScene) {
     show_table(out, "motor", &BoughtMotor::of(&differential.motor, 0.0));
 }
 
-fn finger(out: &mut Out, path: &str, finger: &GripperFinger, has_motor: bool) {
-    bodies(out, path, &finger.finger);
+fn finger(out: &mut Out, path: &str, finger: &DrivenFinger, has_motor: bool) {
+    bodies(out, path, &finger.linkage);
     if has_motor {
         let motor = BoughtMotor::of(&finger.motor, finger.motor.inertia_kg_m2);
         show_table(out, &format!("{path}motor"), &motor);

@@ -1,18 +1,23 @@
-//! What both kinds of scene have.
+//! What all kinds of scene have.
 
+use super::super::Scene;
 use super::super::table::law::Contact;
 use super::super::table::show;
 use super::super::table::top::Heading;
-use super::super::words::SceneKind;
 use super::out::Out;
 use crate::law::ContactLaw;
 
 /// Begins a scene; its name, description, kind, duration and gravity.
-pub fn heading(out: &mut Out, kind: SceneKind, of: (&str, &str, f64, [f64; 2])) -> Heading {
+pub fn heading(out: &mut Out, scene: &Scene) -> Heading {
     out.comment("Scene with every default filled in; masses and lengths as simulated.");
-    let (name, description, duration_s, gravity_m_s2) = of;
-    let (name, description) = (name.to_string(), description.to_string());
-    Heading { extends: String::new(), name, description, kind, duration_s, gravity_m_s2 }
+    Heading {
+        extends: String::new(),
+        name: scene.name.clone(),
+        description: scene.description.clone(),
+        kind: scene.kind(),
+        duration_s: scene.duration_s,
+        gravity_m_s2: scene.system.gravity_m_s2,
+    }
 }
 
 pub fn contact(out: &mut Out, path: &str, law: &ContactLaw) {

@@ -11,9 +11,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::super::schema::schema_of;
 use super::super::words::SceneKind;
-use super::super::{AnyScene, parse_any};
+use super::super::{Scene, parse_any};
 use super::out::Out;
-use super::{bodies, finger, gripper};
 use crate::units::number;
 
 /// Digits of what follows: enough to see it, few enough to read it.
@@ -68,33 +67,19 @@ enum Node {
 
 /// The scene as its source says it, with every default filled in. It parses back to the same scene, bit for bit (its
 /// `source` excepted). A scene whose source is not its own (changed since it was read) is shown as it is now, in full.
-pub fn show_written(scene: &AnyScene) -> String {
-    let (source, name) = match scene {
-        AnyScene::Finger(scene) => (&scene.source, &scene.name),
-        AnyScene::Bodies(scene) => (&scene.source, &scene.name),
-        AnyScene::Gripper(scene) => (&scene.source, &scene.name),
-    };
-    let Ok(document) = DeTable::parse(source) else { return super::show_any(scene) };
+pub fn show_written(scene: &Scene) -> String {
+    let source = &scene.source;
+    let Ok(document) = DeTable::parse(source) else { return super::show(scene) };
     let mut root = table(document.get_ref(), source);
-    put(&mut root, &["name"], &toml::Value::String(name.clone()).to_string());
+    put(&mut root, &["name"], &toml::Value::String(scene.name.clone()).to_string());
     if !is_same(&rendered(&root), scene) {
-        return super::show_any(scene);
+        return super::show(scene);
     }
-    let kind = match scene {
-        AnyScene::Finger(_) => SceneKind::Finger,
-        AnyScene::Bodies(_) => SceneKind::Bodies,
-        AnyScene::Gripper(_) => SceneKind::Gripper,
-    };
     // Twice: some defaults go beside others only.
     for _ in 0..2 {
-        fill(&mut root, schema_of(kind), &mut Vec::new(), scene);
+        fill(&mut root, schema_of(scene.kind()), &mut Vec::new(), scene);
     }
-    let out = Out::rounded(DIGITS);
-    let whole = match scene {
-        AnyScene::Finger(scene) => finger::shown(scene, out),
-        AnyScene::Bodies(scene) => bodies::shown(scene, out),
-        AnyScene::Gripper(scene) => gripper::shown(scene, out),
-    };
+    let whole = super::shown(scene, Out::rounded(DIGITS));
     sort(&mut root, &whole, "");
     let mut text = "# As it was written, with every default filled in.\n".to_string();
     text += &rendered(&root);
@@ -140,7 +125,7 @@ fn put(table: &mut Vec<(String, Node)>, path: &[&str], text: &str) {
 }
 
 /// Puts every default of the schema that leaves the scene as it is.
-fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'a str>, scene: &AnyScene) {
+fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'a str>, scene: &Scene) {
     let Some(properties) = schema["properties"].as_object() else { return };
     for (key, property) in properties {
         path.push(key);
@@ -159,8 +144,8 @@ fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'
             }
         }
         fill(root, property, path, scene);
-        if let (Some(each), AnyScene::Bodies(bodies)) = (property.get("additionalProperties"), scene) {
-            for disc in &bodies.discs {
+        if let (Some(each), SceneKind::Bodies) = (property.get("additionalProperties"), scene.kind()) {
+            for disc in &scene.system.discs {
                 fill_disc(root, each, &disc.name, scene);
             }
         }
@@ -168,7 +153,7 @@ fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'
     }
 }
 
-fn fill_disc(root: &mut Vec<(String, Node)>, schema: &Value, name: &str, scene: &AnyScene) {
+fn fill_disc(root: &mut Vec<(String, Node)>, schema: &Value, name: &str, scene: &Scene) {
     for (key, property) in schema["properties"].as_object().into_iter().flatten() {
         let Some(default) = property.get("default").and_then(toml_text) else { continue };
         let mut tried = root.clone();
@@ -198,14 +183,9 @@ fn toml_text(value: &Value) -> Option<String> {
 }
 
 /// Whether a text is the same scene, whatever its source.
-fn is_same(text: &str, scene: &AnyScene) -> bool {
+fn is_same(text: &str, scene: &Scene) -> bool {
     let Ok(mut found) = parse_any(text, "scene.toml") else { return false };
-    match (&mut found, scene) {
-        (AnyScene::Finger(found), AnyScene::Finger(scene)) => found.source.clone_from(&scene.source),
-        (AnyScene::Bodies(found), AnyScene::Bodies(scene)) => found.source.clone_from(&scene.source),
-        (AnyScene::Gripper(found), AnyScene::Gripper(scene)) => found.source.clone_from(&scene.source),
-        _ => return false,
-    }
+    found.source.clone_from(&scene.source);
     found == *scene
 }
 

@@ -4,7 +4,7 @@ use super::lines;
 use crate::scene::check::POSITIVE;
 use crate::scene::kinds::{Acceleration, AngularRate, Choice, Flag, Inertia, Length, Mass, Pair, Speed};
 use crate::scene::words::Motion;
-use crate::scene::{DiscMotion, NamedDisc};
+use crate::scene::{Disc, DiscMotion};
 
 /// Not a number where something must be given, or follows from something else.
 const GIVEN: f64 = f64::NAN;
@@ -36,7 +36,7 @@ const USUAL: DiscKeys = DiscKeys {
 };
 
 impl DiscKeys {
-    pub fn of(disc: &NamedDisc) -> Self {
+    pub fn of(disc: &Disc) -> Self {
         let whole = Self { radius_m: disc.radius_m, centre_m: disc.centre_m, ..USUAL };
         match disc.motion {
             DiscMotion::Fixed => Self { motion: Motion::Fixed, ..whole },

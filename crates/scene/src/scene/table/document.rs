@@ -2,12 +2,13 @@
 
 use serde_json::Value;
 
-use super::bounds::{BodiesBounds, Bounds, GripperBounds};
+use super::bounds::{DiscBounds, FingerBounds, GripperBounds};
 use super::disc::DiscKeys;
 use super::drive::{BoughtMotor, Motor, Springs};
 use super::engine::Engine;
 use super::finger::{Material, Object, Start};
-use super::gripper::{Seesaw, Support};
+use super::gripper::{Grasped, Seesaw, Support};
+use super::half_plane::Ground;
 use super::integrator::Integrator;
 use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
@@ -17,7 +18,6 @@ use super::{Field, Table, default, range};
 use crate::gripper::{BodyOverride, Design, Lengths};
 use crate::law::FrictionLaw;
 use crate::scene::check::ANY;
-use crate::scene::{GripperObject, HalfPlane};
 use crate::units::Dimension;
 
 /// Every section of the table with its keys.
@@ -37,8 +37,8 @@ pub fn markdown() -> String {
         section::<Springs>("`[spring]`"),
         section::<Start>("`[initial]`"),
         section::<DiscKeys>("`[discs.NAME]` of a scene of discs"),
-        section::<HalfPlane>("`[half_plane]` of a scene of discs"),
-        section::<GripperObject>("`[object]` of a gripper"),
+        section::<Ground>("`[half_plane]` of a scene of discs"),
+        section::<Grasped>("`[object]` of a gripper"),
         section::<Support>("`[table]` of a gripper"),
         section::<Seesaw>("`[differential]` of a gripper"),
         section::<BoughtMotor>("`[motor]` of a gripper"),
@@ -47,8 +47,8 @@ pub fn markdown() -> String {
         section::<PathKeys>("`[path]` of a gripper"),
         section::<Integrator>("`[integrator]`"),
         section::<Engine>("`[engine]`"),
-        section::<Bounds>("`[validate]`"),
-        section::<BodiesBounds>("`[validate]` of a scene of discs"),
+        section::<FingerBounds>("`[validate]`"),
+        section::<DiscBounds>("`[validate]` of a scene of discs"),
         section::<GripperBounds>("`[validate]` of a gripper"),
         section::<LogRates>("`[log]`"),
         section::<Contact>("`[contact]`"),

@@ -78,6 +78,11 @@ impl Engine {
         max_steps: MAX_STEPS,
     };
 
+    /// Whether it answers contact by the scene's laws, as the analytic model does.
+    pub fn uses_laws(&self) -> bool {
+        self.response == Response::Laws
+    }
+
     /// Joint sweeps unless the scene says otherwise. With the contact laws the engine hands rapier the reactions, and the sweeps
     /// only confirm them; of rapier's own contact they must carry the impulses through the linkage.
     pub const fn usual_iterations(response: Response) -> u32 {

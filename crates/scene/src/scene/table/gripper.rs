@@ -3,31 +3,71 @@
 use super::{lines, of};
 use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
 use crate::scene::kinds::{Angle, AngularRate, Choice, Flag, Inertia, Length, Mass, Pair, Speed, Words};
-use crate::scene::{GripperObject, ObjectMotion, defaults};
+use crate::scene::{Disc, DiscMotion, defaults};
 
 /// Follows from something else unless it is given.
 const FOLLOWS: f64 = f64::NAN;
 
-impl Words for ObjectMotion {
+/// The disc that a gripper grasps.
+#[derive(Clone, Copy, Debug)]
+pub struct Grasped {
+    pub radius_m: f64,
+    pub centre_m: [f64; 2],
+    pub angle_rad: f64,
+    pub motion: GraspedMotion,
+}
+
+/// What moves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GraspedMotion {
+    Fixed,
+    Free { mass_kg: f64, inertia_kg_m2: f64, velocity_m_s: [f64; 2], spin_rad_s: f64 },
+}
+
+impl Grasped {
+    pub fn disc(self) -> Disc {
+        let Self { radius_m, centre_m, angle_rad, motion } = self;
+        let motion = match motion {
+            GraspedMotion::Fixed => DiscMotion::Fixed,
+            GraspedMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => {
+                DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s }
+            }
+        };
+        Disc { name: Disc::OBJECT.to_string(), radius_m, centre_m, angle_rad, motion }
+    }
+
+    /// As it would be said; nothing drives an object.
+    pub fn of(disc: &Disc) -> Self {
+        let motion = match disc.motion {
+            DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s } => {
+                GraspedMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s }
+            }
+            _ => GraspedMotion::Fixed,
+        };
+        Self { radius_m: disc.radius_m, centre_m: disc.centre_m, angle_rad: disc.angle_rad, motion }
+    }
+}
+
+impl Words for GraspedMotion {
     const WORDS: &'static [(&'static str, Self)] = &[
         (
             "free",
-            ObjectMotion::Free { mass_kg: FOLLOWS, inertia_kg_m2: FOLLOWS, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 },
+            GraspedMotion::Free { mass_kg: FOLLOWS, inertia_kg_m2: FOLLOWS, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 },
         ),
-        ("fixed", ObjectMotion::Fixed),
+        ("fixed", GraspedMotion::Fixed),
     ];
 }
 
 lines! {
     /// The disc to be grasped.
-    GripperObject = Self {
+    Grasped = Self {
         radius_m: defaults::OBJECT_RADIUS_M,
         centre_m: [0.0, FOLLOWS],
         angle_rad: 0.0,
-        motion: ObjectMotion::WORDS[0].1,
+        motion: GraspedMotion::WORDS[0].1,
     }, o;
     /// What moves it: "free": contact and gravity; "fixed": nothing.
-    "motion": Choice<ObjectMotion> = Some(&mut o.motion);
+    "motion": Choice<GraspedMotion> = Some(&mut o.motion);
     "radius": Length = Some(&mut o.radius_m), allowed(POSITIVE);
     /// Positioning error: how far its centre starts to the right of the palm's middle.
     "offset": Length = Some(&mut o.centre_m[0]), said("0 mm");
@@ -36,15 +76,15 @@ lines! {
     /// Its angle at the start.
     "angle": Angle = Some(&mut o.angle_rad), said("0 deg");
     /// Default: homogeneous, of 1070 kg/m³ and 40 mm deep (53.784 g at a radius of 20 mm).
-    "mass": Mass = of!(o.motion, ObjectMotion::Free, mass_kg), allowed(POSITIVE),
+    "mass": Mass = of!(o.motion, GraspedMotion::Free, mass_kg), allowed(POSITIVE),
         beside("motion", "with motion = \"fixed\"");
     /// Moment of inertia about its centre. Default: of a homogeneous disc, mass × radius² / 2.
-    "inertia": Inertia = of!(o.motion, ObjectMotion::Free, inertia_kg_m2), allowed(POSITIVE),
+    "inertia": Inertia = of!(o.motion, GraspedMotion::Free, inertia_kg_m2), allowed(POSITIVE),
         beside("motion", "with motion = \"fixed\"");
     /// Velocity of its centre at the start.
-    "velocity": Pair<Speed> = of!(o.motion, ObjectMotion::Free, velocity_m_s), beside("motion", "with motion = \"fixed\"");
+    "velocity": Pair<Speed> = of!(o.motion, GraspedMotion::Free, velocity_m_s), beside("motion", "with motion = \"fixed\"");
     /// Angular rate at the start, counter-clockwise.
-    "spin": AngularRate = of!(o.motion, ObjectMotion::Free, spin_rad_s), said("0 rad/s"),
+    "spin": AngularRate = of!(o.motion, GraspedMotion::Free, spin_rad_s), said("0 rad/s"),
         beside("motion", "with motion = \"fixed\"");
 }
 

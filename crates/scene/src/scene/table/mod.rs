@@ -21,7 +21,7 @@ pub mod drive;
 pub mod engine;
 pub mod finger;
 pub mod gripper;
-mod half_plane;
+pub mod half_plane;
 pub mod held;
 pub mod integrator;
 pub mod keys;

@@ -1,0 +1,128 @@
+//! What is simulated: the one description that both models read, as plain lists.
+
+use super::words::SceneKind;
+use super::{Differential, Disc, DiscMotion, DrivenFinger, HalfPlane, PalmMotion, Place, Side};
+use crate::gripper::Site;
+use crate::law::{Bristle, ContactLaw};
+
+/// Fingers, discs, planes and the laws by which they touch, in SI.
+///
+/// Where a program puts one together, [`System::objection`] says what runs take.
+///
+/// The frame is the palm's: its origin is in the palm's middle, x along it and y out of it. Where the palm is at rest, and where there
+/// is none, that is the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    /// None, one alone, or right and left; everything of the left one is that of its mirror image about x = 0.
+    pub fingers: Vec<DrivenFinger>,
+    /// Distance between the ground joints of two fingers; 0 of one, whose ground joint is the origin.
+    pub palm_width_m: f64,
+    /// One input that drives both fingers.
+    pub differential: Option<Differential>,
+    /// Where there are fingers at most one, which they grasp, fixed or free; one finger alone grasps what does not move. Without fingers
+    /// any, in the order of their names.
+    pub discs: Vec<Disc>,
+    /// Law by which discs touch one another; `None` where there are fingers.
+    pub between_discs: Option<ContactLaw>,
+    /// What is solid below: the palm, for discs only, or the ground; `None` where it is open.
+    pub palm: Option<HalfPlane>,
+    /// What is solid above, at rest in the world; the palm starts where world and palm have one frame.
+    pub table: Option<HalfPlane>,
+    /// `None` where the palm is at rest.
+    pub palm_motion: Option<PalmMotion>,
+    pub gravity_m_s2: [f64; 2],
+}
+
+impl System {
+    /// Of which kind it is.
+    pub fn kind(&self) -> SceneKind {
+        match self.fingers.len() {
+            0 => SceneKind::Bodies,
+            1 => SceneKind::Finger,
+            _ => SceneKind::Gripper,
+        }
+    }
+
+    /// A finger by its side; one that is alone is a right one.
+    ///
+    /// # Panics
+    /// Where there is none.
+    #[inline]
+    pub fn finger(&self, side: Side) -> &DrivenFinger {
+        &self.fingers[side as usize]
+    }
+
+    /// What fingers grasp.
+    #[inline]
+    pub fn object(&self) -> Option<&Disc> {
+        self.discs.first().filter(|_| !self.fingers.is_empty())
+    }
+
+    /// What fingers grasp, if it moves.
+    pub fn moving_object(&self) -> Option<&Disc> {
+        self.object().filter(|object| object.motion != DiscMotion::Fixed)
+    }
+
+    /// What the fingers of a gripper grasp.
+    ///
+    /// # Panics
+    /// Where nothing is there: a gripper has always something to grasp.
+    #[inline]
+    pub fn grasped(&self) -> &Disc {
+        self.object().expect("something to grasp")
+    }
+
+    /// Where fingers and what they grasp can touch, in the order of samples.
+    #[inline]
+    pub fn places(&self) -> &'static [Place] {
+        Place::of_fingers(self.fingers.len())
+    }
+
+    /// Name of a place in reports, keys and topics.
+    pub fn place_name(&self, place: Place) -> String {
+        place.name_among(self.fingers.len())
+    }
+
+    /// The discs that samples tell of: what one finger grasps does not move, and is none of them.
+    pub fn told_discs(&self) -> &[Disc] {
+        if self.fingers.len() == 1 { &[] } else { &self.discs }
+    }
+
+    /// The same, to be changed.
+    ///
+    /// # Panics
+    /// Where nothing is there.
+    pub fn grasped_mut(&mut self) -> &mut Disc {
+        self.discs.first_mut().expect("something to grasp")
+    }
+
+    /// The law of a place; a joint limit has none of two surfaces.
+    #[inline]
+    pub fn law(&self, place: Place) -> Option<ContactLaw> {
+        match place {
+            Place::Finger(side, Site::Proximal) => Some(self.finger(side).contact.proximal),
+            Place::Finger(side, Site::Distal) => Some(self.finger(side).contact.distal),
+            Place::Finger(_, Site::Limit) => None,
+            Place::Palm => self.palm.and_then(|palm| palm.contact),
+            Place::Table => self.table.and_then(|table| table.contact),
+        }
+    }
+
+    /// What holds at a place.
+    #[inline]
+    pub fn bristle(&self, place: Place) -> Option<Bristle> {
+        self.law(place).and_then(|law| law.bristle())
+    }
+
+    /// Whether friction holds anywhere: in a contact or in a brake.
+    #[inline]
+    pub fn holds(&self) -> bool {
+        let sites = |finger: &DrivenFinger| Site::ALL.into_iter().any(|site| finger.bristle(site).is_some());
+        let planes = self.palm.iter().chain(&self.table).filter_map(|plane| plane.contact);
+        let laws = planes.chain(self.between_discs).any(|law| law.bristle().is_some());
+        let input = self.differential.iter().map(|differential| &differential.motor);
+        let mut motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
+        laws || self.object().is_some() && self.fingers.iter().any(sites)
+            || motors.any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))
+    }
+}
