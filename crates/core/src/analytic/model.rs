@@ -8,6 +8,7 @@ use super::finger::{FingerModel, Passive};
 use super::mode::SiteState;
 use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
+use crate::gripper::Circle;
 use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{
@@ -16,7 +17,7 @@ use crate::law::{
 };
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real};
-use crate::scene::{Actuation, Disc, Initial, Scene, torque};
+use crate::scene::{self, Actuation, DrivenFinger, Initial, Side, torque};
 
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
@@ -39,7 +40,7 @@ const MEMORIES: usize = 2;
 pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
     pub(super) actuation: Actuation,
-    pub(super) object: Option<Disc>,
+    pub(super) object: Option<Circle>,
 }
 
 /// That of a scene whose friction has no memory.
@@ -84,19 +85,19 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     const HOLDS: bool = N > OWN;
 
     /// Builds the model of a scene; one whose friction holds needs the room for what it remembers.
-    pub fn new(scene: &Scene) -> Self {
-        assert!(Self::HOLDS == scene.holds() && W == OWN + N, "the finger's coordinates, and memories");
-        let Scene { finger, spring, limit, contact, initial, gravity_m_s2, .. } = scene;
+    pub fn new(system: &scene::System) -> Self {
+        assert!(Self::HOLDS == system.holds() && W == OWN + N, "the finger's coordinates, and memories");
+        let DrivenFinger { linkage, motor, spring, limit, contact, initial } = system.finger(Side::Right);
         Self {
-            finger: FingerModel::new(finger, (*spring, *limit), *contact, initial, *gravity_m_s2),
-            actuation: scene.actuation.clone(),
-            object: scene.object,
+            finger: FingerModel::new(linkage, (*spring, *limit), *contact, initial, system.gravity_m_s2),
+            actuation: motor.actuation.clone(),
+            object: system.object().map(|object| object.circle()),
         }
     }
 
-    /// Coordinates and rates at the start of a scene.
-    pub fn start(scene: &Scene) -> State<N, QUADRATURES> {
-        let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = scene.initial;
+    /// Coordinates and rates at the start.
+    pub fn start(system: &scene::System) -> State<N, QUADRATURES> {
+        let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = system.finger(Side::Right).initial;
         State { q: spread([q11_rad, q21_rad]), v: spread([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
     }
 

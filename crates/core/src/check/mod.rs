@@ -16,11 +16,12 @@ mod runs;
 
 use path::Path;
 pub use path::{Errors, LENGTH_M};
+pub use runs::pushed;
 use runs::{Way, is_comparable, run, words};
-pub use runs::{pushed, pushed_bodies, pushed_gripper};
 
 use crate::integrator::Reason;
-use crate::trace::{Model, Simulated, Sink};
+use crate::scene::Scene;
+use crate::trace::{Model, Sink};
 
 /// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
 pub const PUSH: f64 = 1e-7;
@@ -83,19 +84,18 @@ pub struct Check {
 }
 
 /// Checks a run by one of the models, as the scene says, while `go_on` says so.
-pub fn check<'a>(model: Model, scene: impl Into<Simulated<'a>>, go_on: &dyn Fn() -> bool) -> Check {
+pub fn check(model: Model, scene: &Scene, go_on: &dyn Fn() -> bool) -> Check {
     check_heard(model, scene, [&mut (), &mut ()], go_on)
 }
 
 /// The same, whose finer runs others hear too: the one that the run is held to, and the one that is pushed. They have no energies and
 /// peaks. What takes an engine where the analytic model does not get to the end is heard as well, behind what that said.
-pub fn check_heard<'a>(
+pub fn check_heard(
     model: Model,
-    scene: impl Into<Simulated<'a>>,
+    scene: &Scene,
     [held_to, pushed]: [&mut dyn Sink; 2],
     go_on: &dyn Fn() -> bool,
 ) -> Check {
-    let scene = scene.into();
     let way = Way { finer: false, push: 0.0, budget: u64::MAX, go_on };
     let own = run(scene, model, &way, &mut ());
     let budget = Way { budget: STEPS_PER_STEP * own.steps + BESIDE, ..way };

@@ -2,10 +2,9 @@
 
 use super::path::{Heard, Keep, POINTS, Path, coordinates, units};
 use crate::analytic::discs::moving_discs;
-use crate::scene::{
-    AnyScene, BodiesScene, DiscMotion, Engine, GripperScene, Integrator, Method, Scene, Stepping, Words, scaled,
-};
-use crate::trace::{self, Model, Numerics, Outcome, RunError, Simulated, Sink};
+use crate::scene::words::SceneKind;
+use crate::scene::{DiscMotion, Engine, Integrator, Method, Scene, Stepping, System, Words, scaled};
+use crate::trace::{self, Layout, Model, Outcome, RunError, Sink};
 
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
 const FINER: f64 = 1e-2;
@@ -22,36 +21,32 @@ pub struct Way<'a> {
     pub go_on: &'a dyn Fn() -> bool,
 }
 
-/// A scene whose motor is stronger by a part of its torque.
+/// What a scene starts with, changed by a small part `by` of itself: the motor of a finger is stronger; of a gripper the right one, and
+/// the left one by half of that, so that both fingers part ways; with a differential its input, and the object is that part of its
+/// radius further to the right besides; discs without fingers start faster and fall harder.
 pub fn pushed(scene: &Scene, by: f64) -> Scene {
-    Scene { actuation: scaled(&scene.actuation, 1.0 + by), ..scene.clone() }
-}
-
-/// A scene whose discs start faster, and fall harder, by a part of what they do.
-pub fn pushed_bodies(scene: &BodiesScene, by: f64) -> BodiesScene {
-    let (mut scene, factor) = (scene.clone(), 1.0 + by);
-    scene.gravity_m_s2 = scene.gravity_m_s2.map(|g| g * factor);
-    for disc in &mut scene.discs {
-        if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } =
-            &mut disc.motion
-        {
-            *velocity_m_s = velocity_m_s.map(|v| v * factor);
-            *spin_rad_s *= factor;
-        }
-    }
-    scene
-}
-
-/// A gripper whose motors are stronger by a part of their torque, the left one by half of that, so that both fingers part ways; with a
-/// differential the object is that part of its radius further to the right instead.
-pub fn pushed_gripper(scene: &GripperScene, by: f64) -> GripperScene {
     let mut scene = scene.clone();
-    for (finger, part) in scene.fingers.iter_mut().zip([by, 0.5 * by]) {
+    let System { fingers, differential, discs, gravity_m_s2, .. } = &mut scene.system;
+    for (finger, part) in fingers.iter_mut().zip([by, 0.5 * by]) {
         finger.motor.actuation = scaled(&finger.motor.actuation, 1.0 + part);
     }
-    if let Some(differential) = &mut scene.differential {
+    if let Some(differential) = differential {
         differential.motor.actuation = scaled(&differential.motor.actuation, 1.0 + by);
-        scene.object.centre_m[0] += by * scene.object.radius_m;
+        for object in &mut *discs {
+            object.centre_m[0] += by * object.radius_m;
+        }
+    }
+    if fingers.is_empty() {
+        let factor = 1.0 + by;
+        *gravity_m_s2 = gravity_m_s2.map(|g| g * factor);
+        for disc in discs {
+            if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. }
+            | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } = &mut disc.motion
+            {
+                *velocity_m_s = velocity_m_s.map(|v| v * factor);
+                *spin_rad_s *= factor;
+            }
+        }
     }
     scene
 }
@@ -81,10 +76,10 @@ fn engine(own: &Engine, way: &Way<'_>) -> Engine {
 }
 
 /// What a run is held to, in words.
-pub fn words(scene: Simulated<'_>, judge: Model) -> String {
+pub fn words(scene: &Scene, judge: Model) -> String {
     match judge {
         Model::Analytic => {
-            let used = other(scene.integrator());
+            let used = other(&scene.integrator);
             format!("the analytic model, {} (rtol {:.0e})", used.method.word(), used.rtol)
         }
         Model::Engine => "the engine with finer steps".to_string(),
@@ -92,34 +87,25 @@ pub fn words(scene: Simulated<'_>, judge: Model) -> String {
 }
 
 /// Whether both models answer contact by the same laws, and the analytic one takes the scene.
-pub fn is_comparable(scene: Simulated<'_>) -> bool {
-    let taken = match scene {
-        Simulated::Finger(_) => true,
-        Simulated::Discs(scene) => moving_discs(scene).is_ok(),
-        Simulated::Gripper(_) => true,
-    };
-    scene.uses_laws() && taken
+pub fn is_comparable(scene: &Scene) -> bool {
+    let taken = scene.kind() != SceneKind::Bodies || moving_discs(&scene.system).is_ok();
+    scene.engine.uses_laws() && taken
 }
 
 /// The scene as it is run for a check.
-fn changed(scene: Simulated<'_>, way: &Way<'_>) -> AnyScene {
-    let mut changed = match scene {
-        Simulated::Finger(scene) => AnyScene::Finger(Box::new(pushed(scene, way.push))),
-        Simulated::Discs(scene) => AnyScene::Bodies(Box::new(pushed_bodies(scene, way.push))),
-        Simulated::Gripper(scene) => AnyScene::Gripper(Box::new(pushed_gripper(scene, way.push))),
-    };
-    let numerics = Numerics::from(&mut changed);
-    *numerics.integrator = integrator(scene.integrator(), way);
-    *numerics.engine = engine(scene.engine(), way);
-    numerics.log.numeric_hz = POINTS / scene.duration_s();
+fn changed(scene: &Scene, way: &Way<'_>) -> Scene {
+    let mut changed = pushed(scene, way.push);
+    changed.integrator = integrator(&scene.integrator, way);
+    changed.engine = engine(&scene.engine, way);
+    changed.log.numeric_hz = POINTS / scene.duration_s;
     changed
 }
 
 /// Runs the scene, and keeps its path; `heard` hears it as well.
-pub fn run(scene: Simulated<'_>, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
-    let layout = scene.layout();
+pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
+    let layout = Layout::of(&scene.system);
     let surfaces: Vec<usize> = layout.surfaces().collect();
-    let mut keep = Keep::new(scene.duration_s(), way.go_on);
+    let mut keep = Keep::new(scene.duration_s, way.go_on);
     let mut heard = Heard { keep: &mut keep, sink: heard };
     let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut heard) {
         Ok(outcome) => (outcome, None),

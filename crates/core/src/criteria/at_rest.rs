@@ -31,12 +31,12 @@ impl AtRest {
 ///
 /// # Errors
 /// Why the finger cannot grasp the object.
-pub fn at_rest(scene: &Scene, object: Disc) -> Result<AtRest, GraspError> {
-    let disc = object.circle();
-    let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc)?;
-    let mu_static = scene.contact.mu_static();
-    let motor_n_m = scene::torque(&scene.actuation, scene.duration_s).0;
-    let forces = drive_loads(&scene.finger, &end, motor_n_m, scene.spring.as_ref())
-        .and_then(|loads| equilibrium_each(&scene.finger, &end, loads, mu_static));
+pub fn at_rest(scene: &Scene, object: &Disc) -> Result<AtRest, GraspError> {
+    let (finger, disc) = (scene.finger(), object.circle());
+    let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, disc)?;
+    let mu_static = finger.contact.mu_static();
+    let motor_n_m = scene::torque(&finger.motor.actuation, scene.duration_s).0;
+    let forces = drive_loads(&finger.linkage, &end, motor_n_m, finger.spring.as_ref())
+        .and_then(|loads| equilibrium_each(&finger.linkage, &end, loads, mu_static));
     Ok(AtRest { end, forces, mu_static })
 }

@@ -4,7 +4,7 @@ use super::stance::{friction, normal_forces, stance};
 use crate::gripper::Site;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::rotate;
-use crate::scene::{GripperScene, Motor, ObjectMotion, Place, Side, torque};
+use crate::scene::{DiscMotion, Motor, Place, Scene, Side, torque};
 use crate::statics::{Drive, HandAtRest, PerContact, Stance};
 use crate::trace::Sample;
 
@@ -35,7 +35,7 @@ pub struct Pressed<'a> {
 }
 
 /// What presses in a sample of a run.
-pub fn pressed<'a>(scene: &'a GripperScene, sample: &Sample) -> Pressed<'a> {
+pub fn pressed<'a>(scene: &'a Scene, sample: &Sample) -> Pressed<'a> {
     let limit = |side| sample.contacts[Place::Finger(side, Site::Limit).index()].normal_n > 0.0;
     Pressed {
         stance: stance(scene, sample),
@@ -46,8 +46,8 @@ pub fn pressed<'a>(scene: &'a GripperScene, sample: &Sample) -> Pressed<'a> {
 }
 
 /// The gripper at rest with what presses; `None` where its object is fixed, which nothing need hold.
-pub fn hand_at_rest<'a>(scene: &'a GripperScene, pressed: &Pressed<'a>, driven: Driven) -> Option<HandAtRest<'a>> {
-    let ObjectMotion::Free { mass_kg, .. } = scene.object.motion else { return None };
+pub fn hand_at_rest<'a>(scene: &'a Scene, pressed: &Pressed<'a>, driven: Driven) -> Option<HandAtRest<'a>> {
+    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { return None };
     let Pressed { stance, touching, limits, time_s } = *pressed;
     let drive = |motor: &Motor, weights: [f64; 2]| Drive {
         weights,
@@ -58,26 +58,26 @@ pub fn hand_at_rest<'a>(scene: &'a GripperScene, pressed: &Pressed<'a>, driven: 
             (Driven::Blocked, Some(brake)) => [if brake.one_way { 0.0 } else { -brake.torque_n_m }, brake.torque_n_m],
         },
     };
-    let drives = match &scene.differential {
+    let drives = match &scene.system.differential {
         Some(differential) => vec![drive(&differential.motor, [0.5, 0.5])],
         None => vec![
-            drive(&scene.finger(Side::Right).motor, [1.0, 0.0]),
-            drive(&scene.finger(Side::Left).motor, [0.0, 1.0]),
+            drive(&scene.system.finger(Side::Right).motor, [1.0, 0.0]),
+            drive(&scene.system.finger(Side::Left).motor, [0.0, 1.0]),
         ],
     };
-    let (sin, cos) = sin_cos(scene.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).place[2]));
+    let (sin, cos) = sin_cos(scene.system.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).place[2]));
     Some(HandAtRest {
         stance,
         friction: friction(scene).with(touching, |mu, touches| touches.then_some(mu)),
         limits,
-        springs: Side::BOTH.map(|side| scene.finger(side).spring),
+        springs: Side::BOTH.map(|side| scene.system.finger(side).spring),
         drives,
         mass_kg,
-        gravity_m_s2: rotate(scene.gravity_m_s2, [cos, -sin]),
+        gravity_m_s2: rotate(scene.system.gravity_m_s2, [cos, -sin]),
     })
 }
 
 /// [`hand_at_rest`] with what presses in a sample of a run.
-pub fn held_at_rest<'a>(scene: &'a GripperScene, sample: &Sample, driven: Driven) -> Option<HandAtRest<'a>> {
+pub fn held_at_rest<'a>(scene: &'a Scene, sample: &Sample, driven: Driven) -> Option<HandAtRest<'a>> {
     hand_at_rest(scene, &pressed(scene, sample), driven)
 }

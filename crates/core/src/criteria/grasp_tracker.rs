@@ -6,7 +6,7 @@ use super::history::{History, Onset, Pose};
 use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
 use crate::numeric::elementary::hypot;
-use crate::scene::{Cycle, GripperScene, Place};
+use crate::scene::{Cycle, Place, Scene};
 use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError, Wants};
 
 const PLACES: usize = Place::ALL.len();
@@ -171,8 +171,8 @@ impl Judge<PLACES> for Found {
 
 impl GraspTracker {
     /// Of a scene, with the times of its cycle.
-    pub fn of(scene: &GripperScene) -> Self {
-        let mut tracker = Self::new(scene.object.radius_m);
+    pub fn of(scene: &Scene) -> Self {
+        let mut tracker = Self::new(scene.system.grasped().radius_m);
         tracker.found.cycle = scene.cycle();
         tracker
     }

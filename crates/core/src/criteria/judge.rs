@@ -1,7 +1,9 @@
 //! What a run of any scene is judged by, while it streams by.
 
 use super::{AtRest, Criteria, GraspCriteria, GraspTracker, Rebound, Rebounds, Tracker, at_rest};
-use crate::trace::{Event, Sample, Simulated, Sink, SinkError};
+use crate::scene::Scene;
+use crate::scene::words::SceneKind;
+use crate::trace::{Event, Sample, Sink, SinkError};
 
 /// Whoever of the trackers a scene has a use for.
 #[derive(Debug)]
@@ -24,15 +26,15 @@ pub struct Judged {
 
 impl Judge {
     /// For runs of a scene.
-    pub fn of(scene: Simulated<'_>) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let mut judge = Judge { finger: None, gripper: None, rebounds: None };
-        match scene {
-            Simulated::Finger(scene) => {
-                let rest = scene.object.and_then(|object| at_rest(scene, object).ok());
+        match scene.kind() {
+            SceneKind::Finger => {
+                let rest = scene.object().and_then(|object| at_rest(scene, object).ok());
                 judge.finger = rest.map(|rest| (Tracker::new(rest.angles()), rest));
             }
-            Simulated::Discs(scene) => judge.rebounds = Some(Rebounds::new(scene.pairs().len())),
-            Simulated::Gripper(scene) => judge.gripper = Some(GraspTracker::of(scene)),
+            SceneKind::Bodies => judge.rebounds = Some(Rebounds::new(scene.system.pairs().len())),
+            SceneKind::Gripper => judge.gripper = Some(GraspTracker::of(scene)),
         }
         judge
     }

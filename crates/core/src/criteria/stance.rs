@@ -1,18 +1,18 @@
 //! The posture of a gripper in a sample, for those who judge how it is held.
 
 use crate::gripper::{Circle, Site};
-use crate::scene::{GripperScene, Place, Side};
+use crate::scene::{Place, Scene, Side};
 use crate::statics::{Blocked, ForceClosure, Holding, PerContact, Stance, force_closure, gripper_closure};
 use crate::trace::{ContactSample, FingerState, Sample};
 
 /// Where fingers and object of a gripper are in a sample of its run.
-pub fn stance<'a>(scene: &'a GripperScene, sample: &Sample) -> Stance<'a> {
+pub fn stance<'a>(scene: &'a Scene, sample: &Sample) -> Stance<'a> {
     let angles = |FingerState { q11_rad, q21_rad, .. }: &FingerState| [*q11_rad, *q21_rad];
     Stance {
-        fingers: Side::BOTH.map(|side| &scene.finger(side).finger),
+        fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
         angles_rad: Side::BOTH.map(|side| angles(&sample.fingers[side as usize])),
-        palm_width_m: scene.palm_width_m,
-        object: Circle { radius_m: scene.object.radius_m, centre_m: sample.bodies[0].centre_m },
+        palm_width_m: scene.system.palm_width_m,
+        object: Circle { radius_m: scene.system.grasped().radius_m, centre_m: sample.bodies[0].centre_m },
     }
 }
 
@@ -28,20 +28,20 @@ pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
 
 /// Whether the grasp of a sample is form-closed by the contacts that press in it, with both motors blocked, or the input of the
 /// differential that drives both fingers; `None` where that cannot be decided.
-pub fn is_form_closed(scene: &GripperScene, sample: &Sample) -> Option<bool> {
-    let blocked = if scene.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
+pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
+    let blocked = if scene.system.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     let touching = normal_forces(sample).map(|normal_n| normal_n > 0.0);
     gripper_closure(&stance(scene, sample), &touching, blocked).ok().map(|found| found.closed)
 }
 
 /// Friction coefficients that contacts of a scene hold with.
-pub fn friction(scene: &GripperScene) -> PerContact<f64> {
-    let palm = scene.palm.and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
-    PerContact { phalanges: Side::BOTH.map(|side| scene.finger(side).contact.mu_static()), palm }
+pub fn friction(scene: &Scene) -> PerContact<f64> {
+    let palm = scene.system.law(Place::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
+    PerContact { phalanges: Side::BOTH.map(|side| scene.system.finger(side).contact.mu_static()), palm }
 }
 
 /// How the contacts in the hand (phalanges and palm) that press in a sample hold the object with friction, whatever their forces are.
-pub fn force_closure_of(scene: &GripperScene, sample: &Sample) -> ForceClosure {
+pub fn force_closure_of(scene: &Scene, sample: &Sample) -> ForceClosure {
     let friction = friction(scene);
     let holding = |(place, contact): (Place, &ContactSample)| {
         let mu = match place {
@@ -55,5 +55,5 @@ pub fn force_closure_of(scene: &GripperScene, sample: &Sample) -> ForceClosure {
         (contact.normal_n > 0.0).then_some(Holding { point_m: contact.point_m, push, mu })
     };
     let contacts: Vec<Holding> = Place::ALL.into_iter().zip(&sample.contacts).filter_map(holding).collect();
-    force_closure(&contacts, sample.bodies[0].centre_m, scene.object.radius_m)
+    force_closure(&contacts, sample.bodies[0].centre_m, scene.system.grasped().radius_m)
 }

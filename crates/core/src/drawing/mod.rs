@@ -4,32 +4,48 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `finger` | links, phalanges, object and palm |
-//! | `discs` | discs and the half plane |
-//! | `gripper` | two fingers, their object, palm and table |
+//! | `parts` | what a drawing is made of |
+//! | `links`, `planes` | the links of a finger; palm, ground and table |
+//! | `arrows` | how long forces are drawn |
 
-mod discs;
-mod finger;
-mod gripper;
+mod arrows;
+mod links;
 mod parts;
+mod planes;
 
-use discs::{disc_motions, disc_poses, discs};
-pub use finger::finger_poses_at;
-use finger::{finger, finger_motions, finger_poses};
-use gripper::{gripper, gripper_motions, gripper_poses};
+use std::f64::consts::PI;
 
 pub use parts::{Body, Drawing, Part, Pose, Shape};
 
-use crate::trace::{Sample, Simulated};
+use crate::gripper::{Circle, Posture, Site, close, final_posture};
+use crate::scene::{Disc, DrivenFinger, Place, Scene, Side, System};
+use crate::trace::{BodyState, FingerState, Sample};
+use arrows::arrows;
+use links::{link_motions, link_poses, links, mirrored};
+use parts::extent;
+use planes::{plane_poses, planes};
 
 impl Drawing {
-    /// Of a scene of any kind.
-    pub fn of<'a>(scene: impl Into<Simulated<'a>>) -> Self {
-        match scene.into() {
-            Simulated::Finger(scene) => finger(scene),
-            Simulated::Discs(scene) => discs(scene),
-            Simulated::Gripper(scene) => gripper(scene),
+    /// Of a scene of any kind: palm, table, discs in their order, and the links of the right finger, then of the left one.
+    pub fn of(scene: &Scene) -> Self {
+        let system = &scene.system;
+        let mut bodies = planes(system);
+        let part = if system.fingers.is_empty() { Part::Disc } else { Part::Object };
+        bodies.extend(system.discs.iter().map(|disc| Body {
+            name: disc.name.clone(),
+            part,
+            fixed: !disc.motion.moves(),
+            shapes: vec![Shape::Disc { radius_m: disc.radius_m }],
+        }));
+        for (side, finger) in fingers(system) {
+            bodies.extend(links(&finger.linkage.lengths).map(|body| Body {
+                name: if system.fingers.len() == 1 { body.name } else { format!("{}_{}", side.word(), body.name) },
+                shapes: body.shapes.into_iter().map(|shape| mirrored(shape, side)).collect(),
+                ..body
+            }));
         }
+        let (arrow_m_per_n, longest_arrow_m) = arrows(system);
+        Drawing { contacts: contacts(system), arrow_m_per_n, longest_arrow_m, extent_m: view(system, &bodies), bodies }
     }
 
     /// Length of the arrow of a force, with its sign.
@@ -44,20 +60,101 @@ impl Drawing {
     }
 }
 
-/// Where the bodies of a scene's [`Drawing`] are, in their order.
-pub fn poses<'a>(scene: impl Into<Simulated<'a>>, sample: &Sample) -> Vec<Pose> {
-    match scene.into() {
-        Simulated::Finger(scene) => finger_poses(scene, sample.finger()),
-        Simulated::Discs(scene) => disc_poses(scene, &sample.bodies),
-        Simulated::Gripper(scene) => gripper_poses(scene, sample),
+/// Names of the contacts between surfaces that are there.
+fn contacts(system: &System) -> Vec<String> {
+    if system.fingers.is_empty() {
+        return system.pairs().into_iter().map(|pair| system.pair_name(pair)).collect();
     }
+    let is_there = |place: &&Place| match place {
+        Place::Finger(_, site) => *site != Site::Limit && system.object().is_some(),
+        Place::Palm => system.palm.is_some(),
+        Place::Table => system.table.is_some(),
+    };
+    system.places().iter().filter(is_there).map(|place| system.place_name(*place)).collect()
+}
+
+fn fingers(system: &System) -> impl Iterator<Item = (Side, &DrivenFinger)> {
+    Side::BOTH.into_iter().zip(&system.fingers)
+}
+
+/// Where the bodies of a scene's [`Drawing`] are, in their order.
+pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    let pose = |body: &BodyState| Pose { position_m: body.centre_m, angle_rad: body.angle_rad };
+    let postures = sample.fingers.iter().map(posture_of).collect::<Vec<_>>();
+    poses_at(&scene.system, sample.time_s, sample.bodies.iter().map(pose), &postures)
+}
+
+/// The same of fingers in these postures, with all else as it starts.
+pub fn poses_in(scene: &Scene, postures: &[Posture]) -> Vec<Pose> {
+    poses_at(&scene.system, 0.0, scene.system.told_discs().iter().map(start), postures)
+}
+
+/// `told` are the discs that samples tell of.
+fn poses_at(system: &System, time_s: f64, told: impl Iterator<Item = Pose>, postures: &[Posture]) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = plane_poses(system, time_s).map(|(pose, _)| pose).collect();
+    poses.extend(untold(system).map(start).chain(told));
+    for ((side, finger), posture) in fingers(system).zip(postures) {
+        let half_palm_m = 0.5 * system.palm_width_m;
+        poses.extend(link_poses(&finger.linkage.lengths, posture).map(|pose| {
+            let [x, y] = pose.position_m;
+            let angle_rad = if side == Side::Right { pose.angle_rad } else { PI - pose.angle_rad };
+            Pose { position_m: [side.mirror() * (x + half_palm_m), y], angle_rad }
+        }));
+    }
+    poses
 }
 
 /// How fast these change: velocities and angular velocities in place of positions and angles.
-pub fn motions<'a>(scene: impl Into<Simulated<'a>>, sample: &Sample) -> Vec<Pose> {
-    match scene.into() {
-        Simulated::Finger(scene) => finger_motions(scene, sample.finger()),
-        Simulated::Discs(scene) => disc_motions(scene, &sample.bodies),
-        Simulated::Gripper(scene) => gripper_motions(scene, sample),
+pub fn motions(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    let system = &scene.system;
+    let mut motions: Vec<Pose> = plane_poses(system, sample.time_s).map(|(_, motion)| motion).collect();
+    motions.extend(untold(system).map(|_| Pose::default()));
+    motions.extend(
+        sample.bodies.iter().map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose {
+            position_m: *velocity_m_s,
+            angle_rad: *spin_rad_s,
+        }),
+    );
+    for ((side, finger), state) in fingers(system).zip(&sample.fingers) {
+        motions.extend(link_motions(&finger.linkage.lengths, state).map(|motion| {
+            let [x, y] = motion.position_m;
+            Pose { position_m: [side.mirror() * x, y], angle_rad: side.mirror() * motion.angle_rad }
+        }));
     }
+    motions
+}
+
+/// Discs that no sample tells of, for they do not move.
+fn untold(system: &System) -> impl Iterator<Item = &Disc> {
+    system.discs[..system.discs.len() - system.told_discs().len()].iter()
+}
+
+/// Where a disc starts.
+fn start(disc: &Disc) -> Pose {
+    Pose { position_m: disc.centre_m, angle_rad: disc.angle_rad }
+}
+
+fn posture_of(finger: &FingerState) -> Posture {
+    Posture { q11_rad: finger.q11_rad, q21_rad: finger.q21_rad, q12_rad: finger.q12_rad, q22_rad: finger.q22_rad }
+}
+
+/// The start and, where the fingers can close on what they grasp, their grasp of it.
+fn view(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
+    // A start that does not close is the end of a run before its first step: the straight finger shows what was meant.
+    let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * PI, q12_rad: 0.0, q22_rad: 0.0 };
+    let postures = fingers(system).map(|(side, DrivenFinger { linkage, initial, .. })| {
+        let start = close(&linkage.lengths, linkage.assembly, initial.q11_rad, initial.q21_rad).unwrap_or(upright);
+        let grasp = system.object().and_then(|object| {
+            let [x, y] = object.centre_m;
+            let centre_m = [side.mirror() * x - 0.5 * system.palm_width_m, y];
+            final_posture(&linkage.lengths, linkage.assembly, Circle { radius_m: object.radius_m, centre_m }).ok()
+        });
+        [start, grasp.map_or(start, |end| end.posture)]
+    });
+    let postures: Vec<[Posture; 2]> = postures.collect();
+    let at = |index: usize| {
+        let postures: Vec<Posture> = postures.iter().map(|posture| posture[index]).collect();
+        bodies.iter().zip(poses_at(system, 0.0, system.told_discs().iter().map(start), &postures))
+    };
+    extent(&[0, 1].into_iter().flat_map(at).collect::<Vec<_>>())
 }

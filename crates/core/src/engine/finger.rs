@@ -1,16 +1,14 @@
-//! The plan of a finger: four links, five pins, and the object both phalanges may touch.
+//! A finger in a plan: four links, five pins, a spring, a stop, and the contacts of both phalanges.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::plan::{
-    Against, Capsule, Meet, Plan, PlannedBody, PlannedContact, PlannedFixed, PlannedMotor, PlannedPin, PlannedSpring,
-    PlannedStop, Shape,
+    Against, Capsule, Meet, Plan, PlannedBody, PlannedContact, PlannedPin, PlannedSpring, PlannedStop, Shape,
 };
-use crate::gripper::{Body, Finger, Lengths, Posture, Site, Spring, close, straight};
-use crate::law::NormalLaw;
+use crate::gripper::{Body, Lengths, Posture, Spring, close, straight};
 use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::opening_angle;
-use crate::scene::{Contacts, Initial, Placement, Scene};
+use crate::scene::{DrivenFinger, Placement, Side};
 
 /// Indices of the finger's bodies.
 pub const L11: usize = 0;
@@ -18,54 +16,17 @@ pub const L12: usize = 1;
 pub const L21: usize = 2;
 pub const L22: usize = 3;
 
-/// The site that a stop or contact of a finger's plan is.
-pub fn site(plan: &Plan, index: usize) -> Site {
-    match index.checked_sub(plan.stops.len()).map(|contact| plan.contacts[contact].body) {
-        None => Site::Limit,
-        Some(L21) => Site::Proximal,
-        Some(_) => Site::Distal,
-    }
+/// Links of a finger.
+pub const LINKS: usize = 4;
+
+/// The first body of a finger; its links come in their order.
+pub fn base(side: Side) -> usize {
+    LINKS * side as usize
 }
 
-/// The index of a site among the stops and contacts of a finger's plan; `None` where the scene has no such site.
-pub fn index_of(plan: &Plan, wanted: Site) -> Option<usize> {
-    (0..plan.stops.len() + plan.contacts.len()).find(|index| site(plan, *index) == wanted)
-}
-
-/// The plan of a finger; `None` where its initial angles do not close the loop.
-pub fn plan(scene: &Scene) -> Option<Plan> {
-    let mut plan = Plan { gravity_m_s2: scene.gravity_m_s2, ..Plan::default() };
-    // The palm is left out: nothing that moves can reach it.
-    let object = scene.object.map(|disc| {
-        let shape = Shape::Disc { radius_m: disc.radius_m };
-        plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, direction: [1.0, 0.0] });
-        Against::Fixed(0)
-    });
-    let parts = Parts {
-        finger: &scene.finger,
-        initial: &scene.initial,
-        spring: scene.spring,
-        limit: scene.limit,
-        contact: scene.contact,
-        object,
-        meet: Meet::Each,
-    };
-    add(&mut plan, &parts, Mount { on: None, ground_m: [0.0; 2], mirror: 1.0 })?;
-    plan.motors.push(PlannedMotor {
-        on: vec![(L11, 1.0)],
-        actuation: scene.actuation.clone(),
-        no_load_speed_rad_s: None,
-    });
-    Some(plan)
-}
-
-/// What a finger is made of, and what it may touch.
-pub(super) struct Parts<'a> {
-    pub finger: &'a Finger,
-    pub initial: &'a Initial,
-    pub spring: Option<Spring>,
-    pub limit: Option<NormalLaw>,
-    pub contact: Contacts,
+/// What the phalanges of a finger may touch.
+#[derive(Clone, Copy)]
+pub(super) struct Reach {
     pub object: Option<Against>,
     pub meet: Meet,
 }
@@ -80,8 +41,8 @@ pub(super) struct Mount {
 }
 
 /// Adds the four links, pins, spring, stop and contacts of a finger, but no motor; `None` where its angles do not close the loop.
-pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()> {
-    let Parts { finger, initial: start, .. } = parts;
+pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach, mount: Mount) -> Option<()> {
+    let DrivenFinger { linkage: finger, initial: start, .. } = driven;
     let (lengths, Mount { mirror, ground_m, .. }) = (&finger.lengths, mount);
     let base = plan.bodies.len();
     let posture = close(lengths, finger.assembly, start.q11_rad, start.q21_rad).ok()?;
@@ -99,13 +60,13 @@ pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()
     ];
     let masses = [finger.bodies.l11, finger.bodies.l12, finger.bodies.l21, finger.bodies.l22];
     let origins = [ground_m, a12, ground_m, a22];
-    plan.bodies.extend((0..4).map(|i| PlannedBody {
+    plan.bodies.extend((0..LINKS).map(|i| PlannedBody {
         body: Body { com_m: [masses[i].com_m[0], mirror * masses[i].com_m[1]], ..masses[i] },
         origin_m: origins[i],
         angle_rad: if mirror > 0.0 { angles[i] } else { PI - angles[i] },
         velocity_m_s: [0.0; 2],
         rate_rad_s: mirror * rates[i],
-        shape: capsules[i].filter(|_| parts.object.is_some()),
+        shape: capsules[i].filter(|_| reach.object.is_some()),
     }));
     let pin = |first: Option<usize>, second: usize, length: f64| PlannedPin {
         first: first.map_or(mount.on, |body| Some(base + body)),
@@ -121,14 +82,14 @@ pub(super) fn add(plan: &mut Plan, parts: &Parts<'_>, mount: Mount) -> Option<()
         pin(Some(L21), L22, lengths.l21_m),
         PlannedPin { anchor_second_m: [lengths.l22_m, 0.0], closes_loop: true, ..pin(Some(L12), L22, lengths.l12_m) },
     ]);
-    plan.springs.extend(spring(parts.spring, lengths, mirror, base)?);
+    plan.springs.extend(spring(driven.spring, lengths, mirror, base)?);
     // In a mirror the angle from l21 to l22 is that from l22 to l21.
     let (on, against) = if mirror > 0.0 { (L22, L21) } else { (L21, L22) };
     let stop = |law| PlannedStop { on: base + on, against: base + against, least_rad: -lengths.phi22_rad, law };
-    plan.stops.extend(parts.limit.map(stop));
-    for (body, law) in [(L21, parts.contact.proximal), (L22, parts.contact.distal)] {
-        let contact = |against| PlannedContact { body: base + body, against, meet: parts.meet, law };
-        plan.contacts.extend(parts.object.map(contact));
+    plan.stops.extend(driven.limit.map(stop));
+    for (body, law) in [(L21, driven.contact.proximal), (L22, driven.contact.distal)] {
+        let contact = |against| PlannedContact { body: base + body, against, meet: reach.meet, law };
+        plan.contacts.extend(reach.object.map(contact));
     }
     Some(())
 }

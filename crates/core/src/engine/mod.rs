@@ -6,7 +6,7 @@
 //! | file | job |
 //! |---|---|
 //! | `plan` | what a scene needs, as plain lists of bodies, pins, drives, stops and contacts |
-//! | `finger`, `gripper`, `discs` | the plans of the kinds of scene |
+//! | `plan_of`, `finger`, `differential` | the plan of a scene's system |
 //! | `world`, `hook` | the rapier world of a plan; contact taken out of rapier's hands |
 //! | `linkage` | joints' reactions: the saddle-point system of bodies and joints |
 //! | `forces`, `drive` | gravity, motor, spring, energies; bodies that move as told |
@@ -19,18 +19,18 @@
 //! | `dense` | small dense systems in place |
 
 mod dense;
-mod discs;
+mod differential;
 mod drive;
 mod finger;
 mod forces;
 mod frame;
-mod gripper;
 mod hook;
 mod implicit;
 mod linkage;
 mod motion;
 mod native;
 mod plan;
+mod plan_of;
 mod settle;
 mod space;
 mod stepper;
@@ -38,11 +38,10 @@ mod substeps;
 mod touch;
 mod world;
 
-pub use discs::plan_discs;
-pub use finger::{L11, L12, L21, L22, index_of, plan, site};
+pub use differential::brake_torque;
+pub use finger::{L11, L12, L21, L22, LINKS, base};
 pub use forces::{kinetic, potential};
 pub use frame::Frame;
-pub use gripper::{OBJECT, base, brake_torque, index_of_place, plan_gripper};
 pub use linkage::{Inertia, Linkage, Locked, Place, Twist};
 pub use motion::{Motion, StepError};
 pub use native::Native;
@@ -50,6 +49,7 @@ pub use plan::{
     Against, Capsule, Course, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedGear,
     PlannedHold, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop, Shape,
 };
+pub use plan_of::plan;
 pub use space::{Site, Space};
 pub use stepper::next;
 pub use substeps::{Change, ChangeKind, Contact, Moment, Tolerance, Unsolved};

@@ -174,6 +174,9 @@ pub struct Plan {
     pub springs: Vec<PlannedSpring>,
     pub stops: Vec<PlannedStop>,
     pub contacts: Vec<PlannedContact>,
+    /// Which contact of a sample each stop is, and each contact.
+    pub stop_places: Vec<usize>,
+    pub contact_places: Vec<usize>,
     pub gravity_m_s2: [f64; 2],
 }
 
@@ -199,6 +202,16 @@ impl Plan {
             Course::Palm(motion) => Some((drive.body, motion)),
             Course::Even { .. } => None,
         })
+    }
+
+    /// Which contact of a sample a stop or contact is; `None` of a hold.
+    pub fn place(&self, index: usize) -> Option<usize> {
+        self.stop_places.iter().chain(&self.contact_places).nth(index).copied()
+    }
+
+    /// The index of a sample's contact among stops and contacts; `None` where there is nothing to touch.
+    pub fn index(&self, place: usize) -> Option<usize> {
+        self.stop_places.iter().chain(&self.contact_places).position(|of| *of == place)
     }
 
     /// Index of the first hold among stops, contacts and holds.

@@ -131,20 +131,20 @@ pub enum GraspStudyError {
 /// A scene without an object, a finger that does not grasp it, a singular posture.
 pub fn grasp(scene: &Scene, instead: &Instead) -> Result<Grasp, GraspStudyError> {
     let name = || scene.name.clone();
-    let Some(object) = scene.object else {
+    let Some(object) = scene.object() else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };
     let disc = object.circle();
-    let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc)
+    let end = final_posture(&scene.finger().linkage.lengths, scene.finger().linkage.assembly, disc)
         .map_err(|error| GraspStudyError::NoGrasp { scene: name(), error })?;
     at_rest_with(scene, disc, end, instead).map_err(|error| GraspStudyError::Statics { scene: name(), error })
 }
 
 fn at_rest_with(scene: &Scene, disc: Circle, end: FinalPosture, instead: &Instead) -> Result<Grasp, StaticsError> {
-    let finger = scene.finger;
-    let motor_n_m = instead.motor_n_m.unwrap_or_else(|| torque(&scene.actuation, scene.duration_s).0);
-    let drive = drive(&finger, &end, motor_n_m, scene.spring.as_ref())?;
-    let of_scene = scene.contact.mu_static();
+    let finger = scene.finger().linkage;
+    let motor_n_m = instead.motor_n_m.unwrap_or_else(|| torque(&scene.finger().motor.actuation, scene.duration_s).0);
+    let drive = drive(&finger, &end, motor_n_m, scene.finger().spring.as_ref())?;
+    let of_scene = scene.finger().contact.mu_static();
     let asked: Vec<[f64; 2]> = match &instead.mu_static[..] {
         [] if of_scene == [0.0; 2] => vec![of_scene],
         [] => vec![[0.0; 2], of_scene],
@@ -207,7 +207,7 @@ fn contacts(finger: &Finger, disc: Circle, end: &FinalPosture) -> [Contact; 2] {
 
 fn palm(scene: &Scene, disc: Circle) -> Palm {
     let gap_m = disc.centre_m[1] - disc.radius_m;
-    match scene.palm {
+    match scene.system.palm.is_some() {
         false => Palm::None,
         true if gap_m.abs() <= RESTS_M => Palm::Rests,
         true if gap_m > 0.0 => Palm::Apart { gap_m },

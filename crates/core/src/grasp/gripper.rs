@@ -7,7 +7,7 @@ use super::geometric::geometric;
 use super::simulate::run;
 use crate::criteria::{Driven, Fate, GraspTracker, Pressed, friction, hand_at_rest, pressed};
 use crate::gripper::{GraspError, Site, close};
-use crate::scene::{GripperScene, ObjectMotion, Place, Side};
+use crate::scene::{DiscMotion, Place, Scene, Side};
 use crate::statics::{
     Balance, Blocked, Drive, ForceClosure, FormClosure, GripperRow, HandAtRest, Holding, MetAt, PerContact, Stance,
     StaticsError, balance_polar, force_closure, gripper_closure,
@@ -132,12 +132,12 @@ pub enum GripperGraspError {
 /// # Errors
 /// See [`GripperGraspError`].
 pub fn gripper_grasp(
-    scene: &GripperScene,
+    scene: &Scene,
     asked: &Asked,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<GripperGrasp, GripperGraspError> {
     let name = || scene.name.clone();
-    let ObjectMotion::Free { mass_kg, .. } = scene.object.motion else {
+    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else {
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let refused = |error| GripperGraspError::Statics { scene: name(), error };
@@ -150,10 +150,10 @@ pub fn gripper_grasp(
                 error,
             };
             let angles_rad = geometric(scene).map_err(unreached)?;
-            (Source::Geometric, placed(scene, angles_rad, scene.object.centre_m)?)
+            (Source::Geometric, placed(scene, angles_rad, scene.system.grasped().centre_m)?)
         }
         PostureOf::Given(Given { angles_rad, object_m, .. }) => {
-            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.object.centre_m[axis]));
+            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.system.grasped().centre_m[axis]));
             (Source::Given, placed(scene, angles_rad, centre_m)?)
         }
     };
@@ -175,7 +175,7 @@ pub fn gripper_grasp(
     if contacts.is_empty() {
         return Err(nothing(scene, source));
     }
-    let differential = scene.differential.as_ref().map(|_| Blocked::Input);
+    let differential = scene.system.differential.as_ref().map(|_| Blocked::Input);
     let closures = [Blocked::Outputs].into_iter().chain(differential);
     let hand = |driven| hand_at_rest(scene, &press, driven).ok_or(GripperGraspError::Fixed { scene: name() });
     let hands = [hand(Driven::Blocked)?, hand(Driven::AtTorque)?].map(|hand| with_motor(hand, asked.motor_n_m));
@@ -205,7 +205,7 @@ const STRAIGHT_RAD: f64 = 1e-6;
 
 /// A run, and where it comes to.
 fn ran(
-    scene: &GripperScene,
+    scene: &Scene,
     at_s: Option<f64>,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Source, Sample), GripperGraspError> {
@@ -215,7 +215,7 @@ fn ran(
     }
     // Fingers that have let go hold nothing: just before.
     let duration_s = at_s.or(scene.cycle().releases_s.map(f64::next_down)).unwrap_or(end_s);
-    let short = GripperScene { duration_s, ..scene.clone() };
+    let short = Scene { duration_s, ..scene.clone() };
     let mut tracker = GraspTracker::of(&short);
     match run(Model::Analytic, &short, &mut tracker, go_on) {
         Some(Ok(outcome)) => {
@@ -228,10 +228,10 @@ fn ran(
 }
 
 /// Fingers and object at rest somewhere, at the end of the scene.
-fn placed(scene: &GripperScene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> Result<Sample, GripperGraspError> {
+fn placed(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> Result<Sample, GripperGraspError> {
     let mut fingers = Vec::with_capacity(2);
     for side in Side::BOTH {
-        let (of, [q11, q21]) = (&scene.finger(side).finger, angles_rad[side as usize]);
+        let (of, [q11, q21]) = (&scene.system.finger(side).linkage, angles_rad[side as usize]);
         let posture = close(&of.lengths, of.assembly, q11, q21)
             .map_err(|error| GripperGraspError::Statics { scene: scene.name.clone(), error: error.into() })?;
         fingers.push(FingerState {
@@ -243,27 +243,27 @@ fn placed(scene: &GripperScene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -
             ..FingerState::default()
         });
     }
-    let bodies = vec![BodyState { centre_m, angle_rad: scene.object.angle_rad, ..BodyState::default() }];
+    let bodies = vec![BodyState { centre_m, angle_rad: scene.system.grasped().angle_rad, ..BodyState::default() }];
     let contacts = vec![trace::ContactSample::NONE; Place::ALL.len()];
     Ok(Sample { time_s: scene.duration_s, fingers, bodies, contacts, ..Sample::default() })
 }
 
 /// What of the hand is at most so far from the object's surface.
-fn near(scene: &GripperScene, met: &PerContact<MetAt>, within_m: f64) -> PerContact<bool> {
+fn near(scene: &Scene, met: &PerContact<MetAt>, within_m: f64) -> PerContact<bool> {
     let touching = met.map(|at| at.gap_m <= within_m);
-    PerContact { palm: touching.palm && scene.palm.is_some(), ..touching }
+    PerContact { palm: touching.palm && scene.system.palm.is_some(), ..touching }
 }
 
 /// Whether the tips of a posture are straight, where they have a limit there.
-fn limits(scene: &GripperScene, sample: &Sample) -> [bool; 2] {
+fn limits(scene: &Scene, sample: &Sample) -> [bool; 2] {
     Side::BOTH.map(|side| {
-        let of = scene.finger(side);
-        let past_straight_rad = sample.fingers[side as usize].q22_rad + of.finger.lengths.phi22_rad;
+        let of = scene.system.finger(side);
+        let past_straight_rad = sample.fingers[side as usize].q22_rad + of.linkage.lengths.phi22_rad;
         of.limit.is_some() && past_straight_rad <= STRAIGHT_RAD
     })
 }
 
-fn deepest(scene: &GripperScene, met: &PerContact<MetAt>, within_m: f64) -> Result<(), GripperGraspError> {
+fn deepest(scene: &Scene, met: &PerContact<MetAt>, within_m: f64) -> Result<(), GripperGraspError> {
     for place in places(scene) {
         let depth_m = -of(met, place).gap_m;
         if depth_m > within_m {
@@ -282,8 +282,8 @@ fn named(place: Place) -> String {
 }
 
 /// Places of the hand that the scene has.
-fn places(scene: &GripperScene) -> impl Iterator<Item = Place> {
-    let has_palm = scene.palm.is_some();
+fn places(scene: &Scene) -> impl Iterator<Item = Place> {
+    let has_palm = scene.system.palm.is_some();
     Place::ALL.into_iter().filter(move |place| match place {
         Place::Finger(_, site) => *site != Site::Limit,
         Place::Palm => has_palm,
@@ -299,13 +299,7 @@ fn of<T: Copy>(all: &PerContact<T>, place: Place) -> T {
     }
 }
 
-fn contacts(
-    scene: &GripperScene,
-    sample: &Sample,
-    press: &Pressed<'_>,
-    met: &PerContact<MetAt>,
-    ran: bool,
-) -> Vec<Touching> {
+fn contacts(scene: &Scene, sample: &Sample, press: &Pressed<'_>, met: &PerContact<MetAt>, ran: bool) -> Vec<Touching> {
     let mu = friction(scene);
     let touching = places(scene).filter(|place| of(&press.touching, *place));
     let touching = touching.map(|place| {
@@ -318,7 +312,7 @@ fn contacts(
     touching.collect()
 }
 
-fn nothing(scene: &GripperScene, source: Source) -> GripperGraspError {
+fn nothing(scene: &Scene, source: Source) -> GripperGraspError {
     let (at, hint) = match source {
         Source::Run { time_s, fate } => {
             let at = format!("at {:.6} ms of its run, where it is {}", time_s * 1e3, fate.name());

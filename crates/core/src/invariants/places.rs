@@ -4,93 +4,54 @@ use super::measure::{Place, Reading};
 use super::momentum::{Books, Free};
 use super::{Invariant, Invariants, Tolerances};
 use crate::law::{ContactLaw, FrictionLaw};
-use crate::scene::{self, BodiesScene, GripperScene, ObjectMotion, Scene};
-use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Simulated, Sink, SinkError, Site};
+use crate::scene::{self, DiscMotion, Scene, Side, System};
+use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Sink, SinkError, Site};
 
 impl Invariants {
     /// For a run of `scene` with `model`, held to the tolerances of its settings.
-    pub fn new<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Self {
-        let scene = scene.into();
-        let (places, loop_gap_m, free) = match scene {
-            Simulated::Finger(scene) => (of_finger(scene), scene.bounds.loop_gap_m, None),
-            // Discs have no joints that could open.
-            Simulated::Discs(scene) => (of_discs(scene), 0.0, None),
-            // In a frame that moves, momentum is not kept.
-            Simulated::Gripper(scene) => {
-                let free = object(scene).filter(|_| scene.palm_motion.is_none());
-                (of_gripper(scene), scene.bounds.loop_gap_m, free)
-            }
-        };
-        let tolerances = Tolerances::of(model, scene.integrator(), scene.engine(), loop_gap_m);
-        // The engine's forces are means of its steps: what they gave between samples no sample says to these bounds.
-        let free = free.filter(|_| model == Model::Analytic);
+    pub fn new(model: Model, scene: &Scene) -> Self {
+        let system = &scene.system;
+        // Discs have no joints that could open.
+        let loop_gap_m = if system.fingers.is_empty() { 0.0 } else { scene.bounds.loop_gap_m };
+        let tolerances = Tolerances::of(model, &scene.integrator, &scene.engine, loop_gap_m);
+        // In a frame that moves, momentum is not kept. The engine's forces are means of its steps: what they gave between samples no
+        // sample says to these bounds.
+        let free = object(system).filter(|_| system.palm_motion.is_none() && model == Model::Analytic);
         let books = free.map(|(free, frictions)| Books::new(tolerances.energy, free, frictions));
-        Self::watching(model, tolerances, places, books)
+        Self::watching(model, tolerances, places(system), books)
     }
 }
 
-fn of_finger(scene: &Scene) -> Vec<Place> {
-    let mut places = Vec::new();
-    if scene.object.is_some() {
-        for (name, law) in [("proximal", scene.contact.proximal), ("distal", scene.contact.distal)] {
-            let (normal, friction) = (law.normal, law.friction);
-            places.push(Place {
-                name: name.to_string(),
-                law: normal,
-                friction,
-                depth: Invariant::Penetration,
-                reach_m: 1.0,
-            });
-        }
-    }
-    if let Some(law) = scene.limit {
-        let depth = Invariant::JointLimit;
-        let reach_m = scene.finger.lengths.l22_m;
-        places.push(Place { name: "limit".to_string(), law, friction: None, depth, reach_m });
-    }
-    places
-}
-
-fn of_gripper(scene: &GripperScene) -> Vec<Place> {
-    let place = |place: scene::Place| {
-        let surface = |law: ContactLaw| (law.normal, law.friction, Invariant::Penetration, 1.0);
-        let (law, friction, depth, reach_m) = match place {
-            scene::Place::Finger(side, Site::Proximal) => surface(scene.finger(side).contact.proximal),
-            scene::Place::Finger(side, Site::Distal) => surface(scene.finger(side).contact.distal),
-            scene::Place::Finger(side, Site::Limit) => {
-                let finger = scene.finger(side);
-                (finger.limit?, None, Invariant::JointLimit, finger.finger.lengths.l22_m)
-            }
-            scene::Place::Palm => surface(scene.palm?),
-            scene::Place::Table => surface(scene.table?.contact),
-        };
-        Some(Place { name: place.name(), law, friction, depth, reach_m })
-    };
-    scene::Place::ALL.into_iter().filter_map(place).collect()
-}
-
-/// An object that is free, and the friction of every contact.
-fn object(scene: &GripperScene) -> Option<(Free, Vec<Option<FrictionLaw>>)> {
-    let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = scene.object.motion else { return None };
-    let frictions = scene::Place::ALL.map(|place| match place {
-        scene::Place::Finger(side, Site::Proximal) => scene.finger(side).contact.proximal.friction,
-        scene::Place::Finger(side, Site::Distal) => scene.finger(side).contact.distal.friction,
-        scene::Place::Finger(_, Site::Limit) => None,
-        scene::Place::Palm => scene.palm.and_then(|law| law.friction),
-        scene::Place::Table => scene.table.and_then(|table| table.contact.friction),
-    });
-    Some((Free { mass_kg, inertia_kg_m2, gravity_m_s2: scene.gravity_m_s2 }, frictions.to_vec()))
-}
-
-fn of_discs(scene: &BodiesScene) -> Vec<Place> {
-    let place = |pair| Place {
-        name: scene.pair_name(pair),
-        law: scene.contact.normal,
-        friction: scene.contact.friction,
+/// Every place at which something can press.
+fn places(system: &System) -> Vec<Place> {
+    let surface = |name: String, law: ContactLaw| Place {
+        name,
+        law: law.normal,
+        friction: law.friction,
         depth: Invariant::Penetration,
         reach_m: 1.0,
     };
-    scene.pairs().into_iter().map(place).collect()
+    let stop = |name: String, side: Side| {
+        let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
+        Some(Place { name, law, friction: None, depth: Invariant::JointLimit, reach_m })
+    };
+    let of_fingers = system.places().iter().copied().filter_map(|place| match place {
+        scene::Place::Finger(side, Site::Limit) => stop(system.place_name(place), side),
+        scene::Place::Finger(..) if system.object().is_none() => None,
+        _ => Some(surface(system.place_name(place), system.law(place)?)),
+    });
+    let pairs = system.pairs().into_iter().filter(|_| system.fingers.is_empty());
+    let of_discs = pairs.filter_map(|pair| Some(surface(system.pair_name(pair), system.between_discs?)));
+    of_fingers.chain(of_discs).collect()
+}
+
+/// An object that is free, and the friction of every contact.
+fn object(system: &System) -> Option<(Free, Vec<Option<FrictionLaw>>)> {
+    let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = system.object()?.motion else {
+        return None;
+    };
+    let frictions = system.places().iter().map(|place| system.law(*place).and_then(|law| law.friction));
+    Some((Free { mass_kg, inertia_kg_m2, gravity_m_s2: system.gravity_m_s2 }, frictions.collect()))
 }
 
 impl Sink for Invariants {

@@ -6,7 +6,7 @@ use super::grid::Span;
 use super::reading::DiscsReader;
 use super::reading::Reader;
 use super::recorder::Recorder;
-use super::{Outcome, RunError, Simulated, Sink, Work};
+use super::{Outcome, RunError, Sink, Work};
 #[cfg(feature = "discs")]
 use crate::analytic::discs::{self, Discs, HOLDING, moving_discs};
 use crate::analytic::gripper::{self as grasp, GripperModel};
@@ -14,9 +14,8 @@ use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
 use crate::integrator::{
     self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
 };
-#[cfg(feature = "discs")]
-use crate::scene::BodiesScene;
-use crate::scene::{GripperScene, Integrator, Method, ObjectMotion, Scene};
+use crate::scene::words::SceneKind;
+use crate::scene::{Integrator, Method, Scene};
 
 /// Simulates `scene` with the analytic model.
 ///
@@ -24,22 +23,20 @@ use crate::scene::{GripperScene, Integrator, Method, ObjectMotion, Scene};
 /// interval, and at both ends; and every event, in order of time. Runs of grippers with more than 1000 points have 4 to 7 of
 /// those within a step that is longer.
 ///
-/// A scene with more discs or pairs than the model takes is refused.
-pub fn run_analytic<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    simulated(scene.into(), sink)
-}
-
-/// No generic function, so that every model is compiled here: what others compile is not made as fast.
-fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let span = scene.span();
-    match scene {
-        Simulated::Finger(scene) if scene.holds() => finger::<4, 6>(scene, span, sink),
-        Simulated::Finger(scene) => finger::<2, 4>(scene, span, sink),
+/// A scene with more discs or pairs than the model takes is refused, and one that has an objection ([`System::objection`](crate::scene::System::objection)).
+pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let (system, span) = (&scene.system, Span::of(scene));
+    if let Some(why) = system.objection() {
+        return Err(none_at_all(why.to_string()));
+    }
+    match scene.kind() {
+        SceneKind::Finger if system.holds() => finger::<4, 6>(scene, span, sink),
+        SceneKind::Finger => finger::<2, 4>(scene, span, sink),
         #[cfg(feature = "discs")]
-        Simulated::Discs(scene) => match moving_discs(scene) {
-            Ok(1) if scene.holds() => some_discs::<{ 3 + HOLDING[1] }, { 6 + 2 * HOLDING[1] }>(scene, span, sink),
-            Ok(2) if scene.holds() => some_discs::<{ 6 + HOLDING[2] }, { 12 + 2 * HOLDING[2] }>(scene, span, sink),
-            Ok(3) if scene.holds() => some_discs::<{ 9 + HOLDING[3] }, { 18 + 2 * HOLDING[3] }>(scene, span, sink),
+        SceneKind::Bodies => match moving_discs(system) {
+            Ok(1) if system.holds() => some_discs::<{ 3 + HOLDING[1] }, { 6 + 2 * HOLDING[1] }>(scene, span, sink),
+            Ok(2) if system.holds() => some_discs::<{ 6 + HOLDING[2] }, { 12 + 2 * HOLDING[2] }>(scene, span, sink),
+            Ok(3) if system.holds() => some_discs::<{ 9 + HOLDING[3] }, { 18 + 2 * HOLDING[3] }>(scene, span, sink),
             Ok(1) => some_discs::<3, 6>(scene, span, sink),
             Ok(2) => some_discs::<6, 12>(scene, span, sink),
             Ok(3) => some_discs::<9, 18>(scene, span, sink),
@@ -49,12 +46,12 @@ fn simulated(scene: Simulated<'_>, sink: &mut dyn Sink) -> Result<Outcome, RunEr
             }
         },
         #[cfg(not(feature = "discs"))]
-        Simulated::Discs(_) => Err(none_at_all("this build has no analytic model of discs".to_string())),
-        Simulated::Gripper(scene) => up_to_ejection(scene, sink, |sink| match scene.object.motion {
-            _ if scene.holds() => gripper::<{ grasp::HELD }>(scene, span, sink),
-            ObjectMotion::Free { .. } if scene.palm_motion.is_some() => gripper::<8>(scene, span, sink),
-            ObjectMotion::Free { .. } => gripper::<7>(scene, span, sink),
-            ObjectMotion::Fixed => gripper::<4>(scene, span, sink),
+        SceneKind::Bodies => Err(none_at_all("this build has no analytic model of discs".to_string())),
+        SceneKind::Gripper => up_to_ejection(system, sink, |sink| match system.moving_object() {
+            _ if system.holds() => gripper::<{ grasp::HELD }>(scene, span, sink),
+            Some(_) if system.palm_motion.is_some() => gripper::<8>(scene, span, sink),
+            Some(_) => gripper::<7>(scene, span, sink),
+            None => gripper::<4>(scene, span, sink),
         }),
     }
 }
@@ -66,20 +63,20 @@ pub(super) fn none_at_all(reason: String) -> RunError {
 }
 
 fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let model = FingerMotion::<N, W>::new(scene);
-    let start = FingerMotion::<N, W>::start(scene);
+    let model = FingerMotion::<N, W>::new(&scene.system);
+    let start = FingerMotion::<N, W>::start(&scene.system);
     simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
 }
 
 #[cfg(feature = "discs")]
 fn some_discs<const N: usize, const M: usize>(
-    scene: &BodiesScene,
+    scene: &Scene,
     span: Span,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError> {
-    let model = Discs::<N, M>::new(scene);
-    let reader = DiscsReader { model: &model, scene };
-    let start = Discs::<N, M>::start(scene);
+    let model = Discs::<N, M>::new(&scene.system);
+    let reader = DiscsReader { model: &model, system: &scene.system };
+    let start = Discs::<N, M>::start(&scene.system);
     simulate::<_, _, N, { discs::QUADRATURES }, { discs::GUARDS }>(
         &model,
         &reader,
@@ -90,9 +87,9 @@ fn some_discs<const N: usize, const M: usize>(
     )
 }
 
-fn gripper<const N: usize>(scene: &GripperScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let model = GripperModel::<N>::new(scene);
-    let start = grasp::start::<N>(scene);
+fn gripper<const N: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let model = GripperModel::<N>::new(&scene.system);
+    let start = grasp::start::<N>(&scene.system);
     simulate::<_, _, N, { grasp::QUADRATURES }, { grasp::GUARDS }>(&model, &model, start, &scene.integrator, span, sink)
 }
 

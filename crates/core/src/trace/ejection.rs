@@ -2,18 +2,18 @@
 
 use super::{BodyState, Event, Outcome, RunError, Sample, Sink, SinkError, Wants};
 use crate::numeric::elementary::hypot;
-use crate::scene::GripperScene;
+use crate::scene::System;
 
 /// How far from the palm's middle an object has left the gripper, in its radii.
 pub const EJECTED_RADII: f64 = 3.0;
 
 /// Runs a gripper with `run`, which gets `sink`, up to where the object is ejected; [`Outcome::ejected_s`] says when.
 pub(super) fn up_to_ejection(
-    scene: &GripperScene,
+    system: &System,
     sink: &mut dyn Sink,
     run: impl FnOnce(&mut dyn Sink) -> Result<Outcome, RunError>,
 ) -> Result<Outcome, RunError> {
-    let far_m = EJECTED_RADII * scene.object.radius_m;
+    let far_m = EJECTED_RADII * system.object().map_or(f64::INFINITY, |object| object.radius_m);
     let mut watch = Watch { sink, far_m, before: (0.0, 0.0), ejected_s: None };
     let result = run(&mut watch);
     let ejected_s = watch.ejected_s;

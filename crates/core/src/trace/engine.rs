@@ -1,14 +1,14 @@
 //! Runs the engine model of a scene and tells a sink about it.
 
 use super::ejection::up_to_ejection;
-use super::engine_reading::{EngineReader, FingerReader};
 use super::engine_recorder::EngineRecorder;
 use super::follow::Follow;
 use super::grid::Span;
-use super::{Outcome, RunError, Simulated, Sink, SinkError, Site};
-use crate::engine::{Motion, Tolerance, build, next, plan, plan_discs, plan_gripper};
+use super::{Outcome, RunError, Sink, SinkError};
+use crate::engine::{Motion, Tolerance, build, next, plan};
 use crate::integrator::{Failure, Reason};
-use crate::scene::{BodiesScene, Construction, Engine, GripperScene, Place, Scene};
+use crate::scene::words::SceneKind;
+use crate::scene::{Construction, Engine, Scene};
 
 /// Contact sub-steps that the step budget allows, per step: a step of a hard contact may take 100,000 of them, so that a
 /// budget of steps alone would not bound the time a run takes. Ordinary runs need one to four.
@@ -20,52 +20,37 @@ const SUBSTEPS_PER_STEP: u64 = 10;
 ///
 /// The sink gets a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps: what is logged does
 /// not change the run), at every step shorter than its interval, and at both ends; and every event, in order of time.
-pub fn run_engine<'a>(scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let scene = scene.into();
-    let span = scene.span();
-    match scene {
-        Simulated::Finger(scene) => finger(scene, span, sink),
-        Simulated::Discs(scene) => discs(scene, span, sink),
-        Simulated::Gripper(scene) => up_to_ejection(scene, sink, |sink| gripper(scene, span, sink)),
+pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    if let Some(why) = scene.system.objection() {
+        return Err(unstarted(why.to_string(), Outcome::default()));
+    }
+    match scene.kind() {
+        SceneKind::Finger | SceneKind::Bodies => started(scene, sink),
+        SceneKind::Gripper => up_to_ejection(&scene.system, sink, |sink| started(scene, sink)),
     }
 }
 
-fn finger(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let Some(plan) = plan(scene) else {
-        let reason = "the links do not close the loop at these initial angles; choose others".to_string();
-        return Err(unstarted(reason, Outcome::of_unmoved_finger()));
-    };
-    let reader = FingerReader { phi22_rad: scene.finger.lengths.phi22_rad };
-    let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
-    match Motion::new(&plan, world) {
-        Ok(motion) => simulate(motion, &reader, Site::ALL.len(), &scene.engine, span, sink),
-        Err(error) => Err(unstarted(error.to_string(), Outcome::of_unmoved_finger())),
-    }
-}
-
-fn discs(scene: &BodiesScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let plan = plan_discs(scene);
-    let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
-    match Motion::new(&plan, world) {
-        Ok(motion) => simulate(motion, scene, plan.contacts.len(), &scene.engine, span, sink),
-        Err(error) => Err(unstarted(error.to_string(), Outcome::default())),
-    }
-}
-
-fn gripper(scene: &GripperScene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let unmoved = |reason: String| unstarted(reason, Outcome::default());
-    let plan = plan_gripper(scene).map_err(|side| {
-        unmoved(format!("the links of the {} finger do not close their loop at these initial angles", side.word()))
+fn started(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let Scene { system, engine, .. } = scene;
+    let kind = scene.kind();
+    let unmoved = || if kind == SceneKind::Finger { Outcome::of_unmoved_finger() } else { Outcome::default() };
+    let plan = plan(system).map_err(|side| {
+        let reason = match kind {
+            SceneKind::Gripper => {
+                format!("the links of the {} finger do not close their loop at these initial angles", side.word())
+            }
+            _ => "the links do not close the loop at these initial angles; choose others".to_string(),
+        };
+        unstarted(reason, unmoved())
     })?;
-    if scene.engine.construction == Construction::Reduced {
-        return Err(unmoved(
-            "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string(),
-        ));
+    if kind == SceneKind::Gripper && engine.construction == Construction::Reduced {
+        let reason = "joint coordinates (construction \"reduced\") are for one finger, not for grippers".to_string();
+        return Err(unstarted(reason, unmoved()));
     }
-    let world = build(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
+    let world = build(&plan, engine.construction, engine.response, engine.iterations);
     match Motion::new(&plan, world) {
-        Ok(motion) => simulate(motion, scene, Place::ALL.len(), &scene.engine, span, sink),
-        Err(error) => Err(unmoved(error.to_string())),
+        Ok(motion) => simulate(motion, scene, sink),
+        Err(error) => Err(unstarted(error.to_string(), unmoved())),
     }
 }
 
@@ -75,18 +60,12 @@ fn unstarted(reason: String, so_far: Outcome) -> RunError {
     RunError::Simulation { failure, so_far: Box::new(so_far) }
 }
 
-/// Simulates a motion with so many places of contact, and shows what `reader` makes of it.
-fn simulate<R: EngineReader>(
-    mut motion: Motion,
-    reader: &R,
-    places: usize,
-    settings: &Engine,
-    span: Span,
-    sink: &mut dyn Sink,
-) -> Result<Outcome, RunError> {
-    let mut recorder = EngineRecorder::new(reader, &motion, places, span, sink);
+/// Simulates the motion of a scene.
+fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let span = Span::of(scene);
+    let mut recorder = EngineRecorder::new(&scene.system, &motion, span, sink);
     recorder.begin(&motion)?;
-    let broken = step_through(&mut motion, settings, span.end_s, &mut recorder)?;
+    let broken = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {

@@ -1,15 +1,16 @@
 //! Turns the steps of the engine model into samples, events and summary figures.
 
-use super::engine_reading::{EngineReader, contact, stored};
+use super::engine_reading::{self as reading, contact, stored};
 use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::tracked::{Told, Tracked};
-use super::{ContactSample, Energy, Event, Outcome, Sample, Sink, SinkError, Work};
+use super::{ContactSample, Energy, Event, Layout, Outcome, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, Site};
+use crate::scene::System;
 
-pub(super) struct EngineRecorder<'a, R: EngineReader> {
-    reader: &'a R,
+pub(super) struct EngineRecorder<'a> {
+    system: &'a System,
     sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
@@ -26,15 +27,15 @@ pub(super) struct EngineRecorder<'a, R: EngineReader> {
     loop_gap_m: f64,
 }
 
-impl<'a, R: EngineReader> EngineRecorder<'a, R> {
-    /// Of a motion with so many places of contact.
-    pub fn new(reader: &'a R, motion: &Motion, places: usize, span: Span, sink: &'a mut dyn Sink) -> Self {
+impl<'a> EngineRecorder<'a> {
+    /// Of a motion of a system.
+    pub fn new(system: &'a System, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
         let start_energy = stored(motion);
-        let places = vec![Tracked::default(); places];
+        let places = vec![Tracked::default(); Layout::of(system).contacts.len()];
         let mut last = Sample::default();
-        read(reader, motion, start_energy.since(&start_energy, 0.0, 0.0), &places, &mut last);
+        read(system, motion, start_energy.since(&start_energy, 0.0, 0.0), &places, &mut last);
         Self {
-            reader,
+            system,
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
@@ -54,7 +55,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     /// Contacts that are there from the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0 && touch.has_gap()) {
-            let place = self.reader.place(motion.plan, touch.index);
+            let Some(place) = motion.plan.place(touch.index) else { continue };
             self.change(place, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
             self.places[place].summary.take(self.last.contacts[place].pressed());
         }
@@ -71,12 +72,12 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
         let mut now = std::mem::take(&mut self.node);
         let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
-        read(self.reader, motion, energy, &self.places, &mut now);
+        read(self.system, motion, energy, &self.places, &mut now);
         self.meet_between_steps(motion, end_s - dt)?;
         self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, site, kind, closing, impulse } = motion.contact.changes[index];
-            let place = self.reader.place(motion.plan, motion.space.sites[site].touch.index);
+            let Some(place) = motion.plan.place(motion.space.sites[site].touch.index) else { continue };
             let time_s = end_s - dt + after_s;
             self.pass_extremes(&now, dt, after_s)?;
             if kind == ChangeKind::Meets && !self.places[place].touching {
@@ -98,7 +99,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         let meets = |at: &&Site| at.touch.gap <= 0.0 && motion.space.closes(at);
         for at in motion.space.sites.iter().filter(meets) {
             let closing = (-motion.space.rate[at.normal]).max(0.0);
-            let place = self.reader.place(motion.plan, at.touch.index);
+            let Some(place) = motion.plan.place(at.touch.index) else { continue };
             self.change(place, ChangeKind::Meets, start_s, closing, 0.0)?;
         }
         Ok(())
@@ -108,7 +109,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
     fn find_extremes(&mut self, motion: &Motion) {
         self.moments.clear();
         for (place, tracked) in self.places.iter_mut().enumerate() {
-            let Some(index) = self.reader.index(motion.plan, place) else { continue };
+            let Some(index) = motion.plan.index(place) else { continue };
             let within = motion.contact_extremes(index);
             let depth = motion.touches.iter().find(|touch| touch.index == index).map_or(0.0, |touch| -touch.gap);
             let end = [motion.forces(index).0, depth];
@@ -151,7 +152,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
         }
         let mut touch = std::mem::take(&mut self.within);
         touch.become_between(&self.last, now, time_s);
-        self.reader.fly(&mut touch, &self.last, motion);
+        reading::fly(self.system, &mut touch, &self.last, motion);
         for (contact, before) in touch.contacts.iter_mut().zip(&self.last.contacts) {
             contact.press_on(before);
         }
@@ -168,7 +169,7 @@ impl<'a, R: EngineReader> EngineRecorder<'a, R> {
 
     /// Impulse of one place over the step, and changes that fell between two steps.
     fn close_step(&mut self, motion: &Motion, place: usize, end_s: f64) -> Result<(), SinkError> {
-        let Some(index) = self.reader.index(motion.plan, place) else { return Ok(()) };
+        let Some(index) = motion.plan.index(place) else { return Ok(()) };
         let force = motion.forces(index).0;
         if let Some(native) = motion.native.iter().find(|native| native.index == index)
             && force > 0.0
@@ -271,22 +272,22 @@ fn take(places: &mut [Tracked], sample: &Sample) {
 }
 
 /// The node as a sample, where these are its energies and its places of contact up to the start of the step.
-fn read(reader: &impl EngineReader, motion: &Motion, energy: Energy, places: &[Tracked], sample: &mut Sample) {
+fn read(system: &System, motion: &Motion, energy: Energy, places: &[Tracked], sample: &mut Sample) {
     sample.time_s = motion.clock.now();
-    reader.read(motion, sample);
+    reading::read(system, motion, sample);
     sample.contacts.clear();
     sample.contacts.extend(places.iter().enumerate().map(|(place, tracked)| {
-        let index = reader.index(motion.plan, place);
+        let index = motion.plan.index(place);
         // Before the first step there is none.
         let stepped = index.filter(|_| motion.last_dt_s > 0.0);
         let impulse = tracked.impulse + stepped.map_or(0.0, |index| motion.normal_impulse(index));
         let contact = contact(motion, index, impulse);
-        ContactSample { normal: reader.normal(place, contact.normal), ..contact }
+        ContactSample { normal: reading::normal(system, place, contact.normal), ..contact }
     }));
     sample.energy = energy;
 }
 
-impl<R: EngineReader> Follow for EngineRecorder<'_, R> {
+impl Follow for EngineRecorder<'_> {
     fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         EngineRecorder::step(self, motion)
     }

@@ -1,5 +1,7 @@
 //! The even grid of times at which a run is sampled, whatever its steps.
 
+use crate::scene::Scene;
+
 /// How long a run is, and how densely it is sampled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
@@ -7,6 +9,15 @@ pub(super) struct Span {
     pub numeric_hz: f64,
     /// Whether long steps of a long run are sampled less densely.
     pub thins: bool,
+}
+
+impl Span {
+    /// As a scene says it.
+    pub fn of(scene: &Scene) -> Self {
+        // What a gripper carries is at rest in the hand for most of a run.
+        let thins = scene.system.fingers.len() > 1;
+        Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz, thins }
+    }
 }
 
 /// Samples up to which a run has all of its grid.

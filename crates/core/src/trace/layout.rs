@@ -1,8 +1,7 @@
 //! What the samples of a scene consist of, by name.
 
-use super::Site;
 use crate::scene::words::SceneKind;
-use crate::scene::{self, Side};
+use crate::scene::{self, Disc, Side, System};
 
 /// The fingers, bodies and contacts of a scene's samples, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -22,34 +21,33 @@ pub struct Place {
 }
 
 impl Layout {
+    /// Of what is simulated: contacts in the order of [`System::places`] or, without fingers, of [`System::pairs`].
+    pub fn of(system: &System) -> Self {
+        let mut layout = Self::of_fingers(system.fingers.len());
+        layout.bodies = system.told_discs().iter().map(|disc| disc.name.clone()).collect();
+        if system.fingers.is_empty() {
+            let surface = |name: String| Place { name, angular: false };
+            layout.contacts = system.pairs().into_iter().map(|pair| surface(system.pair_name(pair))).collect();
+        }
+        layout
+    }
+
     /// Of a kind of scene, as far as that alone says it: not of discs, which have names.
-    pub fn of(kind: SceneKind) -> Self {
+    pub fn of_kind(kind: SceneKind) -> Self {
         match kind {
-            SceneKind::Finger => Layout::finger(),
-            SceneKind::Bodies => Layout::default(),
-            SceneKind::Gripper => Layout::gripper(),
+            SceneKind::Bodies => Self::default(),
+            SceneKind::Finger => Self::of_fingers(1),
+            SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::of_fingers(2) },
         }
     }
 
-    /// Of one finger: its contacts in the order of [`Site::ALL`].
-    pub fn finger() -> Self {
-        let place = |site: Site| Place { name: site.name().to_string(), angular: site == Site::Limit };
-        Layout { fingers: vec![String::new()], bodies: Vec::new(), contacts: Site::ALL.map(place).to_vec() }
-    }
-
-    /// Of discs and pairs of these names.
-    pub fn discs(bodies: Vec<String>, pairs: Vec<String>) -> Self {
-        let contacts = pairs.into_iter().map(|name| Place { name, angular: false }).collect();
-        Layout { fingers: Vec::new(), bodies, contacts }
-    }
-
-    /// Of a gripper: its contacts in the order of [`scene::Place::ALL`](crate::scene::Place::ALL).
-    pub fn gripper() -> Self {
-        let place = |place: scene::Place| Place { name: place.name(), angular: place.is_stop() };
+    fn of_fingers(count: usize) -> Self {
+        let place = |of: &scene::Place| Place { name: of.name_among(count), angular: of.is_stop() };
+        let sides = Side::BOTH.iter().take(count);
         Layout {
-            fingers: Side::BOTH.map(|side| side.word().to_string()).to_vec(),
-            bodies: vec!["object".to_string()],
-            contacts: scene::Place::ALL.map(place).to_vec(),
+            fingers: sides.map(|side| if count == 1 { String::new() } else { side.word().to_string() }).collect(),
+            bodies: Vec::new(),
+            contacts: scene::Place::of_fingers(count).iter().map(place).collect(),
         }
     }
 

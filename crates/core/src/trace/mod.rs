@@ -4,7 +4,6 @@
 //! |---|---|
 //! | `sample`, `outcome` | one instant, the events between instants, and what remains in the end |
 //! | `layout`, `columns` | what the samples of a scene consist of: its fingers, bodies and contacts by name, its figures with their units |
-//! | `simulated` | a scene of either kind |
 //! | `model`, `overrides` | the two models behind one face; a run that is made otherwise than its scene says |
 //! | `sink`, `thin`, `recording` | who takes a run: everything, what a log keeps, arrays |
 //! | `between`, `grid` | a sample between two others; the even grid of times |
@@ -39,7 +38,6 @@ mod recorder;
 mod recording;
 mod sample;
 mod search;
-mod simulated;
 mod sink;
 mod slipping;
 mod thin;
@@ -58,7 +56,6 @@ pub use model::{Model, run};
 pub use outcome::{ContactSummary, Outcome, Work};
 pub use recording::{Recording, record};
 pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
-pub use simulated::{Numerics, Simulated};
 pub use sink::{Sink, SinkError, Wants};
 pub use slipping::MOST_FRICTION_EVENTS;
 pub use thin::{Thin, Thinned};

@@ -2,8 +2,8 @@
 
 #[cfg(feature = "engine")]
 use super::run_engine;
-use super::{Outcome, RunError, Simulated, Sink, run_analytic};
-use crate::scene::Words;
+use super::{Outcome, RunError, Sink, run_analytic};
+use crate::scene::{Scene, Words};
 
 /// Which of the two independent models simulates a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl Words for Model {
 }
 
 /// Simulates a scene of any kind with one of the models. Where the engine was left out of the build, its runs end before they begin.
-pub fn run<'a>(model: Model, scene: impl Into<Simulated<'a>>, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     match model {
         Model::Analytic => run_analytic(scene, sink),
         #[cfg(feature = "engine")]

@@ -1,8 +1,9 @@
 //! How a scene is run otherwise than it says: what `phalanx run` takes as flags. What would do nothing is refused.
 
-use super::{Model, Numerics};
+use super::Model;
 use crate::scene::table::{self, Table};
-use crate::scene::{AnyScene, Construction, Engine, Integrator, LogRates, Preset};
+use crate::scene::words::SceneKind;
+use crate::scene::{Construction, Engine, Integrator, LogRates, Preset, Scene};
 use crate::units::{self, Dimension};
 
 const RTOL: &str = "expected a number between 0 and 1, such as 1e-6";
@@ -38,14 +39,14 @@ impl Overrides {
     ///
     /// # Errors
     /// A setting of the model that does not run or of another kind of scene, or one that asks for more samples than a run may have.
-    pub fn apply(&self, model: Model, scene: &mut AnyScene) -> Result<(), String> {
+    pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), String> {
         if self.construction == Some(Construction::Reduced) {
-            let why = match scene {
-                AnyScene::Finger(_) => None,
-                AnyScene::Bodies(_) => {
+            let why = match scene.kind() {
+                SceneKind::Finger => None,
+                SceneKind::Bodies => {
                     Some("a scene of discs has none; leave it out: every disc moves freely in the engine")
                 }
-                AnyScene::Gripper(_) => {
+                SceneKind::Gripper => {
                     Some("those of one finger only; leave it out: every body moves freely in the engine")
                 }
             };
@@ -53,12 +54,11 @@ impl Overrides {
                 return Err(format!("--construction reduced makes coordinates of joints, and {why}"));
             }
         }
-        let mut numerics = Numerics::from(scene);
         self.refuse_idle(model)?;
         if let Some(preset) = self.preset {
-            numerics.integrate_by(preset);
+            scene.integrate_by(preset);
         }
-        let Numerics { duration_s: scene_duration_s, log, integrator, engine, .. } = numerics;
+        let Scene { duration_s: scene_duration_s, log, integrator, engine, .. } = scene;
         if let Some(construction) = self.construction {
             engine.construction = construction;
         }

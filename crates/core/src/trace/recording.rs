@@ -1,7 +1,8 @@
 //! A run as arrays: one for each figure, by the name it has in the table of `replay --csv`.
 
 use super::columns::{Column, columns};
-use super::{Event, Layout, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run};
+use super::{Event, Layout, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
+use crate::scene::Scene;
 
 /// A sink that keeps samples in columns, and events beside them.
 ///
@@ -32,8 +33,8 @@ impl Recording {
     }
 
     /// Of the samples of a scene.
-    pub fn of<'a>(scene: impl Into<Simulated<'a>>) -> Self {
-        Recording::new(&scene.into().layout())
+    pub fn of(scene: &Scene) -> Self {
+        Recording::new(&Layout::of(&scene.system))
     }
 
     /// All columns: `time_s` first, the energies last.
@@ -86,9 +87,8 @@ impl Sink for Recording {
 ///
 /// # Errors
 /// Why the run did not get to its end.
-pub fn record<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Result<(Outcome, Recording), RunError> {
-    let scene = scene.into();
-    let mut thinned = Thinned::new(scene.log().numeric_hz, Recording::of(scene));
+pub fn record(model: Model, scene: &Scene) -> Result<(Outcome, Recording), RunError> {
+    let mut thinned = Thinned::new(scene.log.numeric_hz, Recording::of(scene));
     let outcome = run(model, scene, &mut thinned)?;
     thinned.end()?;
     Ok((outcome, thinned.sink))

@@ -172,7 +172,7 @@ pub struct Sample {
     /// Bodies that are no part of a finger; of a scene of discs all of its discs, fixed ones too.
     pub bodies: Vec<BodyState>,
     /// Of every finger in the order of [`Site::ALL`], the limit in rad, rad/s, N·m and N·m·s; behind them, of discs, one for
-    /// each of [`BodiesScene::pairs`](crate::scene::BodiesScene::pairs): forces on the pair's disc, normal from its partner to
+    /// each of [`System::pairs`](crate::scene::System::pairs): forces on the pair's disc, normal from its partner to
     /// it.
     pub contacts: Vec<ContactSample>,
     /// Where discs are driven, `motor_work_j` is the work of whatever drives them; these have no kinetic energy here.

@@ -17,9 +17,9 @@ pub use model::{DiscEnergies, Discs, PAIRS, PairReading, QUADRATURES};
 use super::model::branch;
 use super::modes::first_step;
 use super::{SiteState, mode};
-use crate::scene::BodiesScene;
+use crate::scene::System;
 
-/// Branches of all pairs, in the order of [`BodiesScene::pairs`]; the rest stays free.
+/// Branches of all pairs, in the order of [`System::pairs`]; the rest stays free.
 pub type DiscMode = mode::Mode<PAIRS>;
 
 /// Guards of all pairs: of their normal laws, then of their slips, then of their dampers.
@@ -44,9 +44,9 @@ pub struct TooMany {
 pub const HOLDING: [usize; MOVING + 1] = [0, 4, 6, 9];
 
 /// Number of discs that move, where the model takes as many.
-pub fn moving_discs(scene: &BodiesScene) -> Result<usize, TooMany> {
-    let moving = scene.discs.iter().filter(|disc| disc.motion.moves()).count();
-    let pairs = scene.pairs().len();
-    let most = if scene.holds() { HOLDING[moving.min(MOVING)] } else { PAIRS };
+pub fn moving_discs(system: &System) -> Result<usize, TooMany> {
+    let moving = system.discs.iter().filter(|disc| disc.motion.moves()).count();
+    let pairs = system.pairs().len();
+    let most = if system.holds() { HOLDING[moving.min(MOVING)] } else { PAIRS };
     if moving > MOVING || pairs > most { Err(TooMany { moving, pairs, most }) } else { Ok(moving) }
 }

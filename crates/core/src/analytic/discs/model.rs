@@ -6,7 +6,7 @@ use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{Bristle, ContactLaw, elastic_energy, friction_with_memory, normal_over_gap};
 use crate::numeric::plane::{add, perp, scale};
 use crate::numeric::{Dual, Real};
-use crate::scene::{BodiesScene, DiscMotion, Partner};
+use crate::scene::{self, DiscMotion, Partner};
 
 /// Pairs a model may have.
 pub const PAIRS: usize = 12;
@@ -62,8 +62,8 @@ pub struct PairReading {
 }
 
 impl<const N: usize, const M: usize> Discs<N, M> {
-    /// Builds the model; the scene has as many moving discs and no more pairs than there is room for.
-    pub fn new(scene: &BodiesScene) -> Self {
+    /// Builds the model; the system has as many moving discs and no more pairs than there is room for.
+    pub fn new(system: &scene::System) -> Self {
         let mover = |motion: &DiscMotion| match *motion {
             DiscMotion::Fixed => None,
             DiscMotion::Driven { acceleration_m_s2, .. } => Some(Mover {
@@ -78,31 +78,31 @@ impl<const N: usize, const M: usize> Discs<N, M> {
                 inverse_inertia: inertia_kg_m2.map_or(0.0, f64::recip),
                 mass: mass_kg,
                 inertia: inertia_kg_m2.unwrap_or(0.0),
-                acceleration: scene.gravity_m_s2,
+                acceleration: system.gravity_m_s2,
             }),
         };
-        let place = |disc: usize| scene.discs[..disc].iter().filter(|disc| disc.motion.moves()).count();
-        let meetings = scene.pairs().into_iter().map(|pair| Meeting {
+        let place = |disc: usize| system.discs[..disc].iter().filter(|disc| disc.motion.moves()).count();
+        let meetings = system.pairs().into_iter().map(|pair| Meeting {
             disc: place(pair.disc),
-            radius: scene.discs[pair.disc].radius_m,
+            radius: system.discs[pair.disc].radius_m,
             other: match pair.partner {
                 Partner::Disc(other) => {
-                    let disc = &scene.discs[other];
+                    let disc = &system.discs[other];
                     match disc.motion.moves() {
                         true => Other::Moving { disc: place(other), radius: disc.radius_m },
                         false => Other::Fixed { centre: disc.centre_m, radius: disc.radius_m },
                     }
                 }
                 Partner::HalfPlane => {
-                    Other::HalfPlane { level: scene.half_plane.map_or(f64::NEG_INFINITY, |plane| plane.level_m) }
+                    Other::HalfPlane { level: system.palm.map_or(f64::NEG_INFINITY, |plane| plane.level_m) }
                 }
             },
         });
         let model = Self {
-            movers: scene.discs.iter().filter_map(|disc| mover(&disc.motion)).collect(),
+            movers: system.discs.iter().filter_map(|disc| mover(&disc.motion)).collect(),
             meetings: meetings.collect(),
-            law: scene.contact,
-            gravity: scene.gravity_m_s2,
+            law: system.between_discs.expect("discs that touch by a law"),
+            gravity: system.gravity_m_s2,
         };
         let memories = if model.bristle().is_some() { N - 3 * model.movers.len() } else { PAIRS };
         assert!(3 * model.movers.len() <= N && 2 * N == M && model.meetings.len() <= memories.min(PAIRS));
@@ -121,15 +121,16 @@ impl<const N: usize, const M: usize> Discs<N, M> {
     }
 
     /// Coordinates and rates at the start.
-    pub fn start(scene: &BodiesScene) -> State<N, QUADRATURES> {
+    pub fn start(system: &scene::System) -> State<N, QUADRATURES> {
         let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; QUADRATURES] };
-        for (index, disc) in scene.discs.iter().filter(|disc| disc.motion.moves()).enumerate() {
+        for (index, disc) in system.discs.iter().filter(|disc| disc.motion.moves()).enumerate() {
             let (velocity, spin) = match disc.motion {
                 DiscMotion::Fixed => continue,
                 DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } => (velocity_m_s, spin_rad_s),
                 DiscMotion::Free { velocity_m_s, spin_rad_s, .. } => (velocity_m_s, spin_rad_s),
             };
-            state.q[3 * index..3 * index + 2].copy_from_slice(&disc.centre_m);
+            let [x, y] = disc.centre_m;
+            state.q[3 * index..3 * index + 3].copy_from_slice(&[x, y, disc.angle_rad]);
             state.v[3 * index..3 * index + 3].copy_from_slice(&[velocity[0], velocity[1], spin]);
         }
         state

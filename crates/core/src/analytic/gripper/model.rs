@@ -10,7 +10,7 @@ use crate::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use crate::numeric::Dual;
 use crate::numeric::plane::Vector;
 use crate::scene::{
-    Actuation, Brake, GripperFinger, GripperScene, Motor, ObjectMotion, PalmMotion, Place, Side, next_corner, torque,
+    Actuation, Brake, DiscMotion, DrivenFinger, HalfPlane, Motor, PalmMotion, Place, Side, System, next_corner, torque,
 };
 
 /// The model of a scene with N = 7 coordinates, 8 where the palm moves, or 4 where the object is fixed; [`HELD`] where friction holds.
@@ -117,18 +117,24 @@ pub(super) struct Plane {
     pub law: ContactLaw,
 }
 
+/// A plane whose solid is below it, or above where `up` is negative.
+fn plane(of: HalfPlane, up: f64) -> Option<Plane> {
+    of.contact.map(|law| Plane { normal: [0.0, up], offset: of.level_m, law })
+}
+
 /// Coordinates and rates at the start of a scene with N coordinates.
-pub fn start<const N: usize>(scene: &GripperScene) -> State<N, QUADRATURES> {
+pub fn start<const N: usize>(system: &System) -> State<N, QUADRATURES> {
     let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; QUADRATURES] };
-    for (index, finger) in scene.fingers.iter().enumerate() {
+    for (index, finger) in system.fingers.iter().enumerate() {
         let initial = &finger.initial;
         (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
         (state.v[2 * index], state.v[2 * index + 1]) = (initial.qd11_rad_s, initial.qd21_rad_s);
     }
     if N > FINGERS {
-        let ([x, y], angle) = (scene.object.centre_m, scene.object.angle_rad);
+        let object = system.grasped();
+        let ([x, y], angle) = (object.centre_m, object.angle_rad);
         state.q[FINGERS..TIME].copy_from_slice(&[x, y, angle]);
-        if let ObjectMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. } = scene.object.motion {
+        if let DiscMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. } = object.motion {
             state.v[FINGERS..TIME].copy_from_slice(&[vx, vy, spin_rad_s]);
         }
     }
@@ -140,54 +146,55 @@ pub fn start<const N: usize>(scene: &GripperScene) -> State<N, QUADRATURES> {
 
 impl<const N: usize> GripperModel<N> {
     /// Builds the model; N is 7 for an object that moves, 8 where the palm does too, and 4 for an object that does not.
-    pub fn new(scene: &GripperScene) -> Self {
-        let [x, y] = scene.gravity_m_s2;
+    pub fn new(system: &System) -> Self {
+        let [x, y] = system.gravity_m_s2;
         let finger = |side: Side| {
-            let GripperFinger { finger, spring, limit, contact, initial, .. } = scene.finger(side);
-            FingerModel::new(finger, (*spring, *limit), *contact, initial, [side.mirror() * x, y])
+            let DrivenFinger { linkage, spring, limit, contact, initial, .. } = system.finger(side);
+            FingerModel::new(linkage, (*spring, *limit), *contact, initial, [side.mirror() * x, y])
         };
         let mut drives = Vec::from(Side::BOTH.map(|side| {
             let weights = if side == Side::Right { [1.0, 0.0] } else { [0.0, 1.0] };
-            Drive::new(&scene.finger(side).motor, weights)
+            Drive::new(&system.finger(side).motor, weights)
         }));
-        let mut rotor_inertia = Side::BOTH.map(|side| scene.finger(side).motor.inertia_kg_m2);
+        let mut rotor_inertia = Side::BOTH.map(|side| system.finger(side).motor.inertia_kg_m2);
         let mut coupling = 0.0;
-        if let Some(differential) = &scene.differential {
+        if let Some(differential) = &system.differential {
             drives.push(Drive::new(&differential.motor, [0.5, 0.5]));
             let (input, seesaw) = (differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2);
             rotor_inertia.iter_mut().for_each(|own| *own += (input + seesaw) / 4.0);
             coupling = (input - seesaw) / 4.0;
         }
-        let (mass, inertia) = match scene.object.motion {
-            ObjectMotion::Fixed => (0.0, 0.0),
-            ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => (mass_kg, inertia_kg_m2),
+        let disc = system.grasped();
+        let (mass, inertia) = match disc.motion {
+            DiscMotion::Free { mass_kg, inertia_kg_m2, .. } => (mass_kg, inertia_kg_m2.unwrap_or(f64::INFINITY)),
+            DiscMotion::Fixed | DiscMotion::Driven { .. } => (0.0, 0.0),
         };
-        let coordinates = match (scene.holds(), mass > 0.0, scene.palm_motion.is_some()) {
+        let coordinates = match (system.holds(), mass > 0.0, system.palm_motion.is_some()) {
             (true, ..) => HELD,
             (_, true, true) => MEMORY,
             (_, true, false) => TIME,
             (_, false, _) => FINGERS,
         };
         assert_eq!(N, coordinates, "the object's coordinates, time, and memories");
-        let half_palm = 0.5 * scene.palm_width_m;
-        let [cx, cy] = scene.object.centre_m;
+        let half_palm = 0.5 * system.palm_width_m;
+        let [cx, cy] = disc.centre_m;
         Self {
             fingers: Side::BOTH.map(finger),
-            carried: Side::BOTH.map(|side| Carried::new(&scene.finger(side).finger, [half_palm, 0.0])),
-            palm_motion: scene.palm_motion.clone(),
+            carried: Side::BOTH.map(|side| Carried::new(&system.finger(side).linkage, [half_palm, 0.0])),
+            palm_motion: system.palm_motion.clone(),
             drives,
             rotor_inertia,
             coupling,
             half_palm,
             object: Object {
-                radius: scene.object.radius_m,
+                radius: disc.radius_m,
                 mass,
                 inertia,
-                pose: [cx, cy, scene.object.angle_rad],
-                gravity: scene.gravity_m_s2,
+                pose: [cx, cy, disc.angle_rad],
+                gravity: system.gravity_m_s2,
             },
-            palm: scene.palm.map(|law| Plane { normal: [0.0, 1.0], offset: 0.0, law }),
-            table: scene.table.map(|table| Plane { normal: [0.0, -1.0], offset: table.level_m, law: table.contact }),
+            palm: system.palm.and_then(|palm| plane(palm, 1.0)),
+            table: system.table.and_then(|table| plane(table, -1.0)),
         }
     }
 

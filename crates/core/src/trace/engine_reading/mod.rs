@@ -1,34 +1,70 @@
-//! Turns a node of the engine model into a sample: what that is differs between kinds of scene, and nothing else does.
+//! Turns a node of the engine model into a sample.
 
-mod discs;
-mod finger;
-mod gripper;
+mod links;
 
-pub(super) use finger::FingerReader;
-
-use super::{ContactSample, Energy, Sample};
-use crate::engine::{Frame, Motion, Plan, Touch, kinetic, potential};
+use super::{BodyState, ContactSample, Energy, Sample};
+use crate::engine::{Frame, L11, LINKS, Motion, Touch, base, brake_torque, kinetic, potential};
 use crate::law::{elastic_energy, normal_force};
+use crate::scene::{Disc, Place, Side, System};
+use links::Links;
 
-/// Reads the nodes of a motion.
-pub(super) trait EngineReader {
-    /// The contact of a sample that a stop or contact of the plan is.
-    fn place(&self, plan: &Plan, index: usize) -> usize;
+/// Fingers and bodies of a system at a node of its motion.
+pub(super) fn read(system: &System, motion: &Motion, sample: &mut Sample) {
+    let frame = Frame::at(motion.plan, motion.clock.now());
+    sample.fingers.clear();
+    sample.fingers.extend(Side::BOTH.into_iter().zip(&system.fingers).map(|(side, finger)| {
+        let rate = |body: usize| motion.velocities[body][2];
+        let torque = motion.plan.motor_torque(base(side) + L11, motion.clock.now(), rate);
+        let brakes = brake_torque(motion.plan, side, |hold| motion.hold_torque(hold));
+        let phi22_rad = finger.linkage.lengths.phi22_rad;
+        Links::of(side, &frame).read(motion, phi22_rad, side.mirror() * torque + brakes)
+    }));
+    sample.bodies.clear();
+    sample.bodies.extend(told(system).map(|(disc, body)| match body {
+        Some(body) => {
+            let (place, v) = (&motion.linkage.places[body], &motion.velocities[body]);
+            let ([vx, vy, spin_rad_s], centre_m) = (frame.twist(place.com, v), frame.point(place.com));
+            let angle_rad = place.angle - frame.turning()[0];
+            BodyState { centre_m, angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
+        }
+        None => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
+    }));
+}
 
-    /// The index of a sample's contact among the stops and contacts of the plan; `None` where there is nothing to touch.
-    fn index(&self, plan: &Plan, place: usize) -> Option<usize>;
-
-    /// The normal of a contact as a sample has it, given that of the plan, which points to the first of its bodies.
-    fn normal(&self, _place: usize, normal: [f64; 2]) -> [f64; 2] {
-        normal
+/// Coordinates and rates of `sample` as free motion from `from` makes them, by the accelerations of all bodies in the last step of
+/// `motion`.
+pub(super) fn fly(system: &System, sample: &mut Sample, from: &Sample, motion: &Motion) {
+    let accelerations = &motion.step_accelerations;
+    let time_s = sample.time_s - from.time_s;
+    let frame = Frame::at(motion.plan, motion.clock.now());
+    for (side, (finger, from)) in Side::BOTH.into_iter().zip(sample.fingers.iter_mut().zip(&from.fingers)) {
+        Links::of(side, &frame).fly(finger, from, time_s, accelerations);
     }
+    for ((body, from), (_, moving)) in sample.bodies.iter_mut().zip(&from.bodies).zip(told(system)) {
+        if let Some(index) = moving {
+            let (place, v) = (&motion.linkage.places[index], &motion.velocities[index]);
+            *body = from.flown(time_s, &frame.acceleration(place.com, v, &accelerations[index]));
+        }
+    }
+}
 
-    /// Fingers and bodies at the node.
-    fn read(&self, motion: &Motion, sample: &mut Sample);
+/// The discs that samples tell of, and which body of the plan each is: `None` where it does not move.
+fn told(system: &System) -> impl Iterator<Item = (&Disc, Option<usize>)> {
+    let mut next = LINKS * system.fingers.len();
+    system.told_discs().iter().map(move |disc| {
+        let body = disc.motion.moves().then_some(next);
+        next += usize::from(disc.motion.moves());
+        (disc, body)
+    })
+}
 
-    /// Coordinates and rates of `sample` as free motion from `from` makes them, by the accelerations of all bodies in the last step of
-    /// `motion`.
-    fn fly(&self, sample: &mut Sample, from: &Sample, motion: &Motion);
+/// The normal of a contact as a sample has it, given that of the plan, which points to the first of its bodies: of a gripper away from
+/// the object, off palm and table too.
+pub(super) fn normal(system: &System, place: usize, normal: [f64; 2]) -> [f64; 2] {
+    match system.places().get(place) {
+        Some(Place::Palm | Place::Table) => normal.map(|part| -part),
+        Some(Place::Finger(..)) | None => normal,
+    }
 }
 
 /// The stored energies of the node.

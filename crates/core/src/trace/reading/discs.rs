@@ -3,13 +3,13 @@
 use super::{Reader, refill};
 use crate::analytic::discs::{DiscMode, Discs, PAIRS, PairReading, QUADRATURES};
 use crate::integrator::State;
-use crate::scene::BodiesScene;
+use crate::scene::System;
 use crate::trace::{BodyState, ContactSample, Energy, Sample, Wants};
 
-/// A model, and the scene that has the discs which do not move too.
+/// A model, and the system that has the discs which do not move too.
 pub struct DiscsReader<'a, const N: usize, const M: usize> {
     pub model: &'a Discs<N, M>,
-    pub scene: &'a BodiesScene,
+    pub system: &'a System,
 }
 
 impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, N, M> {
@@ -25,9 +25,10 @@ impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, 
         sample: &mut Sample,
     ) {
         let mut moving = state.q.chunks_exact(3).zip(state.v.chunks_exact(3));
-        let discs = self.scene.discs.iter().map(|disc| {
+        let discs = self.system.discs.iter().map(|disc| {
             let coordinates = if disc.motion.moves() { moving.next() } else { None };
-            coordinates.map_or(BodyState { centre_m: disc.centre_m, ..BodyState::default() }, |(q, v)| BodyState {
+            let at_rest = BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() };
+            coordinates.map_or(at_rest, |(q, v)| BodyState {
                 centre_m: [q[0], q[1]],
                 angle_rad: q[2],
                 velocity_m_s: [v[0], v[1]],
@@ -48,7 +49,7 @@ impl<const N: usize, const M: usize> Reader<N, QUADRATURES> for DiscsReader<'_, 
     }
 
     fn slips(&self, pair: usize, mode: &DiscMode) -> Option<bool> {
-        mode.slips_at(pair).filter(|_| self.scene.holds())
+        mode.slips_at(pair).filter(|_| self.system.holds())
     }
 
     fn contact(&self, state: &State<N, QUADRATURES>, pair: usize, mode: &DiscMode) -> ContactSample {

@@ -1,39 +1,12 @@
-//! A finger at a node of the engine model.
+//! The links of a finger at a node of the engine model.
 
 use std::f64::consts::PI;
 
-use super::EngineReader;
-use crate::engine::{self, L11, L12, L21, L22, Motion, Plan, Twist};
+use crate::engine::{Frame, L11, L12, L21, L22, Motion, Twist, base};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{angle_between, near_turn, opening_angle, rotate};
-use crate::trace::{FingerState, Sample, Site};
-
-/// A finger whose l22 is bent by φ22.
-pub struct FingerReader {
-    pub phi22_rad: f64,
-}
-
-impl EngineReader for FingerReader {
-    fn place(&self, plan: &Plan, index: usize) -> usize {
-        engine::site(plan, index) as usize
-    }
-
-    fn index(&self, plan: &Plan, place: usize) -> Option<usize> {
-        engine::index_of(plan, Site::ALL[place])
-    }
-
-    fn read(&self, motion: &Motion, sample: &mut Sample) {
-        let torque = motion.plan.motor_torque(L11, motion.clock.now(), |body| motion.velocities[body][2]);
-        sample.fingers.clear();
-        sample.fingers.push(Links::ALONE.read(motion, self.phi22_rad, torque));
-    }
-
-    fn fly(&self, sample: &mut Sample, from: &Sample, motion: &Motion) {
-        let accelerations = &motion.step_accelerations;
-        let time_s = sample.time_s - from.time_s;
-        Links::ALONE.fly(sample.finger_mut(), from.finger(), time_s, accelerations);
-    }
-}
+use crate::scene::Side;
+use crate::trace::FingerState;
 
 /// The links of a finger among the bodies of a plan: the first of them, and −1 where they are the mirror image of what is read.
 #[derive(Clone, Copy)]
@@ -45,7 +18,10 @@ pub struct Links {
 }
 
 impl Links {
-    const ALONE: Self = Self { first: 0, mirror: 1.0, stands: [0.0; 3] };
+    /// Of the finger of a side, in a palm that turns so.
+    pub fn of(side: Side, frame: &Frame) -> Self {
+        Self { first: base(side), mirror: side.mirror(), stands: frame.turning() }
+    }
 
     /// Bodies count their turns; passive angles do not. Their turn is the one both models show: q12 is the angle between two
     /// directions, and q22 is measured from the straight line by the bend q22 + φ22, whose seam is at −90°.
