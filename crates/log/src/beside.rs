@@ -100,10 +100,10 @@ impl<W: Write + Send + 'static> Beside<W> {
     ) -> Result<Self, SinkError> {
         let (sender, receiver) = sync_channel::<Batch>(WAITING);
         let (written, empty) = channel();
-        let (scene, scene_file, model) = (run.scene.to_owned(), run.scene_file.to_string(), run.model.to_string());
+        let (scene, scene_file, model) = (run.scene.clone(), run.scene_file.to_string(), run.model.to_string());
         let called = name.to_string();
         let work = move || {
-            let run = RunInfo { scene: (&scene).into(), scene_file: &scene_file, model: &model };
+            let run = RunInfo { scene: &scene, scene_file: &scene_file, model: &model };
             let mut writer = Writer::with_feed(out, &called, &run, feed).inspect_err(|_| unstarted())?;
             for mut batch in receiver {
                 batch.write(&mut writer)?;

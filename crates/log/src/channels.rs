@@ -10,8 +10,8 @@ use super::messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, S
 use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
 use phalanx_core::law::Bristle;
-use phalanx_core::scene::{AnyScene, BodiesScene, GripperScene, Place, Scene, Side};
-use phalanx_core::trace::{BodyState, Event, FingerState, Sample, Simulated, Site};
+use phalanx_core::scene::{self, Place, Scene, Side, System};
+use phalanx_core::trace::{BodyState, Event, FingerState, Sample, Site};
 
 /// One channel for every finger and body, two for every contact.
 pub struct Channels {
@@ -24,7 +24,7 @@ pub struct Channels {
     /// Of a finger.
     grasp: Option<Grasp>,
     /// Where its bodies are.
-    scene: AnyScene,
+    scene: Scene,
 }
 
 struct ContactChannels {
@@ -46,12 +46,58 @@ fn slip<W: Write>(core: &mut Core<W>, name: &str, bristle: Option<Bristle>) -> R
 
 impl Channels {
     /// Registers the channels when a log starts. Their order is that of the bytes of every log there is.
-    pub fn register<W: Write>(core: &mut Core<W>, scene: Simulated<'_>) -> Result<Self, McapError> {
-        match scene {
-            Simulated::Finger(finger) => of_finger(core, finger),
-            Simulated::Discs(discs) => of_discs(core, discs),
-            Simulated::Gripper(gripper) => of_gripper(core, gripper),
+    pub fn register<W: Write>(core: &mut Core<W>, scene: &Scene) -> Result<Self, McapError> {
+        let system = &scene.system;
+        let alone = system.fingers.len() == 1;
+        let mut fingers = Vec::new();
+        for side in Side::BOTH.iter().take(system.fingers.len()) {
+            fingers.push(match alone {
+                true => core.channel::<State>("/state")?,
+                false => core.channel::<State>(&format!("/state/{}", side.word()))?,
+            });
         }
+        let mut bodies = Vec::new();
+        for disc in system.told_discs() {
+            bodies.push(match system.fingers.is_empty() {
+                true => core.channel::<Disc>(&format!("/disc/{}", disc.name))?,
+                false => core.channel::<Disc>(&format!("/{}", disc.name))?,
+            });
+        }
+        let surfaces = surfaces(system);
+        let mut contacts = Vec::with_capacity(surfaces.len());
+        // Of one finger all samples and the energy come first.
+        let mut early = Vec::new();
+        let mut energy = None;
+        if alone {
+            for surface in surfaces.iter().flatten() {
+                early.push(surface.samples(core)?);
+            }
+            energy = Some(core.channel::<Energy>("/energy")?);
+        }
+        let mut early = early.into_iter();
+        for surface in surfaces {
+            let Some(surface) = surface else {
+                contacts.push(None);
+                continue;
+            };
+            let contact = early.next().map_or_else(|| surface.samples(core), Ok)?;
+            let topic = format!("/impact/{}", surface.name);
+            let impact =
+                if surface.angular { core.channel::<LimitImpact>(&topic) } else { core.channel::<Impact>(&topic) }?;
+            let slip = slip(core, &surface.name, surface.bristle)?;
+            let Surface { name, called, angular, .. } = surface;
+            contacts.push(Some(ContactChannels { name, called, angular, contact, impact, slip }));
+        }
+        let energy = energy.map_or_else(|| core.channel::<Energy>("/energy"), Ok)?;
+        let start = Sample {
+            fingers: vec![FingerState::default(); system.fingers.len()],
+            bodies: system.told_discs().iter().map(at_start).collect(),
+            ..Sample::default()
+        };
+        let pictures =
+            Pictures::register(core, &Drawing::of(scene), &drawing::poses(scene, &start), scene.log.picture_hz)?;
+        let grasp = alone.then(Grasp::default);
+        Ok(Channels { fingers, bodies, contacts, energy, pictures, grasp, scene: scene.clone() })
     }
 
     /// Writes a sample.
@@ -102,109 +148,59 @@ impl Channels {
     }
 }
 
-fn of_finger<W: Write>(core: &mut Core<W>, scene: &Scene) -> Result<Channels, McapError> {
-    let fingers = vec![core.channel::<State>("/state")?];
-    let there = |site: Site| if site == Site::Limit { scene.limit.is_some() } else { scene.object.is_some() };
-    let mut samples = [None; Site::ALL.len()];
-    for site in Site::ALL.into_iter().filter(|site| there(*site)) {
-        samples[site as usize] = Some(match site {
-            Site::Proximal | Site::Distal => core.channel::<Contact>(&format!("/contact/{}", site.name()))?,
-            Site::Limit => core.channel::<Limit>("/limit")?,
-        });
-    }
-    let energy = core.channel::<Energy>("/energy")?;
-    let mut contacts = Vec::new();
-    for site in Site::ALL {
-        let Some(contact) = samples[site as usize] else {
-            contacts.push(None);
-            continue;
-        };
-        let (topic, angular) = (format!("/impact/{}", site.name()), site == Site::Limit);
-        let impact = if angular { core.channel::<LimitImpact>(&topic) } else { core.channel::<Impact>(&topic) }?;
-        let called = match site {
-            Site::Proximal => "proximal phalanx",
-            Site::Distal => "distal phalanx",
-            Site::Limit => "joint limit",
-        };
-        let (name, called) = (site.name().to_string(), called.to_string());
-        let slip = slip(core, &name, scene.bristle(site))?;
-        contacts.push(Some(ContactChannels { name, called, angular, contact, impact, slip }));
-    }
-    let pictures = pictures(core, scene, &Sample::of_finger(), scene.log.picture_hz)?;
-    let (grasp, scene) = (Some(Grasp::default()), AnyScene::Finger(Box::new(scene.clone())));
-    Ok(Channels { fingers, bodies: Vec::new(), contacts, energy, pictures, grasp, scene })
+fn at_start(disc: &scene::Disc) -> BodyState {
+    BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() }
 }
 
-fn of_gripper<W: Write>(core: &mut Core<W>, scene: &GripperScene) -> Result<Channels, McapError> {
-    let mut fingers = Vec::with_capacity(Side::BOTH.len());
-    for side in Side::BOTH {
-        fingers.push(core.channel::<State>(&format!("/state/{}", side.word()))?);
-    }
-    let bodies = vec![core.channel::<Disc>("/object")?];
-    let mut contacts = Vec::new();
-    for place in Place::ALL {
-        let there = match place {
-            Place::Finger(side, Site::Limit) => scene.finger(side).limit.is_some(),
-            Place::Finger(..) => true,
-            Place::Palm => scene.palm.is_some(),
-            Place::Table => scene.table.is_some(),
-        };
-        if !there {
-            contacts.push(None);
-            continue;
-        }
-        let (name, angular) = (place.name(), place.is_stop());
-        let contact = match place {
-            Place::Finger(side, Site::Limit) => core.channel::<Limit>(&format!("/limit/{}", side.word()))?,
-            _ => core.channel::<Contact>(&format!("/contact/{name}"))?,
-        };
-        let topic = format!("/impact/{name}");
-        let impact = if angular { core.channel::<LimitImpact>(&topic) } else { core.channel::<Impact>(&topic) }?;
-        let called = match place {
-            Place::Finger(side, Site::Proximal) => format!("{} proximal phalanx", side.word()),
-            Place::Finger(side, Site::Distal) => format!("{} distal phalanx", side.word()),
-            Place::Finger(side, Site::Limit) => format!("{} joint limit", side.word()),
-            Place::Palm | Place::Table => format!("object on the {name}"),
-        };
-        let slip = slip(core, &name, scene.bristle(place))?;
-        contacts.push(Some(ContactChannels { name, called, angular, contact, impact, slip }));
-    }
-    let energy = core.channel::<Energy>("/energy")?;
-    let object =
-        BodyState { centre_m: scene.object.centre_m, angle_rad: scene.object.angle_rad, ..BodyState::default() };
-    let start = Sample { fingers: vec![FingerState::default(); 2], bodies: vec![object], ..Sample::default() };
-    let pictures = pictures(core, scene, &start, scene.log.picture_hz)?;
-    let scene = AnyScene::Gripper(Box::new(scene.clone()));
-    Ok(Channels { fingers, bodies, contacts, energy, pictures, grasp: None, scene })
+/// What may press at a contact.
+struct Surface {
+    name: String,
+    called: String,
+    /// Of its samples.
+    topic: String,
+    angular: bool,
+    bristle: Option<Bristle>,
 }
 
-fn of_discs<W: Write>(core: &mut Core<W>, scene: &BodiesScene) -> Result<Channels, McapError> {
-    let mut bodies = Vec::with_capacity(scene.discs.len());
-    for disc in &scene.discs {
-        bodies.push(core.channel::<Disc>(&format!("/disc/{}", disc.name))?);
+impl Surface {
+    fn samples<W: Write>(&self, core: &mut Core<W>) -> Result<ChannelId, McapError> {
+        if self.angular { core.channel::<Limit>(&self.topic) } else { core.channel::<Contact>(&self.topic) }
     }
-    let mut contacts = Vec::new();
-    for pair in scene.pairs() {
-        let name = scene.pair_name(pair);
-        let contact = core.channel::<Contact>(&format!("/contact/{name}"))?;
-        let impact = core.channel::<Impact>(&format!("/impact/{name}"))?;
-        let slip = slip(core, &name, scene.contact.bristle())?;
-        contacts.push(Some(ContactChannels { called: name.clone(), name, angular: false, contact, impact, slip }));
-    }
-    let energy = core.channel::<Energy>("/energy")?;
-    let at_start = scene.discs.iter().map(|disc| BodyState { centre_m: disc.centre_m, ..BodyState::default() });
-    let start = Sample { bodies: at_start.collect(), ..Sample::default() };
-    let pictures = pictures(core, scene, &start, scene.log.picture_hz)?;
-    let scene = AnyScene::Bodies(Box::new(scene.clone()));
-    Ok(Channels { fingers: Vec::new(), bodies, contacts, energy, pictures, grasp: None, scene })
 }
 
-fn pictures<'a, W: Write>(
-    core: &mut Core<W>,
-    scene: impl Into<Simulated<'a>>,
-    start: &Sample,
-    picture_hz: f64,
-) -> Result<Option<Pictures>, McapError> {
-    let scene = scene.into();
-    Pictures::register(core, &Drawing::of(scene), &drawing::poses(scene, start), picture_hz)
+/// In the order of a sample's contacts; `None` where there is nothing to touch.
+fn surfaces(system: &System) -> Vec<Option<Surface>> {
+    if !system.fingers.is_empty() {
+        return system.places().iter().map(|place| surface(system, *place)).collect();
+    }
+    let bristle = system.between_discs.and_then(|law| law.bristle());
+    let pair = |pair| {
+        let name = system.pair_name(pair);
+        let topic = format!("/contact/{name}");
+        Some(Surface { called: name.clone(), name, topic, angular: false, bristle })
+    };
+    system.pairs().into_iter().map(pair).collect()
+}
+
+fn surface(system: &System, place: Place) -> Option<Surface> {
+    let is_there = match place {
+        Place::Finger(side, Site::Limit) => system.finger(side).limit.is_some(),
+        Place::Finger(..) => system.object().is_some(),
+        Place::Palm => system.palm.is_some(),
+        Place::Table => system.table.is_some(),
+    };
+    let name = system.place_name(place);
+    let of_side = |side: Side| if system.fingers.len() == 1 { String::new() } else { format!("{} ", side.word()) };
+    let called = match place {
+        Place::Finger(side, Site::Proximal) => of_side(side) + "proximal phalanx",
+        Place::Finger(side, Site::Distal) => of_side(side) + "distal phalanx",
+        Place::Finger(side, Site::Limit) => of_side(side) + "joint limit",
+        Place::Palm | Place::Table => format!("object on the {name}"),
+    };
+    let topic = match place {
+        Place::Finger(side, Site::Limit) if system.fingers.len() > 1 => format!("/limit/{}", side.word()),
+        Place::Finger(_, Site::Limit) => "/limit".to_string(),
+        _ => format!("/contact/{name}"),
+    };
+    is_there.then(|| Surface { name, called, topic, angular: place.is_stop(), bristle: system.bristle(place) })
 }

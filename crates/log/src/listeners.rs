@@ -9,7 +9,8 @@ use super::core::Severity;
 use super::metadata::{CHECK_NAME, check_entries};
 use phalanx_core::check::Check;
 use phalanx_core::criteria::{Criteria, Fate, GraspCriteria, Judge, Judged, Rebound};
-use phalanx_core::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run};
+use phalanx_core::scene::Scene;
+use phalanx_core::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
 
 /// A run that is over, and its log, which is not.
 pub struct Ran<W: Write + Send + 'static> {
@@ -39,12 +40,12 @@ pub struct Open<W: Write + Send + 'static> {
 /// Simulates a scene; `also` gets what the log gets, and is asked whether the run may go on.
 pub fn simulate<W: Write + Send + 'static>(
     model: Model,
-    scene: Simulated<'_>,
+    scene: &Scene,
     log: Option<Beside<W>>,
     also: &mut impl Sink,
 ) -> Ran<W> {
     let listeners = Listeners { log, judge: Judge::of(scene), last_s: 0.0, also };
-    let mut thinned = Thinned::new(scene.log().numeric_hz, listeners);
+    let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
     let start = Instant::now();
     let result = run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();

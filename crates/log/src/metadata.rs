@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 
 use phalanx_core::check::{Check, PUSH};
 use phalanx_core::scene::table::record;
-use phalanx_core::scene::{AnyScene, Construction, Method, Preset, Response, Stepping, Words, parse_any, show_any};
-use phalanx_core::trace::Simulated;
+use phalanx_core::scene::{Construction, Method, Preset, Response, Scene, Stepping, Words, parse_any, show};
 
 /// Name of the metadata record.
 pub const METADATA_NAME: &str = "phalanx";
@@ -25,42 +24,16 @@ const LIBM_VERSION: &str = "0.2.16";
 
 /// The text of a scene file that says what is simulated, but for the settings that the metadata record has: the file as it was
 /// written, or, of a scene that was changed since, one made of it.
-pub fn scene_text<'a>(scene: impl Into<Simulated<'a>>) -> Cow<'a, str> {
-    let scene = scene.into();
-    let source = match scene {
-        Simulated::Finger(scene) => &scene.source,
-        Simulated::Discs(scene) => &scene.source,
-        Simulated::Gripper(scene) => &scene.source,
-    };
-    match parse_any(source, "scene.toml") {
-        Ok(written) if recorded(written.clone(), scene) == scene.to_owned() => Cow::Borrowed(source),
-        _ => Cow::Owned(show_any(&scene.to_owned())),
+pub fn scene_text(scene: &Scene) -> Cow<'_, str> {
+    match parse_any(&scene.source, "scene.toml") {
+        Ok(written) if recorded(&written, scene) == *scene => Cow::Borrowed(&scene.source),
+        _ => Cow::Owned(show(scene)),
     }
 }
 
-/// A scene as it was written with everything of another one that the metadata record has.
-fn recorded(mut written: AnyScene, of: Simulated<'_>) -> AnyScene {
-    macro_rules! take {
-        ($written:expr, $of:expr) => {
-            ($written.name, $written.source) = ($of.name.clone(), $of.source.clone());
-            ($written.duration_s, $written.bounds, $written.log) = ($of.duration_s, $of.bounds, $of.log);
-            ($written.integrator, $written.engine) = ($of.integrator, $of.engine);
-        };
-    }
-    match (&mut written, of) {
-        (AnyScene::Finger(written), Simulated::Finger(of)) => {
-            take!(written, of);
-        }
-        (AnyScene::Bodies(written), Simulated::Discs(of)) => {
-            take!(written, of);
-        }
-        (AnyScene::Gripper(written), Simulated::Gripper(of)) => {
-            take!(written, of);
-        }
-        // It stays unlike the other.
-        _ => {}
-    }
-    written
+/// What is simulated of a scene as it was written, with everything of another one that the metadata record has.
+fn recorded(written: &Scene, of: &Scene) -> Scene {
+    Scene { description: written.description.clone(), system: written.system.clone(), ..of.clone() }
 }
 
 /// Name of the metadata record that says what a check of the run found; it is there if one was made.
@@ -83,7 +56,7 @@ pub fn check_entries(check: &Check) -> BTreeMap<String, String> {
 /// Which run a log is of.
 #[derive(Clone, Copy, Debug)]
 pub struct RunInfo<'a> {
-    pub scene: Simulated<'a>,
+    pub scene: &'a Scene,
     /// File name of the scene, without directories: the name of the attachment.
     pub scene_file: &'a str,
     /// `analytic` or `engine`.
@@ -95,25 +68,25 @@ pub struct RunInfo<'a> {
 /// The attached scene is the file as written; where the command line overrode it, these settings are the ones that
 /// held. Numbers are printed in the shortest form that reads back to the same double.
 pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
-    let (scene, rates) = (run.scene, run.scene.log());
+    let (scene, rates) = (run.scene, &run.scene.log);
     let about = [
         ("phalanx_version", env!("CARGO_PKG_VERSION").to_string()),
         ("mcap_version", mcap::VERSION.to_string()),
         ("libm_version", LIBM_VERSION.to_string()),
         ("model", run.model.to_string()),
         ("kind", scene.kind().word().to_string()),
-        ("scene", scene.name().to_string()),
+        ("scene", scene.name.clone()),
         ("scene_file", run.scene_file.to_string()),
-        ("duration_s", format!("{:?}", scene.duration_s())),
+        ("duration_s", format!("{:?}", scene.duration_s)),
     ];
     let mut entries: BTreeMap<String, String> =
         about.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
     entries.extend(record("log", rates));
     if run.model == ENGINE {
-        entries.extend(record("engine", scene.engine()));
+        entries.extend(record("engine", &scene.engine));
         entries.insert("rapier_version".to_string(), RAPIER_VERSION.to_string());
     } else {
-        entries.extend(record("integrator", scene.integrator()));
+        entries.extend(record("integrator", &scene.integrator));
     }
     entries
 }

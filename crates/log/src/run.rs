@@ -10,7 +10,8 @@ use super::listeners::{Ran, simulate};
 use super::metadata::RunInfo;
 use phalanx_core::check::{self, Check};
 use phalanx_core::criteria::{Criteria, Rebound};
-use phalanx_core::trace::{Model, Outcome, RunError, Simulated, SinkError};
+use phalanx_core::scene::Scene;
+use phalanx_core::trace::{Model, Outcome, RunError, SinkError};
 
 /// The name of the scene in a log: a scene in memory has none.
 const SCENE_FILE: &str = "scene.toml";
@@ -63,12 +64,7 @@ pub enum LoggedRunError {
 ///
 /// # Errors
 /// [`LoggedRunError`] with what could not be done.
-pub fn run_to<'a>(
-    scene: impl Into<Simulated<'a>>,
-    model: Model,
-    path: impl AsRef<Path>,
-) -> Result<LoggedRun, LoggedRunError> {
-    let scene = scene.into();
+pub fn run_to(scene: &Scene, model: Model, path: impl AsRef<Path>) -> Result<LoggedRun, LoggedRunError> {
     let (run, log) = run_logged(scene, model, create(path.as_ref(), &info(scene, model))?);
     let kept = log.and_then(LogFile::keep);
     let run = run?;
@@ -80,25 +76,24 @@ pub fn run_to<'a>(
 ///
 /// # Errors
 /// As [`run_to`].
-pub fn run_into<'a, W: Write + Send + 'static>(
-    scene: impl Into<Simulated<'a>>,
+pub fn run_into<W: Write + Send + 'static>(
+    scene: &Scene,
     model: Model,
     out: W,
 ) -> Result<(LoggedRun, W), LoggedRunError> {
-    let scene = scene.into();
     let log = Beside::start(out, NAMELESS, &info(scene, model), None, || {}).map_err(LogError::Start)?;
     let (run, log) = run_logged(scene, model, log);
     let run = run?;
     Ok((run, log.map_err(RunError::from)?))
 }
 
-fn info(scene: Simulated<'_>, model: Model) -> RunInfo<'_> {
+fn info(scene: &Scene, model: Model) -> RunInfo<'_> {
     RunInfo { scene, scene_file: SCENE_FILE, model: model.name() }
 }
 
 /// Simulates, checks a run that is not too long for it, says in the log how it ended, and finishes that.
 fn run_logged<W: Write + Send + 'static>(
-    scene: Simulated<'_>,
+    scene: &Scene,
     model: Model,
     log: Beside<W>,
 ) -> (Result<LoggedRun, RunError>, Result<W, SinkError>) {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use phalanx_core::scene::table::{Table, recall};
-use phalanx_core::scene::{AnyScene, Engine, Integrator, LogRates};
-use phalanx_core::trace::{Model, Numerics};
+use phalanx_core::scene::{Engine, Integrator, LogRates, Scene};
+use phalanx_core::trace::Model;
 
 /// Everything that a run was made with beside its scene file: what the command line had overridden is in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +49,8 @@ impl Settings {
     }
 
     /// Puts the settings in place of those of a scene.
-    pub fn impose(&self, scene: &mut AnyScene) {
-        let Numerics { duration_s, log, integrator, engine, .. } = scene.into();
+    pub fn impose(&self, scene: &mut Scene) {
+        let Scene { duration_s, log, integrator, engine, .. } = scene;
         (*duration_s, *log) = (self.duration_s, self.log);
         match self.solver {
             Solver::Analytic(settings) => *integrator = settings,

@@ -78,7 +78,7 @@ impl Channels {
                 .collect(),
             schemas: HashMap::new(),
             carried: HashMap::new(),
-            layout: Layout::of(kind),
+            layout: Layout::of_kind(kind),
             closed: false,
         }
     }

@@ -3,22 +3,20 @@
 use serde_json::{Map, Value, json};
 
 use crate::scene::schema::schema_of;
-use crate::scene::{AnyScene, Words, show_written};
-use crate::trace::Simulated;
+use crate::scene::{Scene, Words, show_written};
 use crate::units::{Dimension, parse, split};
 
 /// Sections of design variables, in the order in which a designer turns to them.
 const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.friction"];
 
 /// All fields: those that hold something, and those that could.
-pub fn fields(scene: &AnyScene) -> Value {
-    let simulated = Simulated::from(scene);
+pub fn fields(scene: &Scene) -> Value {
     let text = show_written(scene);
     let shown: toml::Table = text.parse().unwrap_or_default();
-    let written: toml::Table = source(scene).parse().unwrap_or_default();
+    let written: toml::Table = scene.source.parse().unwrap_or_default();
     let order = order(&text);
     let mut found = Vec::new();
-    collect(schema_of(simulated.kind()), "", Some(&shown), Some(&written), &mut found);
+    collect(schema_of(scene.kind()), "", Some(&shown), Some(&written), &mut found);
     let place = |field: &Value| order.iter().position(|path| field["path"] == **path).unwrap_or(order.len());
     found.sort_by_cached_key(place);
     let design: Vec<&Value> = DESIGN
@@ -27,9 +25,9 @@ pub fn fields(scene: &AnyScene) -> Value {
         .map(|field| &field["path"])
         .collect();
     json!({
-        "kind": simulated.kind().word(),
-        "name": simulated.name(),
-        "description": simulated.description(),
+        "kind": scene.kind().word(),
+        "name": &scene.name,
+        "description": &scene.description,
         "design": design,
         "fields": found,
     })
@@ -52,15 +50,6 @@ fn order(text: &str) -> Vec<String> {
 /// Whether it is something to turn.
 fn is_dial(field: &Value) -> bool {
     matches!(field["kind"].as_str(), Some("quantity" | "number" | "integer")) && !field["value"].is_null()
-}
-
-/// The text that a scene was read from.
-pub fn source(scene: &AnyScene) -> &str {
-    match scene {
-        AnyScene::Finger(scene) => &scene.source,
-        AnyScene::Bodies(scene) => &scene.source,
-        AnyScene::Gripper(scene) => &scene.source,
-    }
 }
 
 /// The fields below a part of the schema, beside what the scene and its text hold there.

@@ -3,15 +3,15 @@
 use serde_json::{Value, json};
 
 use super::request::Request;
-use crate::scene::{AnyScene, Layer, Problem, SceneError, parse_any, parse_layers, setting_of};
+use crate::scene::{Layer, Problem, Scene, SceneError, parse_any, parse_layers, setting_of};
 
 /// The scene with what is set in it.
-pub fn scene(request: &Request) -> Result<AnyScene, Value> {
+pub fn scene(request: &Request) -> Result<Scene, Value> {
     scene_with(request, &[])
 }
 
 /// The same with more that is set.
-pub fn scene_with(request: &Request, more: &[(String, String)]) -> Result<AnyScene, Value> {
+pub fn scene_with(request: &Request, more: &[(String, String)]) -> Result<Scene, Value> {
     let own = Layer { file: request.scene.file.clone(), text: request.scene.text.clone() };
     let mut settings = Vec::new();
     for (field, value) in request.set.iter().chain(more) {

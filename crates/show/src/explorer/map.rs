@@ -8,7 +8,6 @@ use super::figures::{Flat, flat};
 use super::given::scene_with;
 use super::request::Request;
 use super::run::simulated;
-use crate::trace::Simulated;
 
 /// A column for every figure that is a number, row by row, NaN where a run has none; words by themselves. A point that is no scene has
 /// neither.
@@ -18,7 +17,7 @@ pub fn criteria(request: &Request, numbers: &mut Vec<f64>) -> Result<Value, Valu
     for point in &request.points {
         let set: Vec<(String, String)> = request.fields.iter().cloned().zip(point.iter().cloned()).collect();
         let (row, problem) = match scene_with(request, &set) {
-            Ok(scene) => (flat(&simulated(Simulated::from(&scene), &mut ())), Value::Null),
+            Ok(scene) => (flat(&simulated(&scene, &mut ())), Value::Null),
             Err(problems) => (Vec::new(), problems[0]["message"].clone()),
         };
         rows.push(row);

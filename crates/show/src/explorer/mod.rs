@@ -24,8 +24,6 @@ mod run;
 mod statics;
 mod texts;
 
-pub use fields::source;
-
 use serde_json::{Value, json};
 
 use request::{Ask, Request};

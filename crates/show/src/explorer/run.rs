@@ -8,13 +8,13 @@ use crate::criteria::{Judge, Judged};
 use crate::film::{Reel, data};
 use crate::report::check::{self as words, RunCheckReport};
 use crate::report::document::{Came, Failure, RunReport};
-use crate::scene::AnyScene;
+use crate::scene::Scene;
 use crate::scene::words::SceneKind;
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, Thinned, run_analytic};
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run_analytic};
 
 /// A run with whoever else listens to it; criteria are found on what a log would keep, as the program does it.
-pub fn simulated(scene: Simulated<'_>, also: &mut impl Sink) -> RunReport {
-    let mut listeners = Thinned::new(scene.log().numeric_hz, Both { judge: Judge::of(scene), also });
+pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
+    let mut listeners = Thinned::new(scene.log.numeric_hz, Both { judge: Judge::of(scene), also });
     let result = run_analytic(scene, &mut listeners);
     // Nobody here refuses a sample.
     let _ = listeners.end();
@@ -35,8 +35,7 @@ fn came(result: Result<Outcome, RunError>) -> (Option<Outcome>, Option<Failure>)
 }
 
 /// Film and figures.
-pub fn run(scene: &AnyScene, numbers: &mut Vec<f64>) -> Value {
-    let scene = Simulated::from(scene);
+pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     let mut reel = Reel::default();
     let report = simulated(scene, &mut reel);
     let film = reel.film(Model::Analytic.name(), scene, "");
@@ -49,8 +48,7 @@ pub fn run(scene: &AnyScene, numbers: &mut Vec<f64>) -> Value {
 }
 
 /// What a check finds of the run.
-pub fn check(scene: &AnyScene) -> Value {
-    let scene = Simulated::from(scene);
+pub fn check(scene: &Scene) -> Value {
     let found = check::check(Model::Analytic, scene, &|| true);
     let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
     json!({

@@ -6,7 +6,8 @@ use crate::grasp::finger::{Instead, grasp};
 use crate::grasp::gripper::{Asked, PostureOf, gripper_grasp};
 use crate::plot;
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
-use crate::scene::{AnyScene, GripperScene, Scene};
+use crate::scene::Scene;
+use crate::scene::words::SceneKind;
 use crate::wording::{Report, Reported};
 
 /// Directions of acceleration in a picture.
@@ -15,11 +16,11 @@ const DIRECTIONS: usize = 72;
 const IN_TABLE: usize = 3;
 
 /// Tables and a picture; for a scene of discs neither.
-pub fn statics(scene: &AnyScene) -> Result<Value, Value> {
-    match scene {
-        AnyScene::Finger(scene) => of_finger(scene),
-        AnyScene::Gripper(scene) => of_gripper(scene),
-        AnyScene::Bodies(_) => Ok(json!({ "sections": [], "pictures": [] })),
+pub fn statics(scene: &Scene) -> Result<Value, Value> {
+    match scene.kind() {
+        SceneKind::Finger => of_finger(scene),
+        SceneKind::Gripper => of_gripper(scene),
+        SceneKind::Bodies => Ok(json!({ "sections": [], "pictures": [] })),
     }
 }
 
@@ -29,7 +30,7 @@ fn of_finger(scene: &Scene) -> Result<Value, Value> {
     Ok(shown(&StaticsReport::new(&found).report(), &picture))
 }
 
-fn of_gripper(scene: &GripperScene) -> Result<Value, Value> {
+fn of_gripper(scene: &Scene) -> Result<Value, Value> {
     let asked = Asked {
         posture: PostureOf::Run { at_s: None, within_m: None },
         mu_static: Vec::new(),

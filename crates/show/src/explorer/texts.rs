@@ -2,30 +2,28 @@
 
 use serde_json::{Value, json};
 
-use super::fields::source;
 use super::request::Request;
 use crate::report::samples::{csv_head, csv_sample};
-use crate::scene::AnyScene;
+use crate::scene::Scene;
 use crate::trace::columns::{Column, columns};
-use crate::trace::{Event, RunError, Sample, Simulated, Sink, SinkError, Thinned, run_analytic};
+use crate::trace::{Event, Layout, RunError, Sample, Sink, SinkError, Thinned, run_analytic};
 
 /// A scene file that says what the scene's own did, with what was set.
-pub fn scene_file(request: &Request, scene: &AnyScene) -> Value {
+pub fn scene_file(request: &Request, scene: &Scene) -> Value {
     let set: Vec<String> = request.set.iter().map(|(field, value)| format!("{field} = {value}")).collect();
     let of = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
     // A comment is one line.
     let of: String = of.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let text = source(scene);
+    let text = &scene.source;
     let text = text.strip_prefix('\n').unwrap_or(text);
     json!({ "text": format!("# {}{of}, from the explorer of phalanx.\n{text}", request.scene.file) })
 }
 
 /// As `phalanx replay --csv` writes them.
-pub fn samples(scene: &AnyScene) -> Result<Value, Value> {
-    let scene = Simulated::from(scene);
-    let mut lines = Lines { columns: columns(&scene.layout()), text: Vec::new() };
+pub fn samples(scene: &Scene) -> Result<Value, Value> {
+    let mut lines = Lines { columns: columns(&Layout::of(&scene.system)), text: Vec::new() };
     csv_head(&mut lines.text, &lines.columns).expect("memory takes all that is written");
-    let mut thinned = Thinned::new(scene.log().numeric_hz, lines);
+    let mut thinned = Thinned::new(scene.log.numeric_hz, lines);
     // Of a run that broke off: the samples up to there.
     let ran = run_analytic(scene, &mut thinned);
     let _ = thinned.end();

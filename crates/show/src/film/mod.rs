@@ -6,7 +6,7 @@
 //! | file | job |
 //! |---|---|
 //! | `develop` | everything a page knows of a run |
-//! | `shown`, `panels`, `panels_gripper` | the bodies, contacts and events of a scene that are shown; its plots |
+//! | `shown`, `panels`, `panels_fingers` | the bodies, contacts and events of a scene that are shown; its plots |
 //! | `reel` | a sink that keeps a run for a film, in bounded memory |
 //! | `thin` | which samples stay where there are too many |
 //! | `data` | films → JSON, their columns apart |
@@ -14,7 +14,7 @@
 pub mod data;
 mod develop;
 mod panels;
-mod panels_gripper;
+mod panels_fingers;
 mod reel;
 mod shown;
 mod thin;

@@ -1,50 +1,11 @@
-//! The plots of a scene.
+//! The plots of discs, and what all plots have.
 
 use super::develop::{Curve, Plan, Scale, plan};
-use crate::numeric::plane::turned;
-use crate::scene::{BodiesScene, Scene};
-use crate::trace::{BodyState, ContactSample, FingerState, Sample, Site};
+use crate::scene::System;
+use crate::trace::{BodyState, ContactSample, Sample};
 
 /// A quantity of a disc, by its name, and its rate.
 type OfDisc = (&'static str, fn(&BodyState) -> f64, Option<fn(&BodyState) -> f64>);
-
-/// Of a finger; `contacts` are those that are shown, by their names and indices.
-pub(super) fn of_finger(scene: &Scene, contacts: &[(String, usize)]) -> Vec<Plan<'static>> {
-    let law = &scene.contact;
-    let friction = match (law.proximal.friction, law.distal.friction) {
-        (None, None) => Vec::new(),
-        _ => of_contacts(contacts, |contact| contact.tangential_n),
-    };
-    let mut angles = vec![
-        joint("q11", |finger| turned(finger.q11_rad)).with_rate(|sample| sample.finger().qd11_rad_s),
-        joint("q21", |finger| turned(finger.q21_rad)).with_rate(|sample| sample.finger().qd21_rad_s),
-        joint("q22", |finger| turned(finger.q22_rad)).with_rate(|sample| sample.finger().qd22_rad_s),
-    ];
-    let mut torques = vec![joint("motor", |finger| finger.motor_torque_n_m)];
-    if scene.limit.is_some() {
-        let to_limit = Curve::new("to limit", |sample: &Sample| sample.contact(Site::Limit).gap_m);
-        angles.push(to_limit.with_rate(|sample| sample.contact(Site::Limit).gap_rate_m_s));
-        torques.push(Curve::new("limit", |sample: &Sample| sample.contact(Site::Limit).normal_n));
-    }
-    vec![
-        plan("Normal force", "N", Scale::Logarithmic, of_contacts(contacts, |contact| contact.normal_n)),
-        plan("Friction force", "N", Scale::Logarithmic, friction),
-        plan("Gap", "m", Scale::Logarithmic, gaps(contacts)),
-        plan("Joint angle", "rad", Scale::Linear, angles),
-        plan(
-            "Joint rate",
-            "rad/s",
-            Scale::Linear,
-            vec![
-                joint("qd11", |finger| finger.qd11_rad_s),
-                joint("qd21", |finger| finger.qd21_rad_s),
-                joint("qd22", |finger| finger.qd22_rad_s),
-            ],
-        ),
-        energies(),
-        plan("Torque", "N·m", Scale::Linear, torques),
-    ]
-}
 
 /// Energies of a scene with fingers.
 pub(super) fn energies() -> Plan<'static> {
@@ -61,9 +22,9 @@ pub(super) fn energies() -> Plan<'static> {
 }
 
 /// Of discs.
-pub(super) fn of_discs(scene: &BodiesScene, contacts: &[(String, usize)]) -> Vec<Plan<'static>> {
+pub(super) fn of_discs(system: &System, contacts: &[(String, usize)]) -> Vec<Plan<'static>> {
     let discs = |quantities: &[OfDisc]| -> Vec<Curve<'static>> {
-        let moving = scene.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
+        let moving = system.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
         let mut curves: Vec<Curve<'static>> = Vec::new();
         for (index, disc) in moving {
             for &(quantity, value, rate) in quantities {
@@ -77,7 +38,7 @@ pub(super) fn of_discs(scene: &BodiesScene, contacts: &[(String, usize)]) -> Vec
         }
         curves
     };
-    let friction = match scene.contact.friction {
+    let friction = match system.between_discs.and_then(|law| law.friction) {
         Some(_) => of_contacts(contacts, |contact| contact.tangential_n),
         None => Vec::new(),
     };
@@ -119,10 +80,6 @@ pub(super) fn of_discs(scene: &BodiesScene, contacts: &[(String, usize)]) -> Vec
 
 fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {
     Curve::new(name, value)
-}
-
-fn joint(name: &str, value: fn(&FingerState) -> f64) -> Curve<'static> {
-    Curve::new(name, move |sample: &Sample| value(sample.finger()))
 }
 
 pub(super) fn of_contacts(contacts: &[(String, usize)], value: fn(&ContactSample) -> f64) -> Vec<Curve<'static>> {

@@ -1,7 +1,8 @@
 //! A sink that keeps what a page needs of a run, in bounded memory however long the run is.
 
 use super::{Film, film};
-use crate::trace::{Event, Sample, Simulated, Sink, SinkError};
+use crate::scene::Scene;
+use crate::trace::{Event, Sample, Sink, SinkError};
 use crate::wording::Report;
 
 /// Samples that are held at most; some 500 bytes each of a finger.
@@ -121,10 +122,10 @@ impl<S, E> Reel<S, E> {
 
 impl Reel {
     /// The film of a scene.
-    pub fn film<'a>(self, label: &str, scene: impl Into<Simulated<'a>>, summary: impl Into<Report>) -> Film {
+    pub fn film(self, label: &str, scene: &Scene, summary: impl Into<Report>) -> Film {
         let recorded = self.recorded;
         let (samples, events) = self.into_parts();
-        Film { recorded, ..film(label, scene.into(), &samples, &events, summary) }
+        Film { recorded, ..film(label, scene, &samples, &events, summary) }
     }
 }
 

@@ -1,9 +1,10 @@
 //! What of a scene's samples is shown.
 
 use super::develop::{Film, Shown, develop, mark};
-use super::{panels, panels_gripper};
+use super::{panels, panels_fingers};
 use crate::drawing::{self, Drawing};
-use crate::trace::{Event, Sample, Simulated};
+use crate::scene::Scene;
+use crate::trace::{Event, Layout, Sample};
 use crate::wording::Report;
 
 /// Pairs that are shown where none touches.
@@ -13,25 +14,18 @@ const IDLE_PAIRS: usize = 6;
 ///
 /// Plotted angles of a finger are from −π to π, as in the series of a validation; poses are as they are. Pairs of discs that
 /// never touch are left out where others do.
-pub fn film<'a>(
-    label: &str,
-    scene: impl Into<Simulated<'a>>,
-    samples: &[Sample],
-    events: &[Event],
-    summary: impl Into<Report>,
-) -> Film {
-    let scene = scene.into();
-    let layout = scene.layout();
-    let shown: Vec<usize> = match scene {
-        Simulated::Finger(finger) if finger.object.is_some() => layout.surfaces().collect(),
-        Simulated::Finger(_) => Vec::new(),
-        Simulated::Discs(_) => touching((0..layout.contacts.len()).collect(), samples, events),
-        Simulated::Gripper(_) => touching(layout.surfaces().collect(), samples, events),
+pub fn film(label: &str, scene: &Scene, samples: &[Sample], events: &[Event], summary: impl Into<Report>) -> Film {
+    let (system, layout) = (&scene.system, Layout::of(&scene.system));
+    let surfaces: Vec<usize> = layout.surfaces().collect();
+    let shown: Vec<usize> = match system.fingers.len() {
+        1 if system.object().is_some() => surfaces,
+        1 => Vec::new(),
+        _ => touching(surfaces, samples, events),
     };
     // Words instead of keys; names that users gave stay as they are.
-    let called = |index: usize| match scene {
-        Simulated::Gripper(_) => layout.contacts[index].name.replace('_', " "),
-        _ => layout.contacts[index].name.clone(),
+    let called = |index: usize| match system.fingers.is_empty() {
+        true => layout.contacts[index].name.clone(),
+        false => layout.contacts[index].name.replace('_', " "),
     };
     let contacts: Vec<(String, usize)> = shown.into_iter().map(|index| (called(index), index)).collect();
     let of = |event: &Event| mark(event, &called(event.contact), layout.contacts[event.contact].angular);
@@ -42,10 +36,9 @@ pub fn film<'a>(
         samples,
         poses: Box::new(move |sample| drawing::poses(scene, sample)),
         motions: Box::new(move |sample| drawing::motions(scene, sample)),
-        panels: match scene {
-            Simulated::Finger(finger) => panels::of_finger(finger, &contacts),
-            Simulated::Discs(discs) => panels::of_discs(discs, &contacts),
-            Simulated::Gripper(gripper) => panels_gripper::of_gripper(gripper, &contacts),
+        panels: match system.fingers.is_empty() {
+            true => panels::of_discs(system, &contacts),
+            false => panels_fingers::of_fingers(system, &contacts),
         },
         contacts,
         marks: events.iter().map(of).collect(),

@@ -14,7 +14,7 @@ use super::outline::{Point, View, filled, outline};
 use crate::criteria::Driven;
 use crate::drawing::{Drawing, Part, Shape, poses};
 use crate::grasp::gripper::{GripperGrasp, Holds};
-use crate::scene::GripperScene;
+use crate::scene::Scene;
 use crate::statics::{Balance, Balanced};
 use crate::wording::figures::G_M_S2;
 
@@ -33,7 +33,7 @@ const OFF: f64 = 3.0;
 const FIGURES_RAD: f64 = 0.25 * TAU * 0.4;
 
 /// The picture, with the last of the friction coefficients.
-pub fn balance(scene: &GripperScene, found: &GripperGrasp) -> Result<String, DrawError> {
+pub fn balance(scene: &Scene, found: &GripperGrasp) -> Result<String, DrawError> {
     let last = found.holds.last();
     let friction = last.and_then(|holds| holds.mu_static).map_or_else(String::new, |mu| format!(", μ_s {mu}"));
     picture(HEAD + SIDE, |area| {
@@ -222,7 +222,7 @@ fn heading(angle_rad: f64) -> [f64; 2] {
 }
 
 /// The gripper as it stands, and which way the palm's axes point.
-fn silhouette(area: &Area, scene: &GripperScene, found: &GripperGrasp) -> Result<(), DrawError> {
+fn silhouette(area: &Area, scene: &Scene, found: &GripperGrasp) -> Result<(), DrawError> {
     let drawing = Drawing::of(scene);
     let poses = poses(scene, &found.sample);
     let mut outlines: Vec<(Vec<Point>, RGBColor)> = Vec::new();
@@ -239,10 +239,10 @@ fn silhouette(area: &Area, scene: &GripperScene, found: &GripperGrasp) -> Result
         outlines.extend(shapes.map(|shape| (outline(shape, pose), fill)));
     }
     let mut points: Vec<Point> = outlines.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
-    let radius = scene.object.radius_m;
+    let radius = scene.system.grasped().radius_m;
     points.push([0.0, -0.35 * radius]);
     let view = View::within(&points, [BESIDE - 20, SIDE - LEGEND - 40]);
-    if scene.palm.is_some() {
+    if scene.system.palm.is_some() {
         let [left, right] = [view.low[0], view.high[0]];
         let below = view.low[1];
         filled(area, &view, &[[left, 0.0], [right, 0.0], [right, below], [left, below]], PALM.mix(1.0), PALM)?;

@@ -8,7 +8,7 @@ use super::canvas::{
     PURPLE, WIDTH, legend, picture, titled, words,
 };
 use super::outline::{Point, View, circle, filled, outline};
-use crate::drawing::{Body, Drawing, Part, finger_poses_at};
+use crate::drawing::{Body, Drawing, Part, poses_in};
 use crate::grasp::finger::{Forces, Grasp, Palm};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
@@ -46,7 +46,7 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
     picture(HEAD + view.height().max(360), |area| {
         let below = titled(area, &format!("{}: the grasp at rest{friction}; forces on the object", found.scene))?;
         let (left, right) = below.split_horizontally(WIDTH - BESIDE);
-        if scene.palm {
+        if scene.system.palm.is_some() {
             ground(&left, &view, centre[0])?;
         }
         for (outline, fill) in &rest {
@@ -76,7 +76,7 @@ fn links(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<Vec<Point>> {
 
 /// The same with the colours of their parts.
 fn coloured(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<(Vec<Point>, RGBColor)> {
-    let poses = finger_poses_at(scene, posture);
+    let poses = poses_in(scene, &[*posture]);
     let mut outlines = Vec::new();
     for (body, pose) in bodies.iter().zip(&poses) {
         let fill = match body.part {
@@ -122,7 +122,7 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
     }
     for (finger, [q21, q22]) in joints.into_iter().enumerate() {
         let end = &found.end.posture;
-        let Scene { finger: of, .. } = scene;
+        let of = &scene.finger().linkage;
         // A large motion may have no posture: then only the object is drawn.
         let Ok(posture) = posture_at(&of.lengths, of.assembly, end.q21_rad + q21, end.q22_rad + q22) else {
             continue;

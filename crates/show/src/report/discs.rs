@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::scene::{DiscMotion, Words};
-use crate::trace::{BodyState, Simulated};
+use crate::scene::{DiscMotion, Scene};
+use crate::trace::BodyState;
 
 /// A disc at the end of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -21,15 +21,11 @@ pub struct DiscReport {
 }
 
 /// Discs that have these names, in order, or the object of a gripper; how they move is `unknown` without a scene that has them.
-pub fn discs(names: &[String], scene: Option<Simulated<'_>>, states: &[BodyState]) -> BTreeMap<String, DiscReport> {
-    let motion = |name: &str| match scene? {
-        Simulated::Discs(scene) => match scene.discs.iter().find(|disc| disc.name == name)?.motion {
-            DiscMotion::Fixed => Some("fixed"),
-            DiscMotion::Driven { .. } => Some("driven"),
-            DiscMotion::Free { .. } => Some("free"),
-        },
-        Simulated::Gripper(scene) => Some(scene.object.motion.word()),
-        Simulated::Finger(_) => None,
+pub fn discs(names: &[String], scene: Option<&Scene>, states: &[BodyState]) -> BTreeMap<String, DiscReport> {
+    let motion = |name: &str| match scene?.system.discs.iter().find(|disc| disc.name == name)?.motion {
+        DiscMotion::Fixed => Some("fixed"),
+        DiscMotion::Driven { .. } => Some("driven"),
+        DiscMotion::Free { .. } => Some("free"),
     };
     let report = |motion, state: &BodyState| DiscReport {
         motion,

@@ -15,8 +15,8 @@ use crate::criteria::{Criteria, GraspCriteria, Rebound};
 use crate::scene::table::held::Written;
 use crate::scene::table::{Table, columns};
 use crate::scene::words::SceneKind;
-use crate::scene::{Engine, Integrator, Words};
-use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Simulated, Work};
+use crate::scene::{Engine, Integrator, Scene, Words};
+use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came; what a kind of
 /// scene does not have is no key at all.
@@ -107,16 +107,16 @@ pub struct Came<'a> {
 
 impl RunReport {
     /// A run with what is known of it: all of it, or up to where it broke off, and why.
-    pub fn new<'a>(scene: impl Into<Simulated<'a>>, model: Model, came: &Came<'_>, error: Option<Failure>) -> Self {
-        let (scene, engine, outcome) = (scene.into(), model == Model::Engine, came.outcome);
-        let (kind, layout) = (scene.kind(), scene.layout());
+    pub fn new(scene: &Scene, model: Model, came: &Came<'_>, error: Option<Failure>) -> Self {
+        let (engine, outcome) = (model == Model::Engine, came.outcome);
+        let (kind, layout) = (scene.kind(), Layout::of(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
         let bodies = |outcome: &Outcome| discs(&layout.bodies, Some(scene), &outcome.last.bodies);
         RunReport {
-            scene: scene.name().to_string(),
+            scene: scene.name.clone(),
             kind: kind.word(),
             model: model.name(),
-            duration_s: scene.duration_s(),
+            duration_s: scene.duration_s,
             steps: outcome.map(|outcome| outcome.work.steps),
             wall_s: came.wall_s,
             last: finger.then(|| outcome.map(|outcome| *outcome.last.finger())),
@@ -132,8 +132,8 @@ impl RunReport {
             error,
             energy: outcome.map(|outcome| outcome.last.energy),
             work: outcome.map(|outcome| outcome.work),
-            integrator: (!engine).then(|| Used(*scene.integrator())),
-            engine: engine.then(|| Used(*scene.engine())),
+            integrator: (!engine).then_some(Used(scene.integrator)),
+            engine: engine.then_some(Used(scene.engine)),
             loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,

@@ -4,8 +4,10 @@ use serde::Serialize;
 
 use super::named::Named;
 use crate::criteria::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, force_closure_of, is_form_closed};
+use crate::scene::Scene;
+use crate::scene::words::SceneKind;
 use crate::statics::ForceClosure;
-use crate::trace::{Sample, Simulated};
+use crate::trace::Sample;
 
 /// The grasp of a gripper, see [`crate::criteria::GraspCriteria`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -85,11 +87,8 @@ impl From<ForceClosure> for ForceClosureReport {
 
 impl GraspReport {
     /// Of a run that ended with this sample; without its scene nothing is said of form closure.
-    pub fn new(found: &GraspCriteria, scene: Option<Simulated<'_>>, last: &Sample) -> Self {
-        let gripper = match scene {
-            Some(Simulated::Gripper(scene)) => Some(scene),
-            _ => None,
-        };
+    pub fn new(found: &GraspCriteria, scene: Option<&Scene>, last: &Sample) -> Self {
+        let gripper = scene.filter(|scene| scene.kind() == SceneKind::Gripper);
         // Fingers that have let go hold nothing.
         let holding = gripper.filter(|_| found.fate == Fate::Held && found.cycle.releases_s.is_none());
         let contacts = found.contacts.iter().map(|contact| (contact.place.name(), *contact));
