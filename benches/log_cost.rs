@@ -29,7 +29,7 @@ fn main() {
 
 fn row(name: &str, model: Model, scene: &Scene) {
     let path = std::env::temp_dir().join(format!("phalanx-log-cost-{}.mcap", std::process::id()));
-    let info = RunInfo { scene: scene.into(), scene_file: "experiment-95.toml", model: model.name() };
+    let info = RunInfo { scene, scene_file: "experiment-95.toml", model: model.name() };
     let mut times = [const { Vec::new() }; 3];
     let mut size = 0;
     for _ in 0..RUNS {

@@ -3,6 +3,7 @@
 //!
 //! `cargo run --release --example logged -- run.mcap`
 
+use phalanx::scene::words::SceneKind;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,7 @@ use phalanx::trace::{Layout, Model, Recording};
 pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
     let mut scene = scene::load("scenes/experiment-95.toml")?;
     scene.name = "stronger motor".to_string();
-    scene.actuation = Actuation::Ramp { torque_n_m: 0.8, rise_s: 2e-3 };
+    scene.finger_mut().motor.actuation = Actuation::Ramp { torque_n_m: 0.8, rise_s: 2e-3 };
     let run = log::run_to(&scene, Model::Analytic, path)?;
     if let Some(criteria) = run.criteria {
         println!("{}: {}", scene.name, criteria.class.name());
@@ -24,7 +25,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
 
 /// What the log says of its run, and its samples as arrays.
 pub fn read(path: &Path) -> Result<(Reading, Recording), Box<dyn Error>> {
-    let mut recording = Recording::new(&Layout::finger());
+    let mut recording = Recording::new(&Layout::of_kind(SceneKind::Finger));
     let reading = log::read_file(path, &mut recording)?;
     Ok((reading, recording))
 }

@@ -5,7 +5,7 @@
 use std::error::Error;
 
 use phalanx::criteria::Rebounds;
-use phalanx::scene::{self, AnyScene, DiscMotion};
+use phalanx::scene::{self, DiscMotion};
 use phalanx::trace::{Model, run};
 
 /// Speeds before and after, in m/s, and the peak force in N.
@@ -17,17 +17,15 @@ pub struct Bounce {
 
 /// The same disc thrown at the same plate, faster and faster.
 pub fn bounces() -> Result<Vec<Bounce>, Box<dyn Error>> {
-    let AnyScene::Bodies(mut scene) = scene::load_any("scenes/laws/impact.toml")? else {
-        return Err("a scene of discs was expected".into());
-    };
+    let mut scene = scene::load_any("scenes/laws/impact.toml")?;
     let mut found = Vec::new();
     for speed_m_s in [1.0, 2.0, 4.0] {
-        let hammer = scene.discs.iter_mut().find(|disc| disc.name == "hammer").ok_or("there is no hammer")?;
+        let hammer = scene.system.discs.iter_mut().find(|disc| disc.name == "hammer").ok_or("there is no hammer")?;
         if let DiscMotion::Free { velocity_m_s, .. } = &mut hammer.motion {
             *velocity_m_s = [speed_m_s, 0.0];
         }
         // This sink keeps what the impacts were like.
-        let mut rebounds = Rebounds::new(scene.pairs().len());
+        let mut rebounds = Rebounds::new(scene.system.pairs().len());
         let outcome = run(Model::Analytic, &scene, &mut rebounds)?;
         if let [pair] = rebounds.pairs()
             && let (Some(approach_m_s), Some(separation_m_s)) = (pair.approach_m_s, pair.separation_m_s)

@@ -23,7 +23,7 @@ pub fn sweep() -> Result<Vec<Row>, Box<dyn Error>> {
     let mut scene = scene::load("scenes/experiment-95.toml")?;
     let mut rows = Vec::new();
     for torque_n_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
-        scene.actuation = Actuation::Constant { torque_n_m };
+        scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m };
         let outcome = run(Model::Analytic, &scene, &mut ())?;
         let distal = outcome.site(Site::Distal);
         let last_n = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];

@@ -22,10 +22,10 @@
 //! A scene of discs, to see the contact laws by themselves:
 //!
 //! ```
-//! use phalanx::scene::{self, AnyScene};
+//! use phalanx::scene;
 //! use phalanx::trace::{Model, run};
 //!
-//! let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/spring.toml")? else { unreachable!() };
+//! let scene = scene::load_any("scenes/laws/spring.toml")?;
 //! let outcome = run(Model::Analytic, &scene, &mut ())?;
 //! // k δ^e at 2 cm.
 //! assert!((outcome.contacts[0].peak_normal_n / (1e8 * 0.02f64.powf(2.2)) - 1.0).abs() < 1e-9);

@@ -2,7 +2,7 @@
 
 use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
 use phalanx::law::FrictionLaw;
-use phalanx::scene::{Actuation, Disc, Initial, Placement, Scene, Spring, SpringKind};
+use phalanx::scene::{Actuation, Disc, DrivenFinger, Initial, Motor, Placement, Scene, Spring, SpringKind};
 use phalanx::sizing::{OPENING_RAD, Rule, Sizing, Task, size};
 
 const DENSITY_KG_M3: f64 = 1070.0;
@@ -54,7 +54,7 @@ pub fn next(draw: &mut Draw, template: &Scene, drive: Drive) -> Option<Scene> {
     let Sizing { motor_n_m, spring_n_m } = match drive {
         Drive::Random => random,
         Drive::Sized => {
-            let task = Task { gravity_m_s2: template.gravity_m_s2, ..Task::thesis(circle) };
+            let task = Task { gravity_m_s2: template.system.gravity_m_s2, ..Task::thesis(circle) };
             size(&finger, &task, Rule::Rigid).ok()?
         }
     };
@@ -66,15 +66,17 @@ pub fn next(draw: &mut Draw, template: &Scene, drive: Drive) -> Option<Scene> {
         v_dynamic_m_s: 0.2,
         bristle: None,
     });
-    let mut contact = template.contact;
+    let mut contact = template.finger().contact;
     (contact.proximal.friction, contact.distal.friction) = (friction, friction);
-    Some(Scene {
-        finger,
+    let mut scene = template.clone();
+    scene.system.discs = vec![Disc::object(circle)];
+    *scene.finger_mut() = DrivenFinger {
+        linkage: finger,
         contact,
-        object: Some(Disc { radius_m: circle.radius_m, centre_m: circle.centre_m }),
-        actuation: Actuation::Constant { torque_n_m: motor_n_m },
+        motor: Motor::of(Actuation::Constant { torque_n_m: motor_n_m }),
         spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: spring_n_m }, placement: Placement::Phalanges }),
         initial: Initial { q11_rad: start.q11_rad, q21_rad: start.q21_rad, qd11_rad_s: 0.0, qd21_rad_s: 0.0 },
-        ..template.clone()
-    })
+        limit: template.finger().limit,
+    };
+    Some(scene)
 }

@@ -21,19 +21,19 @@ pub struct Problem {
 
 impl Problem {
     pub fn new(scene: Scene) -> Self {
-        let initial = &scene.initial;
+        let initial = &scene.finger().initial;
         let start = State {
             q: [initial.q11_rad, initial.q21_rad],
             v: [initial.qd11_rad_s, initial.qd21_rad_s],
             z: [0.0; QUADRATURES],
         };
-        Self { model: Model::new(&scene), start, scene }
+        Self { model: Model::new(&scene.system), start, scene }
     }
 
     /// The same with its constant motor torque times `factor`.
     pub fn with_torque(&self, factor: f64) -> Self {
         let mut scene = self.scene.clone();
-        if let Actuation::Constant { torque_n_m } = &mut scene.actuation {
+        if let Actuation::Constant { torque_n_m } = &mut scene.finger_mut().motor.actuation {
             *torque_n_m *= factor;
         }
         Self::new(scene)

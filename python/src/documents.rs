@@ -7,7 +7,8 @@ use phalanx::report::hold::HoldReport;
 use phalanx::report::sizing::SizingReport;
 use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
 use phalanx::report::validation::ValidationReport;
-use phalanx::scene::{AnyScene, Axis};
+use phalanx::scene::Axis;
+use phalanx::scene::words::SceneKind;
 use phalanx::study::capture::{CaptureError, Plan as Places, Source};
 use phalanx::study::hold::{HoldError, Loads, Plan};
 use phalanx::study::only_gripper;
@@ -60,19 +61,19 @@ pub fn statics<'py>(
         ("within", within.is_some()),
         ("every", every.is_some()),
     ];
-    match &scene.scene {
-        AnyScene::Finger(finger) => {
+    match scene.scene.kind() {
+        SceneKind::Finger => {
             if let Some((name, _)) = own.iter().find(|(_, given)| *given) {
                 return Err(wrong(format!(
                     "{name} is for a gripper, and {} is a scene of one finger, whose posture is the geometric one: take it out",
                     scene.file()
                 )));
             }
-            let found = watch::free(py, |_| grasp(finger, &Instead { mu_static, motor_n_m }))?;
+            let found = watch::free(py, |_| grasp(&scene.scene, &Instead { mu_static, motor_n_m }))?;
             let found = found.map_err(|error| errors::run(py, error, None))?;
             words::json(py, &StaticsReport::new(&found).json())
         }
-        AnyScene::Gripper(gripper) => {
+        SceneKind::Gripper => {
             let said = posture.map_or(Ok(phalanx::study::posture::Posture::Run), self::posture).map_err(wrong)?;
             let at_s = given(py, "at", at, Dimension::Time)?;
             let within_m = given(py, "within", within, Dimension::Length)?;
@@ -82,11 +83,11 @@ pub fn statics<'py>(
                 motor_n_m,
                 directions: directions(every.unwrap_or("15 deg")).map_err(wrong)?,
             };
-            let found = watch::free(py, |go_on| gripper_grasp(gripper, &asked, &|| go_on()))?;
+            let found = watch::free(py, |go_on| gripper_grasp(&scene.scene, &asked, &|| go_on()))?;
             let found = found.map_err(|error| errors::run(py, error, None))?;
             words::json(py, &GripperStaticsReport::new(&found, 1).json())
         }
-        AnyScene::Bodies(_) => Err(wrong(format!(
+        SceneKind::Bodies => Err(wrong(format!(
             "{} is a scene of discs (kind = \"bodies\"), and statics is about the grasp of a finger or a gripper; give a scene like \
              scenes/experiment-95.toml or scenes/gripper/design-95.toml",
             scene.file()
@@ -109,16 +110,16 @@ pub fn size<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let wrong = |error: String| errors::argument(py, error);
-    let AnyScene::Finger(finger) = &scene.scene else {
+    if scene.scene.kind() != SceneKind::Finger {
         return Err(wrong(format!("{} is not a scene of one finger, whose spring and motor are sized", scene.file())));
-    };
+    }
     let usual = Sizing::default();
     let asked = Sizing {
         rule: words::word("rule", rule).map_err(wrong)?,
         closing_s: given(py, "closing_time", closing_time, Dimension::Time)?.unwrap_or(usual.closing_s),
         preload_rad: given(py, "preload", preload, Dimension::Angle)?.unwrap_or(usual.preload_rad),
     };
-    let found = watch::free(py, |_| sized(finger, asked))?.map_err(|error| errors::argument(py, error))?;
+    let found = watch::free(py, |_| sized(&scene.scene, asked))?.map_err(|error| errors::argument(py, error))?;
     words::json(py, &SizingReport::from(&found).json())
 }
 
@@ -247,9 +248,8 @@ pub fn capture<'py>(
 #[pyo3(signature = (scene, quick = false))]
 pub fn validate<'py>(py: Python<'py>, scene: SceneLike, quick: bool) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
-    refuse_too_fine(scene.simulated()).map_err(|error| errors::argument(py, error))?;
-    let found =
-        watch::free(py, |go_on| phalanx::validate::validate(scene.simulated(), quick, &mut |_| {}, &|| go_on()))?;
+    refuse_too_fine(&scene.scene).map_err(|error| errors::argument(py, error))?;
+    let found = watch::free(py, |go_on| phalanx::validate::validate(&scene.scene, quick, &mut |_| {}, &|| go_on()))?;
     let found = found.map_err(|error| errors::run(py, error, None))?;
-    words::json(py, &ValidationReport::new(scene.simulated(), &found, quick).json())
+    words::json(py, &ValidationReport::new(&scene.scene, &found, quick).json())
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 use phalanx::page::{Page, Reel, page};
-use phalanx::scene::AnyScene;
-use phalanx::trace::{Event, Layout, Model, Recording, Simulated};
+use phalanx::scene::Scene;
+use phalanx::trace::{Event, Layout, Model, Recording};
 use phalanx::wording::Report;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -29,7 +29,7 @@ pub struct Result {
 
 /// What the page shows.
 pub struct Film {
-    pub scene: AnyScene,
+    pub scene: Scene,
     pub label: String,
     pub reel: Reel,
     pub summary: Report,
@@ -190,10 +190,10 @@ impl Result {
     /// The same page as a document of its own: what `phalanx run --html` writes. None of a log whose scene is lost.
     fn html(&self) -> Option<String> {
         let film = self.film.as_ref()?;
-        let scene = Simulated::from(&film.scene);
+        let scene = &film.scene;
         Some(page(&Page {
-            title: scene.name().to_string(),
-            description: scene.description().to_string(),
+            title: scene.name.clone(),
+            description: scene.description.clone(),
             runs: vec![film.reel.clone().film(&film.label, scene, film.summary.clone())],
             ..Page::default()
         }))

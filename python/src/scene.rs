@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use phalanx::scene::{self, AnyScene, Layer, SceneError, Words, parse_any, parse_layers};
-use phalanx::trace::Simulated;
+use phalanx::scene::{self, Layer, SceneError, Words, parse_any, parse_layers};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,7 +23,7 @@ pub struct Scene {
     pub layers: Vec<Layer>,
     /// Fields set besides.
     pub settings: Vec<Layer>,
-    pub scene: AnyScene,
+    pub scene: scene::Scene,
 }
 
 impl Scene {
@@ -43,10 +42,6 @@ impl Scene {
     /// What messages call its file.
     pub fn file(&self) -> &str {
         self.layers.last().map_or("", |own| own.file.as_str())
-    }
-
-    pub fn simulated(&self) -> Simulated<'_> {
-        Simulated::from(&self.scene)
     }
 
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -122,7 +117,7 @@ impl Scene {
     /// start, the law of each contact. What `phalanx scene show --resolved` prints.
     #[getter]
     fn resolved(&self) -> String {
-        scene::show_any(&self.scene)
+        scene::show(&self.scene)
     }
 
     /// The same as `toml`, as a dictionary of texts with units, numbers, flags and lists.
@@ -133,19 +128,19 @@ impl Scene {
     /// "finger", "gripper" or "bodies" (discs).
     #[getter]
     fn kind(&self) -> &'static str {
-        self.simulated().kind().word()
+        self.scene.kind().word()
     }
 
     /// The name that the scene gives itself.
     #[getter]
     fn name(&self) -> &str {
-        self.simulated().name()
+        &self.scene.name
     }
 
     /// Length of a run, in s.
     #[getter]
     fn duration_s(&self) -> f64 {
-        self.simulated().duration_s()
+        self.scene.duration_s
     }
 
     /// A field by its path, as `toml` has it: `scene["design.base"]`. Of a section, its dictionary.

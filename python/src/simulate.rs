@@ -8,9 +8,9 @@ use phalanx::page::Reel;
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::{Heard, attached};
 use phalanx::report::simulated::{Checking, Making, simulated};
-use phalanx::scene::{AnyScene, Construction, Preset};
+use phalanx::scene::{Construction, Preset, Scene};
 use phalanx::trace::overrides::{self, Overrides};
-use phalanx::trace::{Event, Layout, Model, Recording, Sample, Simulated, Sink, SinkError};
+use phalanx::trace::{Event, Layout, Model, Recording, Sample, Sink, SinkError};
 use phalanx::wording::{self, Reported};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -22,7 +22,7 @@ use super::{errors, watch, words};
 /// What a run was made of.
 #[derive(Clone)]
 pub struct Made {
-    pub scene: AnyScene,
+    pub scene: Scene,
     pub model: Model,
     /// What its log calls the scene.
     pub scene_file: String,
@@ -90,7 +90,7 @@ pub fn run(
         None => Checking::Cheap,
     };
     let made = Made { scene, model, scene_file: path.unwrap_or_else(|| "scene.toml".to_string()) };
-    let layout = Simulated::from(&made.scene).layout();
+    let layout = Layout::of(&made.scene.system);
     let kept = Kept { recording: Recording::new(&layout), reel: Reel::default() };
     let (report, kept) = watch::free(py, |go_on| make(&made, log.as_deref(), checking, kept, go_on))?
         .map_err(|error| errors::run(py, error, None))?;
@@ -114,9 +114,9 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     let read = watch::free(py, |go_on| {
         let head = log::read_head(&path)?;
         let scene = attached(&head).and_then(std::result::Result::ok);
-        let scene = scene.filter(|scene| Simulated::from(scene).kind() == head.kind());
+        let scene = scene.filter(|scene| scene.kind() == head.kind());
         let (heard, _) = Heard::new(&head);
-        let layout = Layout::of(head.kind());
+        let layout = Layout::of_kind(head.kind());
         let kept = Kept { recording: Recording::new(&layout), reel: Reel::default() };
         let mut reader = Reader { layout, kept, heard, go_on };
         let reading = log::read_any_file(&path, &mut reader)?;
@@ -127,7 +127,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         log::ReadError::Missing { .. } | log::ReadError::NotAFile { .. } => errors::run(py, error, None),
         _ => errors::run(py, format!("{}: {error}", path.display()), None),
     })?;
-    let film = scene.filter(|scene| Simulated::from(scene).layout() == layout).map(|scene| Film {
+    let film = scene.filter(|scene| Layout::of(&scene.system) == layout).map(|scene| Film {
         scene,
         label: report.model.clone().unwrap_or_else(|| "run".to_string()),
         reel: kept.reel,
@@ -150,7 +150,7 @@ fn make<S: Sink>(
     sink: S,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> std::result::Result<(RunReport, S), String> {
-    let scene = Simulated::from(&made.scene);
+    let scene = &made.scene;
     let info = RunInfo { scene, scene_file: &made.scene_file, model: made.model.name() };
     let log = to.map(|path| log::create(path, &info)).transpose().map_err(|error| error.to_string())?;
     let mut sink = Watched { sink, go_on };

@@ -14,7 +14,7 @@ use super::saved::save;
 use super::set::SetArgs;
 use super::{Failure, Status, VERSION};
 use crate::page::{Start, explorer_page, is_packed, whole};
-use crate::scene::AnyScene;
+use crate::scene::words::SceneKind;
 use crate::wording::Report;
 
 /// What a packed module is called beside the program.
@@ -88,7 +88,7 @@ fn start(args: &ExploreArgs) -> Result<Start, Failure> {
     // With what is set, it must be a scene; the page sets that itself.
     args.set.load_any(path)?;
     let scene = SetArgs::default().load_any(path)?;
-    if let AnyScene::Bodies(_) = scene {
+    if scene.kind() == SceneKind::Bodies {
         return Err(Failure::bad_input(format!(
             "{} is a scene of discs (kind = \"bodies\"), which the explorer leaves to the program: phalanx run {} --open shows it; \
              give a scene of a finger or a gripper, like scenes/experiment-95.toml",

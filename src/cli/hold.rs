@@ -16,7 +16,7 @@ use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::hold::{HoldReport, hold_csv};
-use crate::scene::{Axis, GripperScene};
+use crate::scene::{Axis, Scene};
 use crate::study::hold::{HoldError, Loads, Plan, hold};
 use crate::study::only_gripper;
 use crate::units::Dimension;
@@ -178,7 +178,7 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
     Ok(Status::Done)
 }
 
-fn gripper(args: &HoldArgs) -> Result<GripperScene, Failure> {
+fn gripper(args: &HoldArgs) -> Result<Scene, Failure> {
     let scene = args.set.load_any(&args.scene)?;
     only_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml").map_err(Failure::bad_input)
 }

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use super::Failure;
-use crate::scene::{AnyScene, Construction, Preset};
+use crate::scene::{Construction, Preset, Scene};
 use crate::trace::Model;
 use crate::trace::overrides::{self as of, duration, numeric_rate, picture_rate, rtol, step, tolerance};
 pub(super) use crate::units::positive;
@@ -67,7 +67,7 @@ impl Overrides {
     ///
     /// # Errors
     /// A flag of the model that does not run, or, for a scene of discs, of a finger.
-    pub fn apply(&self, model: Model, scene: &mut AnyScene) -> Result<(), Failure> {
+    pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
         let preset = self.preset.map(|preset| match preset {
             PresetArg::Engineering => Preset::Engineering,
             PresetArg::Reference => Preset::Reference,

@@ -12,13 +12,13 @@ use super::{Failure, Status};
 
 use crate::log::{self, LogSink, Reading};
 use crate::page::{Film, Page, Reel, page};
-use crate::scene::AnyScene;
-use crate::trace::{Event, Layout, Sample, Simulated, Sink, SinkError};
+use crate::scene::Scene;
+use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 use crate::wording::{Report, Reported};
 
 /// A run kept for a page, in bounded memory: one of many samples is thinned out.
 pub(super) struct Reels {
-    scene: AnyScene,
+    scene: Scene,
     reel: Box<Reel>,
     /// Whether the samples are of what the scene has.
     fits: bool,
@@ -48,9 +48,7 @@ impl Reels {
     pub fn new(path: &Path, head: &Reading) -> Result<Self, Failure> {
         let refused = |why: String| Failure::bad_input(format!("{}: there is nothing to draw: {why}", path.display()));
         match attached(head) {
-            Some(Ok(scene)) if Simulated::from(&scene).kind() == head.kind() => {
-                Ok(Reels { scene, reel: Box::default(), fits: true })
-            }
+            Some(Ok(scene)) if scene.kind() == head.kind() => Ok(Reels { scene, reel: Box::default(), fits: true }),
             Some(Ok(_)) => Err(refused("the scene in the log is of another kind than its metadata say".to_string())),
             Some(Err(error)) => Err(refused(format!("the scene in the log cannot be read by this phalanx:\n{error}"))),
             None => Err(refused("the part of the log that held its scene is lost".to_string())),
@@ -59,8 +57,7 @@ impl Reels {
 
     /// Name and description of the scene.
     pub fn about(&self) -> (String, String) {
-        let scene = Simulated::from(&self.scene);
-        (scene.name().to_string(), scene.description().to_string())
+        (self.scene.name.clone(), self.scene.description.clone())
     }
 
     pub fn film(self, path: &Path, label: &str, summary: impl Into<Report>) -> Result<Film, Failure> {
@@ -76,7 +73,7 @@ impl Reels {
 
 impl LogSink for Reels {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.fits = Simulated::from(&self.scene).layout() == *layout;
+        self.fits = Layout::of(&self.scene.system) == *layout;
         Ok(())
     }
 

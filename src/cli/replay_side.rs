@@ -29,7 +29,7 @@ impl<'a> Side<'a> {
             listeners: Listeners::new(path, interrupt)?,
             reading: Reading::default(),
             recording: Recording::default(),
-            layout: Layout::of(head(path)?.kind()),
+            layout: Layout::of_kind(head(path)?.kind()),
             figures: 0,
             too_long: false,
         };

@@ -13,8 +13,8 @@ use super::simulate::{Broken, Checking, Finished, Limits, simulate};
 use super::{Failure, Status};
 use crate::log::{self, Beside, Expected, Lockstep, Reading, RunInfo, Settings, gaps, settings, stamp_ns};
 use crate::report::replay::VerificationReport;
-use crate::scene::AnyScene;
-use crate::trace::{Simulated, SinkError};
+use crate::scene::Scene;
+use crate::trace::SinkError;
 
 /// What errors call the log of the new run.
 const AGAIN: &str = "the log of the new run to a temporary file (the directory for these is that of TMPDIR)";
@@ -54,7 +54,7 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
 }
 
 /// The scene and the settings of a log.
-fn again_from(path: &Path, head: &Reading) -> Result<(AnyScene, Settings), Failure> {
+fn again_from(path: &Path, head: &Reading) -> Result<(Scene, Settings), Failure> {
     let place = path.display();
     let found = settings(&head.metadata).map_err(|error| Failure::bad_input(format!("{place}: {error}")))?;
     let mut scene = match attached(head) {
@@ -71,7 +71,7 @@ fn again_from(path: &Path, head: &Reading) -> Result<(AnyScene, Settings), Failu
             )));
         }
     };
-    if Simulated::from(&scene).kind() != head.kind() {
+    if scene.kind() != head.kind() {
         return Err(Failure::bad_input(format!(
             "{place}: the scene in the log is of another kind than its metadata say; they do not belong together"
         )));
@@ -93,11 +93,10 @@ fn expected(reading: &Reading) -> Expected {
 }
 
 /// Simulates into a temporary file, which is gone when it is closed.
-fn simulate_again(scene: &AnyScene, settings: &Settings, limits: &Limits<'_>) -> Result<File, Failure> {
+fn simulate_again(scene: &Scene, settings: &Settings, limits: &Limits<'_>) -> Result<File, Failure> {
     let (model, scene_file) = (settings.model(), settings.scene_file.as_str());
     let failed = |error: SinkError| Failure::incomplete(format!("{error}; free some space there or set TMPDIR"));
     let file = tempfile::tempfile().map_err(|source| failed(SinkError { what: AGAIN.to_string(), source }))?;
-    let scene = Simulated::from(scene);
     let info = RunInfo { scene, scene_file, model: model.name() };
     let writer = Beside::start(file, AGAIN, &info, None, || {}).map_err(failed)?;
     let log = ended(simulate(model, scene, Some(writer), limits, &mut ()));

@@ -1,5 +1,6 @@
 //! `phalanx run`: one simulation, its summary, its log.
 
+use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -16,7 +17,7 @@ use super::{Failure, Status, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::Reel;
 use crate::report::document;
-use crate::trace::{Model, Simulated, SinkError};
+use crate::trace::{Model, SinkError};
 use crate::wording::{Reported, duration};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
@@ -101,8 +102,8 @@ pub fn run(args: &RunArgs) -> Result<Status, Failure> {
 fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let mut scene = args.set.load_any(&args.scene)?;
     args.overrides.apply(args.model(), &mut scene)?;
-    let scene = Simulated::from(&scene);
-    let (name, duration_s) = (scene.name(), scene.duration_s());
+    let scene = &scene;
+    let (name, duration_s) = (scene.name.as_str(), scene.duration_s);
     let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
@@ -114,7 +115,7 @@ fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     // A page is given to others: it does not say where the files are.
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
         let film = reel.film(args.model().name(), scene, report.report());
-        page.write(name, scene.description(), film)
+        page.write(name, &scene.description, film)
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
@@ -129,7 +130,7 @@ fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
 /// The log of a run, if there is to be one or the run is watched.
 fn started(
     args: &RunArgs,
-    scene: Simulated<'_>,
+    scene: &Scene,
     live: Option<&Live>,
     interrupt: &Interrupt,
 ) -> Result<Option<FileWriter>, Failure> {
@@ -160,7 +161,7 @@ fn ended(
 }
 
 /// What the log says about the run.
-pub(super) fn info<'a>(scene: Simulated<'a>, path: &'a Path, model: &'a str) -> RunInfo<'a> {
+pub(super) fn info<'a>(scene: &'a Scene, path: &'a Path, model: &'a str) -> RunInfo<'a> {
     RunInfo { scene, scene_file: path.file_name().and_then(|name| name.to_str()).unwrap_or("scene.toml"), model }
 }
 

@@ -11,8 +11,8 @@ use super::set::SetArgs;
 use super::{Failure, Status, scene_figure};
 use crate::gripper::Finger;
 use crate::gripper::total_mass;
-use crate::scene::{self, AnyScene, BodiesScene, DiscMotion, Scene};
-use crate::scene::{GripperFinger, GripperScene, ObjectMotion, Side};
+use crate::scene::words::SceneKind;
+use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
 use crate::wording::Report;
 
 /// Show, check and describe scene files.
@@ -72,7 +72,7 @@ pub fn answer(command: &SceneCommand) -> Answer {
         SceneCommand::Show { scene, set, figure: Some(figure), .. } => scene_figure::answer(scene, set, figure),
         SceneCommand::Show { scene, set, figure: None, resolved } => match set.load_any(scene) {
             Ok(scene) => {
-                let stdout = if *resolved { scene::show_any(&scene) } else { scene::show_written(&scene) };
+                let stdout = if *resolved { scene::show(&scene) } else { scene::show_written(&scene) };
                 Answer { stdout, good: true, ..Answer::default() }
             }
             Err(error) => Answer { stderr: format!("{error}\n"), ..Answer::default() },
@@ -98,17 +98,17 @@ fn check(files: &[PathBuf]) -> Answer {
 }
 
 /// One line on what a scene holds.
-fn summary(scene: &AnyScene) -> String {
-    match scene {
-        AnyScene::Finger(scene) => finger(scene),
-        AnyScene::Bodies(scene) => bodies(scene),
-        AnyScene::Gripper(scene) => gripper(scene),
+fn summary(scene: &Scene) -> String {
+    match scene.kind() {
+        SceneKind::Finger => finger(scene),
+        SceneKind::Bodies => discs(scene),
+        SceneKind::Gripper => gripper(scene),
     }
 }
 
-fn bodies(scene: &BodiesScene) -> String {
+fn discs(scene: &Scene) -> String {
     let of = |wanted: fn(&DiscMotion) -> bool| {
-        let names = scene.discs.iter().filter(|disc| wanted(&disc.motion)).map(|disc| disc.name.as_str());
+        let names = scene.system.discs.iter().filter(|disc| wanted(&disc.motion)).map(|disc| disc.name.as_str());
         names.collect::<Vec<_>>().join(", ")
     };
     let kinds = [
@@ -118,46 +118,51 @@ fn bodies(scene: &BodiesScene) -> String {
     ];
     let mut parts: Vec<String> =
         kinds.iter().filter(|(_, names)| !names.is_empty()).map(|(kind, names)| format!("{kind} {names}")).collect();
-    if let Some(plane) = scene.half_plane {
+    if let Some(plane) = scene.system.palm {
         parts.push(format!("half plane at {:.2} mm", plane.level_m * 1e3));
     }
-    let pairs = scene.pairs().len();
+    let pairs = scene.system.pairs().len();
     let plural = if pairs == 1 { "" } else { "s" };
     format!("discs: {}; {pairs} pair{plural}; {:.1} ms", parts.join("; "), scene.duration_s * 1e3)
 }
 
-fn gripper(scene: &GripperScene) -> String {
+fn gripper(scene: &Scene) -> String {
     let links = |side: Side| {
-        let GripperFinger { finger, initial, .. } = scene.finger(side);
+        let DrivenFinger { linkage, initial, .. } = scene.system.finger(side);
         let starts = format!("q11 {:.2}°, q21 {:.2}°", initial.q11_rad.to_degrees(), initial.q21_rad.to_degrees());
-        format!("{}; starts at {starts}", lengths(finger))
+        format!("{}; starts at {starts}", lengths(linkage))
     };
     let [right, left] = Side::BOTH.map(links);
     let fingers = if right == left { format!("two fingers: {right}") } else { format!("right: {right}; left: {left}") };
-    let object = match scene.object.motion {
-        ObjectMotion::Fixed => "fixed".to_string(),
-        ObjectMotion::Free { mass_kg, .. } => format!("free, {:.2} g", mass_kg * 1e3),
+    let disc = scene.system.grasped();
+    let object = match disc.motion {
+        DiscMotion::Free { mass_kg, .. } => format!("free, {:.2} g", mass_kg * 1e3),
+        DiscMotion::Fixed | DiscMotion::Driven { .. } => "fixed".to_string(),
     };
-    let [x, y] = scene.object.centre_m.map(|place| place * 1e3);
+    let [x, y] = disc.centre_m.map(|place| place * 1e3);
     let mut parts = vec![
-        format!("palm {:.2} mm wide{}", scene.palm_width_m * 1e3, if scene.palm.is_some() { "" } else { " and open" }),
-        format!("object {:.1} mm in radius at ({x:.2}, {y:.2}) mm, {object}", scene.object.radius_m * 1e3),
+        format!(
+            "palm {:.2} mm wide{}",
+            scene.system.palm_width_m * 1e3,
+            if scene.system.palm.is_some() { "" } else { " and open" }
+        ),
+        format!("object {:.1} mm in radius at ({x:.2}, {y:.2}) mm, {object}", disc.radius_m * 1e3),
     ];
-    parts.extend(scene.table.map(|table| format!("table at {:.2} mm", table.level_m * 1e3)));
-    parts.extend(scene.differential.as_ref().map(|_| "differential".to_string()));
+    parts.extend(scene.system.table.map(|table| format!("table at {:.2} mm", table.level_m * 1e3)));
+    parts.extend(scene.system.differential.as_ref().map(|_| "differential".to_string()));
     format!("{fingers}; {}; {:.1} ms", parts.join("; "), scene.duration_s * 1e3)
 }
 
 fn finger(scene: &Scene) -> String {
-    let object = match scene.object {
+    let object = match scene.object() {
         Some(disc) => format!("object {:.1} mm in radius", disc.radius_m * 1e3),
         None => "no object".to_string(),
     };
     format!(
         "{}; {object}; starts at q11 {:.2}°, q21 {:.2}°; {:.1} ms",
-        lengths(&scene.finger),
-        scene.initial.q11_rad.to_degrees(),
-        scene.initial.q21_rad.to_degrees(),
+        lengths(&scene.finger().linkage),
+        scene.finger().initial.q11_rad.to_degrees(),
+        scene.finger().initial.q21_rad.to_degrees(),
         scene.duration_s * 1e3,
     )
 }

@@ -7,16 +7,16 @@ use super::own::{Form, writable};
 use super::set::SetArgs;
 use crate::files::replace;
 use crate::plot::linkage;
-use crate::scene::AnyScene;
+use crate::scene::words::SceneKind;
 
 /// Draws the figure; says what was written, or why not.
 pub(super) fn answer(scene: &Path, set: &SetArgs, figure: &Path) -> Answer {
     let refused = |why: String| Answer { stderr: format!("error: {why}\n"), ..Answer::default() };
     let found = match set.load_any(scene) {
-        Ok(AnyScene::Finger(found)) => found,
+        Ok(found) if found.kind() == SceneKind::Finger => found,
         Ok(other) => {
-            let what = match other {
-                AnyScene::Gripper(_) => {
+            let what = match other.kind() {
+                SceneKind::Gripper => {
                     "a gripper, of which no letters are drawn; draw the scene of one finger, or see the gripper with"
                 }
                 _ => "a scene of discs, which has no linkage; draw the scene of a finger, or see the discs with",

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::scene::{self, AnyScene, Layer, Scene, SceneError, Template};
+use crate::scene::{self, Layer, Scene, SceneError, Template};
 
 /// Fields of the scene, set besides.
 #[derive(Clone, Debug, Default, Args)]
@@ -17,7 +17,7 @@ pub struct SetArgs {
 
 impl SetArgs {
     /// The scene in a file, of either kind, with these fields.
-    pub fn load_any(&self, path: &Path) -> Result<AnyScene, SceneError> {
+    pub fn load_any(&self, path: &Path) -> Result<Scene, SceneError> {
         scene::load_any_with(path, &self.set)
     }
 
@@ -27,7 +27,7 @@ impl SetArgs {
     }
 
     /// A shipped scene, given as text, with these fields.
-    pub fn parse_any(&self, text: &str, file: &str) -> Result<AnyScene, SceneError> {
+    pub fn parse_any(&self, text: &str, file: &str) -> Result<Scene, SceneError> {
         let own = Layer { file: file.to_string(), text: text.to_string() };
         scene::parse_layers(&[own], &self.set, scene::parse_any)
     }

@@ -1,6 +1,7 @@
 //! One simulation as a command makes it, `phalanx run`, `validate --out` or `replay --verify`: with a line that says how far it
 //! has come, ended by a signal. What its log holds and what is reported of it is decided in the library.
 
+use crate::scene::words::SceneKind;
 use std::io::Write;
 
 use super::interrupt::Interrupt;
@@ -11,7 +12,7 @@ use crate::log::Beside;
 pub(super) use crate::report::simulated::{Broken, Checking, Finished};
 use crate::report::simulated::{Making, simulated};
 use crate::scene::Scene;
-use crate::trace::{Event, Model, Sample, Simulated, Sink, SinkError};
+use crate::trace::{Event, Model, Sample, Sink, SinkError};
 
 /// What ends a run before its time: a signal, or that it is past what anybody wants to know.
 pub(super) struct Limits<'a> {
@@ -24,15 +25,15 @@ pub(super) struct Limits<'a> {
 /// Simulates a scene.
 pub(super) fn simulate<W: Write + Send + 'static>(
     model: Model,
-    scene: Simulated<'_>,
+    scene: &Scene,
     log: Option<Beside<W>>,
     limits: &Limits<'_>,
     also: &mut impl Sink,
 ) -> Finished<W> {
-    if let Simulated::Finger(scene) = scene {
+    if scene.kind() == SceneKind::Finger {
         grasp(scene);
     }
-    let mut watched = Watched::new(scene.duration_s(), limits, also);
+    let mut watched = Watched::new(scene.duration_s, limits, also);
     let making = Making {
         checking: limits.checking,
         go_on: &|| limits.interrupt.signal().is_none(),
@@ -45,7 +46,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
 
 /// The grasp at rest that a run is judged by; `None`, and said why, if the criteria make no sense for this scene.
 pub(super) fn grasp(scene: &Scene) -> Option<AtRest> {
-    at_rest(scene, scene.object?)
+    at_rest(scene, scene.object()?)
         .map_err(|error| complain(&format!("no dynamic criteria, for the finger cannot grasp this object: {error}")))
         .ok()
 }

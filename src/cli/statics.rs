@@ -13,7 +13,7 @@ use super::{Failure, Status};
 use crate::grasp::finger::{GraspStudyError, Instead, grasp};
 use crate::plot;
 use crate::report::statics::StaticsReport;
-use crate::scene::AnyScene;
+use crate::scene::words::SceneKind;
 use crate::statics::StaticsError;
 use crate::units::{self, Dimension};
 
@@ -78,17 +78,18 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.svg {
         writable(path, Form::Picture)?;
     }
-    let scene = match args.set.load_any(&args.scene)? {
-        AnyScene::Finger(scene) => scene,
-        AnyScene::Gripper(scene) => return statics_gripper::run(&scene, &args.gripper, &args.shared()),
-        AnyScene::Bodies(_) => {
+    let scene = args.set.load_any(&args.scene)?;
+    match scene.kind() {
+        SceneKind::Finger => {}
+        SceneKind::Gripper => return statics_gripper::run(&scene, &args.gripper, &args.shared()),
+        SceneKind::Bodies => {
             return Err(Failure::bad_input(format!(
                 "{} is a scene of discs (kind = \"bodies\"), and statics is about the grasp of a finger or a gripper; give a scene \
                  like scenes/experiment-95.toml or scenes/gripper/design-95.toml",
                 args.scene.display()
             )));
         }
-    };
+    }
     if let Some(flag) = args.gripper.given() {
         return Err(Failure::bad_input(format!(
             "{flag} is for a gripper, and {} is a scene of one finger, whose posture is the geometric one: take it out, or give a \

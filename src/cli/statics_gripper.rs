@@ -12,7 +12,7 @@ use super::{Failure, Status};
 use crate::grasp::gripper::{Asked, GripperGraspError, PostureOf, gripper_grasp};
 use crate::plot;
 use crate::report::statics::GripperStaticsReport;
-use crate::scene::GripperScene;
+use crate::scene::Scene;
 use crate::statics::StaticsError;
 use crate::study::posture::{Posture, directions, posture};
 use crate::units::Dimension;
@@ -69,7 +69,7 @@ impl GripperArgs {
 }
 
 /// Runs the command for a gripper.
-pub fn run(scene: &GripperScene, args: &GripperArgs, shared: &Shared<'_>) -> Result<Status, Failure> {
+pub fn run(scene: &Scene, args: &GripperArgs, shared: &Shared<'_>) -> Result<Status, Failure> {
     let posture = args.posture()?;
     let interrupt = Interrupt::listen()?;
     // A picture needs more directions than a table.

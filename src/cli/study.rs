@@ -14,10 +14,10 @@ use super::study_stability::{self, StabilityArgs};
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::step_size::step_size_csv;
+use crate::scene::Scene;
 use crate::scene::Words;
-use crate::scene::{AnyScene, BodiesScene};
+use crate::scene::words::SceneKind;
 use crate::study::step_size::{StudyError, step_size};
-use crate::trace::Simulated;
 use crate::wording::Reported;
 
 /// The shipped scene, so that the command works from anywhere.
@@ -101,18 +101,18 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
 }
 
 /// The scene of discs in a file, or the shipped one.
-fn discs(path: Option<&Path>, set: &SetArgs) -> Result<BodiesScene, Failure> {
+fn discs(path: Option<&Path>, set: &SetArgs) -> Result<Scene, Failure> {
     let scene = match path {
         Some(path) => set.load_any(path)?,
         None => set.parse_any(STEP_SIZE_SCENE, "step-size.toml")?,
     };
-    match (scene, path) {
-        (AnyScene::Bodies(scene), _) => Ok(*scene),
-        (other, path) => Err(Failure::bad_input(format!(
+    match scene.kind() {
+        SceneKind::Bodies => Ok(scene),
+        kind => Err(Failure::bad_input(format!(
             "{} is the scene of a {}; this study takes a scene of discs (kind = \"bodies\"), like \
              scenes/laws/step-size.toml",
             path.unwrap_or(Path::new("")).display(),
-            Simulated::from(&other).kind().word(),
+            kind.word(),
         ))),
     }
 }

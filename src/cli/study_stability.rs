@@ -14,7 +14,7 @@ use super::set::SetArgs;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::stability::stability_csv;
-use crate::scene::AnyScene;
+use crate::scene::words::SceneKind;
 use crate::study::stability::{ACCURACY_RAD, Grid, StudyError, stability};
 use crate::units::{self, Dimension};
 use crate::wording::Reported;
@@ -80,13 +80,15 @@ struct List(Vec<f64>);
 
 /// Runs the command.
 pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
-    let AnyScene::Finger(scene) = args.set.load_any(&args.scene)? else {
+    let scene = args.set.load_any(&args.scene)?;
+    if scene.kind() != SceneKind::Finger {
         return Err(Failure::bad_input(format!(
-            "{} is a scene of discs; this study takes the scene of a finger (kind = \"finger\"), like \
+            "{} is {}; this study takes the scene of a finger (kind = \"finger\"), like \
              scenes/experiment-95.toml",
-            args.scene.display()
+            args.scene.display(),
+            if scene.kind() == SceneKind::Gripper { "the scene of a gripper" } else { "a scene of discs" }
         )));
-    };
+    }
     let grid = grid(args);
     let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
     let interrupt = Interrupt::listen()?;

@@ -9,14 +9,15 @@ use super::validate_files::{files, write};
 use super::{Failure, Status};
 use crate::integrator;
 use crate::report::validation::ValidationReport;
-use crate::trace::{Model, RunError, Simulated};
+use crate::scene::Scene;
+use crate::trace::{Model, RunError};
 use crate::validate::{Progress, StudyError, Validation, refuse_too_fine, validate};
 use crate::wording::duration;
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
-    let scene = Simulated::from(&scene);
+    let scene = &scene;
     let folder = args.out.as_deref().map(|out| Folder::open(out, files(scene))).transpose()?;
     let interrupt = Interrupt::listen()?;
     let found = watched(scene, args, &interrupt)?;
@@ -29,7 +30,7 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
 }
 
 /// The validation itself, its progress shown; it ends at a signal.
-fn watched(scene: Simulated<'_>, args: &ValidateArgs, interrupt: &Interrupt) -> Result<Validation, Failure> {
+fn watched(scene: &Scene, args: &ValidateArgs, interrupt: &Interrupt) -> Result<Validation, Failure> {
     refuse_too_fine(scene).map_err(Failure::bad_input)?;
     let mut count = Count::new();
     let mut reached = (0, 0);

@@ -15,9 +15,9 @@ use crate::log::{self, LogFile};
 use crate::page::{Film, Note, Page, Picture, Reel, page};
 use crate::plot;
 use crate::report::validation::{ValidationReport, series};
-use crate::scene::Preset;
 use crate::scene::words::SceneKind;
-use crate::trace::{Model, Numerics, Outcome, Simulated, SinkError};
+use crate::scene::{Preset, Scene};
+use crate::trace::{Model, Outcome, SinkError};
 use crate::validate::Validation;
 use crate::wording::{Report, Reported};
 
@@ -40,10 +40,10 @@ const DISCS: [&str; 8] =
     [REPORT, "report.json", PAGE, "series.csv", "speed-error.svg", "overlay.svg", "analytic.mcap", "engine.mcap"];
 
 /// The files of a validation.
-pub fn files(scene: Simulated<'_>) -> &'static [&'static str] {
-    match scene {
-        Simulated::Finger(_) | Simulated::Gripper(_) => &FINGER,
-        Simulated::Discs(_) => &DISCS,
+pub fn files(scene: &Scene) -> &'static [&'static str] {
+    match scene.kind() {
+        SceneKind::Finger | SceneKind::Gripper => &FINGER,
+        SceneKind::Bodies => &DISCS,
     }
 }
 
@@ -51,12 +51,12 @@ pub fn files(scene: Simulated<'_>) -> &'static [&'static str] {
 pub fn write(
     out: &Path,
     args: &ValidateArgs,
-    scene: Simulated<'_>,
+    scene: &Scene,
     found: &Validation,
     report: &mut ValidationReport,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    let name = scene.name();
+    let name = &scene.name;
     let mut drawn = vec![
         ("speed-error.svg", "Speed against error", plot::speed_error(name, found)),
         ("overlay.svg", "Both models over time", plot::overlay(scene, found)),
@@ -66,16 +66,14 @@ pub fn write(
     }
     let pictures = pictures(out, drawn)?;
     table(&out.join("series.csv"), |mut file| series(&mut file, scene, [&found.reference, &found.engine]))?;
-    let mut reference = scene.to_owned();
-    let Numerics { integrator, .. } = Numerics::from(&mut reference);
-    *integrator = integrator.with_preset(Preset::Reference);
+    let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
     let runs = vec![
         record(Model::Analytic, &reference, &args.scene, &out.join("analytic.mcap"), interrupt)?,
         record(Model::Engine, scene, &args.scene, &out.join("engine.mcap"), interrupt)?,
     ];
 
     // A page is given to others: it does not say where it was made.
-    show_page(out, name, scene.description(), runs, report.report(), pictures)?;
+    show_page(out, name, &scene.description, runs, report.report(), pictures)?;
     report.directory = args.out.as_ref().map(|out| out.display().to_string());
     report.files = Some(files(scene).iter().map(ToString::to_string).collect());
     save(&out.join(REPORT), &report.report().to_string())?;
@@ -121,20 +119,13 @@ fn table(path: &Path, rows: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Re
 }
 
 /// Logs one model, sample rate and all as `phalanx run` does; returns the same for the page.
-fn record<'a>(
-    model: Model,
-    scene: impl Into<Simulated<'a>>,
-    scene_file: &Path,
-    path: &Path,
-    interrupt: &Interrupt,
-) -> Result<Film, Failure> {
-    let scene = scene.into();
+fn record(model: Model, scene: &Scene, scene_file: &Path, path: &Path, interrupt: &Interrupt) -> Result<Film, Failure> {
     let log = log::create(path, &info(scene, scene_file, model.name())).map_err(unstarted)?;
     let mut reel = Reel::default();
     let limits = Limits { interrupt, until_s: f64::INFINITY, checking: Checking::Cheap };
     let run = simulate(model, scene, Some(log), &limits, &mut reel);
     let mut summary = run.report(model, scene);
-    if let Simulated::Discs(_) = scene {
+    if scene.kind() == SceneKind::Bodies {
         // Their page shows the run alone.
         summary.check = None;
     }

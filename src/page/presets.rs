@@ -2,10 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use phalanx_show::explorer::source;
-
-use crate::scene::{self, AnyScene, Layer, SceneError};
-use crate::trace::Simulated;
+use crate::scene::words::SceneKind;
+use crate::scene::{self, Layer, Scene, SceneError};
 
 macro_rules! shipped {
     ($($file:literal),* $(,)?) => {
@@ -68,15 +66,14 @@ pub fn presets() -> Vec<Preset> {
 
 fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
     let scene = scene::parse_layers(&layers(file, text), &[], scene::parse_any)?;
-    let simulated = Simulated::from(&scene);
     let comment = text.lines().next().unwrap_or_default().trim_start_matches('#').trim();
-    let about = if simulated.description().is_empty() { comment } else { simulated.description() };
+    let about = if scene.description.is_empty() { comment } else { &scene.description };
     Ok(Preset {
         file: file.to_string(),
         name: Path::new(file).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-        group: match (file.starts_with("hard/"), simulated) {
+        group: match (file.starts_with("hard/"), scene.kind()) {
             (true, _) => "hard",
-            (_, Simulated::Gripper(_)) => "gripper",
+            (_, SceneKind::Gripper) => "gripper",
             _ => "finger",
         },
         title: about.split_inclusive(". ").next().unwrap_or_default().trim().to_string(),
@@ -85,9 +82,9 @@ fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
 }
 
 /// The text of a scene: as it was written, or put together of those it extends.
-pub fn whole(scene: &AnyScene, own: &str) -> String {
+pub fn whole(scene: &Scene, own: &str) -> String {
     // A scene is read from a text without the key that it extends by.
-    if scene::extended(own).is_some() { source(scene).to_string() } else { own.to_string() }
+    if scene::extended(own).is_some() { scene.source.clone() } else { own.to_string() }
 }
 
 /// A shipped scene after those that it extends.
@@ -129,7 +126,7 @@ mod tests {
             let alone = scene::parse_any(&preset.text, &preset.file).unwrap_or_else(|error| panic!("{error}"));
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(&preset.file);
             let read = scene::load_any(&path).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(scene::show_any(&alone), scene::show_any(&read), "{}", preset.file);
+            assert_eq!(scene::show(&alone), scene::show(&read), "{}", preset.file);
         }
     }
 

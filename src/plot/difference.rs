@@ -5,7 +5,8 @@ use super::canvas::{
     BLACK, COLOURS, DrawError, Entry, GREY, LEGEND, Mark, WIDTH, frame, legend, line, picture, titled,
 };
 use super::curve::thin;
-use crate::trace::{EventKind, Layout, Simulated};
+use crate::scene::Scene;
+use crate::trace::{EventKind, Layout};
 use crate::validate::{Angle, Recording, Validation, off};
 
 const HEIGHT: u32 = 560;
@@ -38,8 +39,8 @@ pub struct Differences<'a> {
 }
 
 /// The picture of a validation of a scene with fingers, of the run with its own torque.
-pub fn difference(scene: Simulated<'_>, found: &Validation) -> Result<String, DrawError> {
-    let (layout, until_s, name) = (scene.layout(), found.until_s, scene.name());
+pub fn difference(scene: &Scene, found: &Validation) -> Result<String, DrawError> {
+    let (layout, until_s, name) = (Layout::of(&scene.system), found.until_s, &scene.name);
     let (what, label) = match layout.bodies.is_empty() {
         true => ("the joint angles", "|engine − analytic|, rad"),
         false => ("the joint angles and the object", "|engine − analytic|, rad or m"),

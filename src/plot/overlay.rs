@@ -8,7 +8,8 @@ use super::canvas::{
 use super::curve::over_time;
 use super::overlay_gripper::of_gripper;
 use super::overlay_panel::{Panel, Quantity, energies, quantity};
-use crate::trace::{ContactSample, Layout, Place, Sample, Simulated, Site};
+use crate::scene::Scene;
+use crate::trace::{ContactSample, Layout, Place, Sample, Site};
 use crate::validate::{Recording, Validation, turned};
 use plotters::style::RGBColor;
 
@@ -27,12 +28,11 @@ struct Runs<'a> {
 }
 
 /// The picture of a validation, of the scene itself.
-pub fn overlay<'a>(scene: impl Into<Simulated<'a>>, found: &Validation) -> Result<String, DrawError> {
-    let scene = scene.into();
-    let title = format!("{}: analytic model and engine", scene.name());
+pub fn overlay(scene: &Scene, found: &Validation) -> Result<String, DrawError> {
+    let title = format!("{}: analytic model and engine", scene.name);
     let end_s = found.reference.outcome.last.time_s;
     let labels = ["analytic (reference)", "engine"];
-    overlay_of(title, labels, &scene.layout(), [&found.reference, &found.engine], end_s)
+    overlay_of(title, labels, &Layout::of(&scene.system), [&found.reference, &found.engine], end_s)
 }
 
 /// The picture of any two runs of this layout; pairs of bodies that never touch are left out of it where others do.

@@ -1,6 +1,7 @@
 //! A run as it is reported: simulated, judged, checked if that is wanted, its log closed. `phalanx run`, `validate --out` and
 //! `replay --verify` make theirs here.
 
+use crate::scene::Scene;
 use std::io::Write;
 
 use super::check::RunCheckReport;
@@ -10,7 +11,7 @@ use crate::criteria::{Criteria, GraspCriteria, Rebound};
 use crate::integrator::Reason;
 use crate::log::{self, Beside, Ran};
 use crate::scene::words::SceneKind;
-use crate::trace::{Model, Outcome, RunError, Simulated, Sink, SinkError};
+use crate::trace::{Model, Outcome, RunError, Sink, SinkError};
 
 /// A simulation that is over.
 pub struct Finished<W> {
@@ -37,7 +38,7 @@ pub struct Broken {
 
 impl<W> Finished<W> {
     /// What is reported of it.
-    pub fn report(&self, model: Model, scene: Simulated<'_>) -> RunReport {
+    pub fn report(&self, model: Model, scene: &Scene) -> RunReport {
         let (outcome, error) = match &self.result {
             Ok(outcome) => (Some(outcome), None),
             Err(Broken { error, so_far }) => (so_far.as_ref(), Some(error.clone())),
@@ -81,7 +82,7 @@ impl Making<'_> {
 /// Simulates a scene; `also` gets what the log gets.
 pub fn simulated<W: Write + Send + 'static>(
     model: Model,
-    scene: Simulated<'_>,
+    scene: &Scene,
     log: Option<Beside<W>>,
     making: &Making<'_>,
     also: &mut impl Sink,

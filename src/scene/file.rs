@@ -4,9 +4,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::error::line_column;
-use super::{
-    AnyScene, Layer, Problem, Scene, SceneError, Template, extended, parse, parse_any, parse_layers, parse_template,
-};
+use super::{Layer, Problem, Scene, SceneError, Template, extended, parse, parse_any, parse_layers, parse_template};
 use crate::files::read_at_most;
 use crate::limits::LARGEST_SCENE_BYTES;
 
@@ -27,7 +25,7 @@ pub fn load_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, Sc
 }
 
 /// Reads, checks and resolves a scene file of either kind.
-pub fn load_any(path: impl AsRef<Path>) -> Result<AnyScene, SceneError> {
+pub fn load_any(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     load_any_with(path, &[])
 }
 
@@ -35,7 +33,7 @@ pub fn load_any(path: impl AsRef<Path>) -> Result<AnyScene, SceneError> {
 ///
 /// # Errors
 /// As for [`load_with`].
-pub fn load_any_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<AnyScene, SceneError> {
+pub fn load_any_with(path: impl AsRef<Path>, settings: &[Layer]) -> Result<Scene, SceneError> {
     parse_layers(&layers(path.as_ref())?, settings, parse_any)
 }
 

@@ -53,24 +53,25 @@ pub enum SizeError {
 /// # Errors
 /// A scene without an object, or a finger that does not close on it.
 pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
-    let object = scene.object.ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
+    let object = scene.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
     let disc = object.circle();
-    let contact_rad = contact_angle_proximal(scene.finger.lengths.half_width_m, disc).map_err(SizingError::from)?;
+    let contact_rad =
+        contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, disc).map_err(SizingError::from)?;
     let task = Task {
         disc,
-        opening_rad: contact_rad - scene.initial.q21_rad,
-        gravity_m_s2: scene.gravity_m_s2,
+        opening_rad: contact_rad - scene.finger().initial.q21_rad,
+        gravity_m_s2: scene.system.gravity_m_s2,
         closing_s: asked.closing_s,
     };
     Ok(Sized {
         scene: scene.name.clone(),
         asked,
-        profile: profile(&scene.finger, &task, asked.preload_rad, SAMPLES)?,
-        given_motor_n_m: match scene.actuation {
+        profile: profile(&scene.finger().linkage, &task, asked.preload_rad, SAMPLES)?,
+        given_motor_n_m: match scene.finger().motor.actuation {
             Actuation::Constant { torque_n_m } => Some(torque_n_m),
             _ => None,
         },
-        given_spring_n_m: scene.spring.and_then(|spring| match spring.kind {
+        given_spring_n_m: scene.finger().spring.and_then(|spring| match spring.kind {
             SpringKind::Constant { torque_n_m } => Some(torque_n_m),
             SpringKind::Torsional { .. } => None,
         }),

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::integrator::Failure;
 use crate::numeric::elementary::{ln, pow};
-use crate::scene::{BodiesScene, Integrator, Method, Preset, Response, Stepping};
+use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::trace::{Event, EventKind, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
@@ -156,7 +156,7 @@ impl<S: Sink> Sink for While<'_, S> {
 
 /// Runs the study for as long as it may `go_on`; `show` hears how many of how many runs are done.
 pub fn step_size(
-    scene: &BodiesScene,
+    scene: &Scene,
     quick: bool,
     show: &mut dyn FnMut(usize, usize, &str),
     go_on: &dyn Fn() -> bool,
@@ -217,7 +217,7 @@ pub fn step_size(
     let crossings = Formulation::ALL.iter().flat_map(|of| LEVELS.map(|error| crossing(&rows, *of, error))).collect();
     Ok(StepSize {
         scene: scene.name.clone(),
-        pair: scene.pair_name(scene.pairs()[pair]),
+        pair: scene.system.pair_name(scene.system.pairs()[pair]),
         plotted_s: scene.duration_s,
         contact_s: lift - touch,
         peak_n,
@@ -228,7 +228,7 @@ pub fn step_size(
 }
 
 /// The pair with the largest force.
-fn hit(scene: &BodiesScene, go_on: &dyn Fn() -> bool) -> Result<usize, StudyError> {
+fn hit(scene: &Scene, go_on: &dyn Fn() -> bool) -> Result<usize, StudyError> {
     let outcome =
         run(Model::Analytic, scene, &mut While { sink: (), go_on }).map_err(|error| stopped(Model::Analytic, error))?;
     let touched = outcome.contacts.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
@@ -238,7 +238,7 @@ fn hit(scene: &BodiesScene, go_on: &dyn Fn() -> bool) -> Result<usize, StudyErro
 
 fn simulate(
     model: Model,
-    scene: &BodiesScene,
+    scene: &Scene,
     pair: usize,
     go_on: &dyn Fn() -> bool,
 ) -> Result<(Curve, f64, u64), StudyError> {
@@ -256,7 +256,7 @@ fn stopped(model: Model, error: RunError) -> StudyError {
 
 /// The scene with a step (as a fraction of its duration) or a tolerance, logged at the steps alone. rapier's contact is
 /// told the restitution, which it cannot know, unless the scene says it.
-fn with_setting(scene: &BodiesScene, formulation: Formulation, setting: f64, restitution: f64) -> BodiesScene {
+fn with_setting(scene: &Scene, formulation: Formulation, setting: f64, restitution: f64) -> Scene {
     let mut scene = scene.clone();
     scene.log.numeric_hz = 1.0 / scene.duration_s;
     let engine = &mut scene.engine;

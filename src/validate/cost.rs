@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
+use super::steps_only;
 use super::subject::with;
-use super::{Subject, steps_only};
-use crate::scene::{AnyScene, Preset};
+use crate::scene::{Preset, Scene};
 use crate::trace::{GoOn, While};
-use crate::trace::{Model, Numerics, RunError, run};
+use crate::trace::{Model, RunError, run};
 
 /// Time spent on repeating one setting, in earnest and in haste, and how often at most.
 const PATIENCE_S: f64 = 0.2;
@@ -43,11 +43,10 @@ impl Cost {
 /// Times a scene with one of the models: the median of as many runs as there is patience for, at least one. Reading off
 /// a grid of times for a log is not part of it: that costs what the log rate says, whatever the settings. Ends
 /// early when `go_on` says no.
-pub fn cost(model: Model, scene: &AnyScene, quick: bool, go_on: GoOn) -> Result<Cost, RunError> {
+pub fn cost(model: Model, scene: &Scene, quick: bool, go_on: GoOn) -> Result<Cost, RunError> {
     let patience_s = if quick { QUICK_PATIENCE_S } else { PATIENCE_S };
     let scene = &steps_only(scene);
-    let usual = |mut numerics: Numerics<'_>| numerics.integrate_by(Preset::Engineering);
-    let everyday = with(scene, usual);
+    let everyday = with(scene, |scene| scene.integrate_by(Preset::Engineering));
     let (mut times, mut beside) = (Vec::new(), Vec::new());
     let (mut steps, mut wanted) = (0, 1);
     while times.len() < wanted {
@@ -69,11 +68,11 @@ pub fn cost(model: Model, scene: &AnyScene, quick: bool, go_on: GoOn) -> Result<
     }
     let runs = times.len();
     let (wall_s, analytic_wall_s) = (median(times), median(beside));
-    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.simulated().duration_s() })
+    Ok(Cost { runs, wall_s, analytic_wall_s, steps, simulated_s: scene.duration_s })
 }
 
 /// Steps of a run with nothing listening.
-fn steps_of(model: Model, scene: &AnyScene, go_on: GoOn) -> Result<u64, RunError> {
+fn steps_of(model: Model, scene: &Scene, go_on: GoOn) -> Result<u64, RunError> {
     Ok(run(model, scene, &mut While { sink: &mut (), go_on })?.work.steps)
 }
 

@@ -1,6 +1,7 @@
 //! The members of the ensemble: the scene with its motor torque, or the speeds of its discs and gravity, changed by parts in 1e9.
 
-use crate::scene::{BodiesScene, DiscMotion, Scene, scaled};
+use crate::check::pushed;
+use crate::scene::{DiscMotion, Scene};
 
 /// Runs of which the worst counts.
 pub const MEMBERS: usize = 5;
@@ -9,18 +10,16 @@ pub const MEMBERS: usize = 5;
 /// to shift where steps fall.
 pub const TORQUE_STEP: f64 = 1e-9;
 
-/// The scene as the member `index` has it; member 0 is the scene itself.
+/// The scene as the member `index` has it; member 0 is the scene itself. Of discs everything that moves, and gravity, is a little faster.
 pub fn member(scene: &Scene, index: usize) -> Scene {
-    Scene { actuation: scaled(&scene.actuation, 1.0 + index as f64 * TORQUE_STEP), ..scene.clone() }
-}
-
-/// The same of discs: everything that moves, and gravity, a little faster.
-pub fn member_of_discs(scene: &BodiesScene, index: usize) -> BodiesScene {
-    let factor = 1.0 + index as f64 * TORQUE_STEP;
-    let scaled = |vector: [f64; 2]| vector.map(|part| factor * part);
+    let part = index as f64 * TORQUE_STEP;
+    if !scene.system.fingers.is_empty() {
+        return pushed(scene, part);
+    }
+    let scaled = |vector: [f64; 2]| vector.map(|component| (1.0 + part) * component);
     let mut member = scene.clone();
-    member.gravity_m_s2 = scaled(scene.gravity_m_s2);
-    for disc in &mut member.discs {
+    member.system.gravity_m_s2 = scaled(scene.system.gravity_m_s2);
+    for disc in &mut member.system.discs {
         match &mut disc.motion {
             DiscMotion::Fixed => {}
             DiscMotion::Driven { velocity_m_s, acceleration_m_s2, .. } => {

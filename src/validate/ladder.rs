@@ -1,10 +1,10 @@
 //! The settings that are tried: both models, from coarse to fine.
 
+use super::MEMBERS;
 use super::subject::{is_jointed, touching_friction, with};
-use super::{MEMBERS, Subject};
 use crate::scene::ENGINE_MAX_STEP_S;
-use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Stepping};
-use crate::trace::{Model, Simulated};
+use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::trace::Model;
 
 /// A setting that is predicted to need more steps than this is left out.
 pub const LONGEST_STEPS: f64 = 2e6;
@@ -70,9 +70,9 @@ pub struct Rung {
 }
 
 impl Rung {
-    fn engine(engine: Engine, scene: Simulated<'_>) -> Self {
-        let own = engine == *scene.engine();
-        let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s() / step_s > ONCE_STEPS);
+    fn engine(engine: Engine, scene: &Scene) -> Self {
+        let own = engine == scene.engine;
+        let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > ONCE_STEPS);
         let members = if long && !own { 1 } else { MEMBERS };
         Rung { family: Family::of(&engine), settings: Settings::Engine(engine), own, members }
     }
@@ -89,10 +89,10 @@ impl Rung {
     }
 
     /// The scene with this setting.
-    pub fn apply<S: Subject>(&self, scene: &S) -> S {
-        with(scene, |numerics| match self.settings {
-            Settings::Analytic(integrator) => *numerics.integrator = integrator,
-            Settings::Engine(engine) => *numerics.engine = engine,
+    pub fn apply(&self, scene: &Scene) -> Scene {
+        with(scene, |scene| match self.settings {
+            Settings::Analytic(integrator) => scene.integrator = integrator,
+            Settings::Engine(engine) => scene.engine = engine,
         })
     }
 
@@ -102,10 +102,10 @@ impl Rung {
     }
 
     /// Steps a run will take, as far as that can be told; `own` is what the scene's own engine run took.
-    pub fn predicted_steps(&self, scene: Simulated<'_>, own: u64) -> Option<f64> {
-        match (self.settings, scene.engine().stepping) {
+    pub fn predicted_steps(&self, scene: &Scene, own: u64) -> Option<f64> {
+        match (self.settings, scene.engine.stepping) {
             (Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }), _) => {
-                Some(scene.duration_s() / step_s)
+                Some(scene.duration_s / step_s)
             }
             (
                 Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, .. }, .. }),
@@ -117,8 +117,8 @@ impl Rung {
 }
 
 /// The setting the scene asks for.
-pub fn own(scene: Simulated<'_>) -> Rung {
-    Rung::engine(*scene.engine(), scene)
+pub fn own(scene: &Scene) -> Rung {
+    Rung::engine(scene.engine, scene)
 }
 
 /// A setting in few words, without its family.
@@ -138,7 +138,7 @@ pub fn name(rung: &Rung) -> String {
 }
 
 /// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
-pub fn ladder(scene: Simulated<'_>, quick: bool) -> Vec<Rung> {
+pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
     let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
     let mut engines = adaptive(scene);
     engines.extend(fixed(scene, maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7], quick));
@@ -149,7 +149,7 @@ pub fn ladder(scene: Simulated<'_>, quick: bool) -> Vec<Rung> {
         let native = Response::Rapier { friction, restitution: 0.0 };
         engines.extend(fixed(scene, maximal, native, &[1e-4, 1e-5, 1e-6], quick));
     }
-    let own = *scene.engine();
+    let own = scene.engine;
     if !engines.contains(&own) {
         let family = Family::of(&own);
         let place = engines.iter().rposition(|engine| Family::of(engine) == family);
@@ -161,8 +161,8 @@ pub fn ladder(scene: Simulated<'_>, quick: bool) -> Vec<Rung> {
 
 /// Tolerances around the scene's own, or around the usual one where its steps are fixed. Bodies without joints are rarely
 /// held back by the tolerance: there the longest step goes with it, as its square root.
-fn adaptive(scene: Simulated<'_>) -> Vec<Engine> {
-    let stepping = match scene.engine().stepping {
+fn adaptive(scene: &Scene) -> Vec<Engine> {
+    let stepping = match scene.engine.stepping {
         Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
         adaptive @ Stepping::Adaptive { .. } => adaptive,
     };
@@ -177,28 +177,22 @@ fn adaptive(scene: Simulated<'_>) -> Vec<Engine> {
     }
 }
 
-fn fixed(
-    scene: Simulated<'_>,
-    construction: Construction,
-    response: Response,
-    steps_s: &[f64],
-    quick: bool,
-) -> Vec<Engine> {
+fn fixed(scene: &Scene, construction: Construction, response: Response, steps_s: &[f64], quick: bool) -> Vec<Engine> {
     let coarse = steps_s.iter().filter(|&&step_s| !quick || step_s >= QUICK_STEP_S);
     coarse.map(|&step_s| engine(scene, construction, response, Stepping::Fixed { step_s })).collect()
 }
 
 /// The engine of the scene built and stepped in another way; sweeps are the scene's where its contact is of the same
 /// kind.
-fn engine(scene: Simulated<'_>, construction: Construction, response: Response, stepping: Stepping) -> Engine {
-    let own = scene.engine();
+fn engine(scene: &Scene, construction: Construction, response: Response, stepping: Stepping) -> Engine {
+    let own = scene.engine;
     let same = matches!(response, Response::Laws) == matches!(own.response, Response::Laws);
     let iterations = if same { own.iterations } else { Engine::usual_iterations(response) };
-    Engine { construction, response, stepping, iterations, ..*own }
+    Engine { construction, response, stepping, iterations, ..own }
 }
 
 /// The everyday preset loosened and tightened as a whole, and two of the method of the reference.
-fn analytic(scene: Simulated<'_>) -> Vec<Integrator> {
+fn analytic(scene: &Scene) -> Vec<Integrator> {
     let (usual, reference) = (Integrator::preset(Preset::Engineering), Integrator::preset(Preset::Reference));
     let at = |preset: Integrator, rtol: f64| {
         let factor = rtol / preset.rtol;
@@ -207,7 +201,7 @@ fn analytic(scene: Simulated<'_>) -> Vec<Integrator> {
             rtol,
             atol_angle_rad: scaled(preset.atol_angle_rad, factor),
             atol_rate_rad_s: scaled(preset.atol_rate_rad_s, factor),
-            max_steps: scene.integrator().max_steps,
+            max_steps: scene.integrator.max_steps,
             ..preset
         }
     };

@@ -1,7 +1,8 @@
 //! A run kept whole.
 
 use super::Impacts;
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Simulated, Sink, SinkError, between, run};
+use crate::scene::Scene;
+use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
 use crate::trace::{GoOn, While};
 
 /// Everything a run said, in memory.
@@ -46,12 +47,12 @@ impl Recording {
 }
 
 /// Runs the scene and keeps all of it.
-pub fn record<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Result<Recording, RunError> {
+pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
     record_while(model, scene, &|| true)
 }
 
 /// Runs the scene as long as it may and keeps all of it.
-pub fn record_while<'a>(model: Model, scene: impl Into<Simulated<'a>>, go_on: GoOn) -> Result<Recording, RunError> {
+pub fn record_while(model: Model, scene: &Scene, go_on: GoOn) -> Result<Recording, RunError> {
     let mut recording = Recording::default();
     recording.outcome = run(model, scene, &mut While { sink: &mut recording, go_on })?;
     Ok(recording)

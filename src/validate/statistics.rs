@@ -5,7 +5,8 @@
 //! [`RUNS`] times with torques spread evenly over ±[`SPREAD`], far wider than either's error and the same for both, and
 //! their means are compared with the standard error of their difference.
 
-use crate::scene::{LogRates, Scene, scaled};
+use crate::check::pushed;
+use crate::scene::{LogRates, Scene};
 use crate::trace::{Event, EventKind, Model, Outcome, RunError, Sample, Sink, SinkError, Site, run};
 use crate::trace::{GoOn, While};
 
@@ -72,7 +73,7 @@ pub fn statistics(scene: &Scene, go_on: GoOn) -> Result<Statistics, RunError> {
     let mut pairs: Vec<[[f64; 6]; 2]> = Vec::with_capacity(RUNS);
     for index in 0..RUNS {
         let place = 2.0 * index as f64 / (RUNS - 1) as f64 - 1.0;
-        let scene = Scene { actuation: scaled(&scene.actuation, 1.0 + SPREAD * place), ..scene.clone() };
+        let scene = pushed(scene, SPREAD * place);
         let both = [Model::Analytic, Model::Engine].map(|model| tally(model, &scene, go_on));
         match both {
             [Ok(analytic), Ok(engine)] => pairs.push([analytic, engine]),

@@ -1,14 +1,16 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
-use super::subject::{member, with};
+use super::ensemble::member;
+use super::subject::with;
 use super::{
-    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Subject, Verdict, compare, cost, ladder, own,
-    path_bound, record_while, reference, sampled, statistics, until_s,
+    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Verdict, compare, compared, cost, invariants,
+    judge, ladder, own, path_bound, record_while, reference, sampled, statistics,
 };
 use crate::check;
 use crate::invariants::Finding;
-use crate::scene::AnyScene;
-use crate::trace::{GoOn, Model, RunError, Simulated, While, run};
+use crate::scene::Scene;
+use crate::scene::words::SceneKind;
+use crate::trace::{GoOn, Model, RunError, While, run};
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,27 +80,26 @@ pub struct Progress<'a> {
 ///
 /// # Errors A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail:
 /// their row says so. When `go_on` says no, the run at hand ends as stopped, and the validation with it.
-pub fn validate<'a>(
-    scene: impl Into<Simulated<'a>>,
+pub fn validate(
+    whole: &Scene,
     quick: bool,
     tell: &mut dyn FnMut(Progress),
     go_on: GoOn,
 ) -> Result<Validation, StudyError> {
-    let whole = scene.into();
-    let scene = &whole.to_owned().compared();
-    let (until_s, path_bound) = (until_s(whole), path_bound(whole));
-    let rungs = ladder(scene.simulated(), quick);
+    let scene = &compared(whole);
+    let (until_s, path_bound) = (whole.bounds.until_s, path_bound(whole));
+    let rungs = ladder(scene, quick);
     let total = rungs.len() + 1;
     tell(Progress { done: 0, total, next: "references" });
     let broken = |model: Model| move |error: RunError| StudyError { model, error };
-    let scenes: Vec<AnyScene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
+    let scenes: Vec<Scene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
     let references: Vec<Recording> = scenes
         .iter()
         .map(|scene| record_while(Model::Analytic, &reference(scene), go_on))
         .collect::<Result<_, _>>()
         .map_err(broken(Model::Analytic))?;
     let engine = record_while(Model::Engine, &sampled(Model::Engine, scene), go_on).map_err(broken(Model::Engine))?;
-    let own = own(scene.simulated());
+    let own = own(scene);
     let rest = against(&own, &scenes[1..], &references[1..], go_on).map_err(broken(Model::Engine))?;
     let first = compare(&engine, &references[0], until_s);
     let differences = match rest {
@@ -121,13 +122,12 @@ pub fn validate<'a>(
     }
     let statistics = sensitive(scene, go_on).map_err(broken(Model::Engine))?;
     let checked = check_reference(scene, until_s, go_on);
-    let reference_invariants = reference(scene).invariants(Model::Analytic, &references[0]);
-    let engine_invariants = scene.invariants(Model::Engine, &engine);
+    let reference_invariants = invariants(&reference(scene), Model::Analytic, &references[0]);
+    let engine_invariants = invariants(scene, Model::Engine, &engine);
     Ok(Validation {
         until_s,
         path_bound,
-        verdict: scene
-            .judge(&differences)
+        verdict: judge(scene, &differences)
             .and_reference(&checked, path_bound)
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
@@ -143,29 +143,27 @@ pub fn validate<'a>(
 }
 
 /// Means over many runs beyond the time up to which trajectories are compared, if there is such a time.
-fn sensitive(scene: &AnyScene, go_on: GoOn) -> Result<Option<Statistics>, RunError> {
-    match scene {
-        AnyScene::Finger(scene) if scene.bounds.until_s < scene.duration_s => statistics(scene, go_on).map(Some),
-        AnyScene::Finger(_) | AnyScene::Bodies(_) | AnyScene::Gripper(_) => Ok(None),
-    }
+fn sensitive(scene: &Scene, go_on: GoOn) -> Result<Option<Statistics>, RunError> {
+    let is_cut = scene.kind() == SceneKind::Finger && scene.bounds.until_s < scene.duration_s;
+    is_cut.then(|| statistics(scene, go_on)).transpose()
 }
 
 /// What a check of the reference says, as far as trajectories are compared.
-fn check_reference(scene: &AnyScene, until_s: f64, go_on: GoOn) -> check::Check {
-    let compared = with(scene, |numerics| *numerics.duration_s = until_s.min(*numerics.duration_s));
+fn check_reference(scene: &Scene, until_s: f64, go_on: GoOn) -> check::Check {
+    let compared = with(scene, |scene| scene.duration_s = until_s.min(scene.duration_s));
     check::check(Model::Analytic, &reference(&compared), go_on)
 }
 
 /// Compares and times one setting.
 fn attempt(
     rung: &Rung,
-    scenes: &[AnyScene],
+    scenes: &[Scene],
     references: &[Recording],
     own_steps: u64,
     quick: bool,
     go_on: GoOn,
 ) -> Result<Tried, StudyError> {
-    let predicted = rung.predicted_steps(scenes[0].simulated(), own_steps);
+    let predicted = rung.predicted_steps(&scenes[0], own_steps);
     if let Some(steps) = predicted.filter(|&steps| steps > super::LONGEST_STEPS) {
         return Ok(Tried::TooLong { steps });
     }
@@ -182,13 +180,13 @@ fn attempt(
 /// Worst differences of a setting over some members; `None` without members.
 fn against(
     rung: &Rung,
-    scenes: &[AnyScene],
+    scenes: &[Scene],
     references: &[Recording],
     go_on: GoOn,
 ) -> Result<Option<Differences>, RunError> {
     let mut worst: Option<Differences> = None;
     for (scene, reference) in scenes.iter().zip(references) {
-        let mut comparison = Comparison::new(reference, until_s(scene.simulated()));
+        let mut comparison = Comparison::new(reference, scene.bounds.until_s);
         let sampled = sampled(rung.model(), &rung.apply(scene));
         let outcome = run(rung.model(), &sampled, &mut While { sink: &mut comparison, go_on })?;
         let found = comparison.finish(&outcome);

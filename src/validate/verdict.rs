@@ -3,7 +3,7 @@
 use super::{Differences, MOST_ERRORS, Statistics, largest};
 use crate::check;
 use crate::invariants::Finding;
-use crate::scene::{BodiesBounds, Bounds, GripperBounds};
+use crate::scene::Bounds;
 
 /// What the reference may be off by, as a part of what the engine may.
 pub const REFERENCE_SHARE: f64 = 0.1;
@@ -101,7 +101,7 @@ pub fn verdicts(found: &Differences, bounds: &Bounds) -> Verdict {
 }
 
 /// The same of a scene of discs.
-pub(super) fn verdicts_of_discs(found: &Differences, bounds: &BodiesBounds) -> Verdict {
+pub(super) fn verdicts_of_discs(found: &Differences, bounds: &Bounds) -> Verdict {
     let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
     let path = (Some(found.path_max()), bounds.position_m);
     Verdict::new([
@@ -113,7 +113,7 @@ pub(super) fn verdicts_of_discs(found: &Differences, bounds: &BodiesBounds) -> V
 }
 
 /// The same of a gripper.
-pub(super) fn verdicts_of_gripper(found: &Differences, bounds: &GripperBounds) -> Verdict {
+pub(super) fn verdicts_of_gripper(found: &Differences, bounds: &Bounds) -> Verdict {
     let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
     Verdict::new([
         ("angle_rad", "largest difference of a joint angle", (Some(found.angle_max()), bounds.angle_rad)),

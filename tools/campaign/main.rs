@@ -23,7 +23,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use dice::Dice;
-use phalanx::scene::{AnyScene, parse_any};
+use phalanx::scene::{Scene, parse_any};
 use record::{Run, Setting, difference, record};
 use trial::{Trial, Verdict, trial};
 
@@ -64,7 +64,7 @@ struct Args {
 }
 
 /// How the error falls with the tolerance, and where along the path it first shows.
-fn ladder(scene: &AnyScene, reference: &Run) {
+fn ladder(scene: &Scene, reference: &Run) {
     let settings = [1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7, 1e-8, 1e-9].map(Setting::Rtol);
     let engine = [10.0, 1.0, 0.1, 0.01].map(Setting::EngineAt);
     println!("    reference: {}", reference.story.iter().take(24).cloned().collect::<Vec<_>>().join(", "));

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use phalanx::check::{LENGTH_M, pushed, pushed_bodies, pushed_gripper};
-use phalanx::scene::{AnyScene, Integrator, Method, Preset, Stepping};
-use phalanx::trace::{Event, Model, Numerics, RunError, Sample, Sink, SinkError, run};
+use phalanx::check::{LENGTH_M, pushed};
+use phalanx::scene::{Integrator, Method, Preset, Scene, Stepping};
+use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 use phalanx::validate::turned;
 
 /// Points at which runs are compared.
@@ -94,13 +94,9 @@ impl Sink for Keep {
 }
 
 /// Runs a scene in one setting; `push`: relative change of what drives it.
-pub fn record(scene: &AnyScene, setting: Setting, push: f64) -> Run {
+pub fn record(scene: &Scene, setting: Setting, push: f64) -> Run {
     let start = Instant::now();
-    let mut scene = match scene {
-        AnyScene::Finger(scene) => AnyScene::Finger(Box::new(pushed(scene, push))),
-        AnyScene::Bodies(scene) => AnyScene::Bodies(Box::new(pushed_bodies(scene, push))),
-        AnyScene::Gripper(scene) => AnyScene::Gripper(Box::new(pushed_gripper(scene, push))),
-    };
+    let mut scene = pushed(scene, push);
     let mut run = run_in(&mut scene, setting);
     run.wall = start.elapsed();
     run
@@ -140,12 +136,11 @@ fn stepping(setting: Setting, own: Stepping) -> Stepping {
     }
 }
 
-fn run_in(scene: &mut AnyScene, setting: Setting) -> Run {
-    let numerics = Numerics::from(&mut *scene);
-    *numerics.integrator = integrator(setting, numerics.integrator);
-    numerics.engine.stepping = stepping(setting, numerics.engine.stepping);
-    numerics.log.numeric_hz = POINTS / *numerics.duration_s;
-    let mut keep = Keep::new(*numerics.duration_s);
+fn run_in(scene: &mut Scene, setting: Setting) -> Run {
+    scene.integrator = integrator(setting, &scene.integrator);
+    scene.engine.stepping = stepping(setting, scene.engine.stepping);
+    scene.log.numeric_hz = POINTS / scene.duration_s;
+    let mut keep = Keep::new(scene.duration_s);
     let result = run(model(setting), &*scene, &mut keep);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),

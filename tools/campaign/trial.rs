@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Instant;
 
 use phalanx::check::check;
-use phalanx::scene::AnyScene;
+use phalanx::scene::Scene;
 use phalanx::trace::Model;
 
 use super::record::{PATIENCE, Run, Setting, difference, record, same_end};
@@ -86,14 +86,14 @@ fn at_fold(run: &Run) -> bool {
 }
 
 /// What the program says of its own run.
-fn ask(scene: &AnyScene, model: Model) -> &'static str {
+fn ask(scene: &Scene, model: Model) -> &'static str {
     let deadline = Instant::now() + PATIENCE;
     let go_on = || Instant::now() < deadline;
     check(model, scene, &go_on).verdict.name()
 }
 
 /// Runs a scene in all settings.
-pub fn trial(scene: &AnyScene, engine: bool) -> Trial {
+pub fn trial(scene: &Scene, engine: bool) -> Trial {
     let reference = record(scene, Setting::Reference, 0.0);
     let everyday = record(scene, Setting::Default, 0.0);
     let slow = reference.steps > SLOW_STEPS;

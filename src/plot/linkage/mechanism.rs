@@ -2,15 +2,15 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::gripper::{Joints, Lengths, Posture, close, final_posture, joints, straight};
-use crate::scene::{Disc, Scene};
+use crate::gripper::{Circle, Joints, Lengths, Posture, close, final_posture, joints, straight};
+use crate::scene::Scene;
 
 /// What is drawn, in metres and radians.
 pub(super) struct Mechanism {
     pub lengths: Lengths,
     pub posture: Posture,
     pub joints: Joints,
-    pub object: Option<Disc>,
+    pub object: Option<Circle>,
     pub palm: bool,
     /// Where each phalanx touches the object and which way that pushes the phalanx.
     pub contacts: Option<[([f64; 2], [f64; 2]); 2]>,
@@ -19,10 +19,10 @@ pub(super) struct Mechanism {
 }
 
 pub(super) fn mechanism(scene: &Scene) -> Mechanism {
-    let (lengths, assembly) = (scene.finger.lengths, scene.finger.assembly);
-    let grasp =
-        scene.object.and_then(|object| Some((object, final_posture(&lengths, assembly, object.circle()).ok()?)));
-    let start = || close(&lengths, assembly, scene.initial.q11_rad, scene.initial.q21_rad).ok();
+    let (lengths, assembly) = (scene.finger().linkage.lengths, scene.finger().linkage.assembly);
+    let object = scene.object().map(|object| object.circle());
+    let grasp = object.and_then(|object| Some((object, final_posture(&lengths, assembly, object).ok()?)));
+    let start = || close(&lengths, assembly, scene.finger().initial.q11_rad, scene.finger().initial.q21_rad).ok();
     // A scene whose start does not close is refused elsewhere; upright it can always be drawn.
     let upright = || straight(&lengths, FRAC_PI_2).ok();
     let (posture, shown) = match &grasp {
@@ -52,5 +52,5 @@ pub(super) fn mechanism(scene: &Scene) -> Mechanism {
             touch(joints.a22_m, joints.tip_m, end.l_c22_m, lengths.t22_m),
         ]
     });
-    Mechanism { lengths, posture, joints, object: scene.object, palm: scene.palm, contacts, shown }
+    Mechanism { lengths, posture, joints, object, palm: scene.system.palm.is_some(), contacts, shown }
 }

@@ -227,7 +227,7 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
         ("φ22", "a", "from the arm to t22", deg(l.phi22_rad)),
         ("w", "k", "half width of a link", mm(l.half_width_m)),
     ];
-    if let Some(object) = scene.object {
+    if let Some(object) = scene.object() {
         rows.push(("base", "k", "from joint to middle", mm(-object.centre_m[0])));
         rows.push(("radius", "k", "of the object", mm(object.radius_m)));
     }

@@ -14,8 +14,8 @@ use super::verify::VerificationReport;
 use crate::criteria::{Criteria, GraspCriteria};
 use crate::log::{Loss, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
-use crate::scene::{AnyScene, Engine, Integrator};
-use crate::trace::{Energy, FingerState, Outcome, Simulated};
+use crate::scene::{Engine, Integrator, Scene};
+use crate::trace::{Energy, FingerState, Outcome};
 
 /// One log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -108,11 +108,10 @@ impl ReplayReport {
         summary: &Summary,
         criteria: Option<Criteria>,
         grasp: Option<&GraspCriteria>,
-        scene: Option<&AnyScene>,
+        scene: Option<&Scene>,
     ) -> Self {
         let (layout, outcome, kind) = (&summary.layout, summary.outcome(), reading.kind());
         let of = |wanted: SceneKind| outcome.filter(|_| kind == wanted);
-        let scene = scene.map(Simulated::from);
         let bodies = |outcome: &Outcome| discs(&layout.bodies, scene, &outcome.last.bodies);
         ReplayReport {
             last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).copied(),

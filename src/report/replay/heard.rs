@@ -5,7 +5,7 @@ use super::summary::Summary;
 use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, Tracker, at_rest};
 use crate::log::{LARGEST_RECORD, LogSink, Reading};
 use crate::scene::words::SceneKind;
-use crate::scene::{self, AnyScene, SceneError};
+use crate::scene::{self, Scene, SceneError};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
@@ -17,7 +17,7 @@ pub struct Heard {
     /// Of a gripper.
     gripper: Option<GraspTracker>,
     /// The scene of a log of bodies, if there is one that this phalanx reads: how they are moved.
-    moved: Option<AnyScene>,
+    moved: Option<Scene>,
 }
 
 impl Heard {
@@ -26,8 +26,8 @@ impl Heard {
         let mut heard = Heard::default();
         let mut said = None;
         match attached(head) {
-            Some(Ok(AnyScene::Finger(scene))) => {
-                let found = scene.object.map(|object| at_rest(&scene, object)).transpose();
+            Some(Ok(scene)) if scene.kind() == SceneKind::Finger => {
+                let found = scene.object().map(|object| at_rest(&scene, object)).transpose();
                 heard.grasp = found.unwrap_or_else(|error| {
                     said = Some(format!("no dynamic criteria, for the finger cannot grasp this object: {error}"));
                     None
@@ -35,9 +35,7 @@ impl Heard {
                 heard.tracker = heard.grasp.as_ref().map(|grasp| Tracker::new(grasp.angles()));
             }
             Some(Ok(scene)) => {
-                if let AnyScene::Gripper(gripper) = &scene {
-                    heard.gripper = Some(GraspTracker::of(gripper));
-                }
+                heard.gripper = (scene.kind() == SceneKind::Gripper).then(|| GraspTracker::of(&scene));
                 heard.moved = Some(scene);
             }
             Some(Err(error)) => {
@@ -83,7 +81,7 @@ fn is_of_whole_run(reading: &Reading) -> bool {
 }
 
 /// The scene of a log, if it has one of a size that scenes have.
-pub fn attached(head: &Reading) -> Option<Result<AnyScene, SceneError>> {
+pub fn attached(head: &Reading) -> Option<Result<Scene, SceneError>> {
     let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD)?;
     Some(scene::parse_any(text, name))
 }

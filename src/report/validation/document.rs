@@ -15,9 +15,9 @@ use super::differences::{DifferencesReport, Errors};
 use super::invariants::FindingReport;
 use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
-use crate::scene::Words;
 use crate::scene::words::SceneKind;
-use crate::trace::{Energy, FingerState, Layout, Outcome, Simulated};
+use crate::scene::{Scene, Words};
+use crate::trace::{Energy, FingerState, Layout, Outcome};
 use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
@@ -155,18 +155,17 @@ impl From<&Check> for CheckReport {
 }
 
 impl ValidationReport {
-    pub fn new<'a>(scene: impl Into<Simulated<'a>>, found: &Validation, quick: bool) -> Self {
-        let scene = scene.into();
-        let layout = scene.layout();
+    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
+        let layout = Layout::of(&scene.system);
         let (finger, gripper) = (scene.kind() == SceneKind::Finger, scene.kind() == SceneKind::Gripper);
         let fingers = finger || gripper;
         let row = |wanted: fn(&Row) -> bool| found.rows.iter().find(|row| wanted(row));
         let analytic = row(|row| row.rung.is_reference());
         ValidationReport {
-            scene: scene.name().to_string(),
+            scene: scene.name.clone(),
             kind: scene.kind().word(),
             passed: found.verdict.passed(),
-            duration_s: scene.duration_s(),
+            duration_s: scene.duration_s,
             until_s: found.until_s,
             ensemble_runs: MEMBERS,
             ensemble_torque_step: fingers.then_some(TORQUE_STEP),
@@ -195,8 +194,8 @@ impl ValidationReport {
 }
 
 impl ModelReport {
-    fn new(scene: Simulated<'_>, row: Option<&Row>, recording: &Recording, invariants: &[Finding]) -> Self {
-        let (layout, outcome) = (scene.layout(), &recording.outcome);
+    fn new(scene: &Scene, row: Option<&Row>, recording: &Recording, invariants: &[Finding]) -> Self {
+        let (layout, outcome) = (Layout::of(&scene.system), &recording.outcome);
         let cost = row.and_then(|row| match row.tried {
             Tried::Done { cost, .. } => Some(cost),
             _ => None,

@@ -3,8 +3,10 @@
 use std::io::{self, Write};
 
 use super::super::csv::cell;
+use crate::scene::Scene;
+use crate::scene::words::SceneKind;
 use crate::trace::columns::columns;
-use crate::trace::{Layout, Place, Sample, Simulated, Site};
+use crate::trace::{Layout, Place, Sample, Site};
 use crate::validate::{Recording, turned};
 
 type Column = (&'static str, fn(&Sample) -> f64);
@@ -31,26 +33,22 @@ pub const COLUMNS: [Column; 15] = [
 
 /// Writes both runs at every multiple of the interval of the scene's log and at the end: of a finger these columns, of discs
 /// places and rates of every disc, gap and forces of every pair, energies; of a gripper all figures of a sample. What is infinite (a gap to no object) is empty.
-pub fn series<'a>(
-    out: &mut impl Write,
-    scene: impl Into<Simulated<'a>>,
-    [analytic, engine]: [&Recording; 2],
-) -> io::Result<()> {
-    let scene = scene.into();
+pub fn series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
+    let (kind, layout) = (scene.kind(), Layout::of(&scene.system));
     // Time is the first of them.
-    let all = columns(&scene.layout());
-    let names = match scene {
-        Simulated::Finger(_) => COLUMNS.iter().map(|(name, _)| name.to_string()).collect(),
-        Simulated::Discs(_) => names_of_discs(&scene.layout()),
-        Simulated::Gripper(_) => all.iter().skip(1).map(|column| column.name.clone()).collect(),
+    let all = columns(&layout);
+    let names = match kind {
+        SceneKind::Finger => COLUMNS.iter().map(|(name, _)| name.to_string()).collect(),
+        SceneKind::Bodies => names_of_discs(&layout),
+        SceneKind::Gripper => all.iter().skip(1).map(|column| column.name.clone()).collect(),
     };
-    let values = |sample: &Sample| match scene {
-        Simulated::Finger(_) => COLUMNS.iter().map(|(_, value)| value(sample)).collect(),
-        Simulated::Discs(_) => values_of_discs(sample),
-        Simulated::Gripper(_) => all.iter().skip(1).map(|column| column.value(sample)).collect(),
+    let values = |sample: &Sample| match kind {
+        SceneKind::Finger => COLUMNS.iter().map(|(_, value)| value(sample)).collect(),
+        SceneKind::Bodies => values_of_discs(sample),
+        SceneKind::Gripper => all.iter().skip(1).map(|column| column.value(sample)).collect(),
     };
     let (mut ours, mut theirs) = (0, 0);
-    write_series(out, &names, [scene.log().numeric_hz, analytic.outcome.last.time_s], |t| {
+    write_series(out, &names, [scene.log.numeric_hz, analytic.outcome.last.time_s], |t| {
         Some([values(&analytic.at(t, &mut ours)?), values(&engine.at(t, &mut theirs)?)])
     })
 }

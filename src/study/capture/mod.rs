@@ -16,7 +16,7 @@ mod place;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::scene::{GripperScene, SceneError};
+use crate::scene::{Scene, SceneError};
 use crate::study::pool;
 use crate::trace::Model;
 
@@ -58,7 +58,7 @@ pub enum CaptureError {
 }
 
 /// The scene with its object at a place, for errors up to that of the plan.
-pub type Load<'a> = &'a (dyn Fn(f64) -> Result<GripperScene, SceneError> + Sync);
+pub type Load<'a> = &'a (dyn Fn(f64) -> Result<Scene, SceneError> + Sync);
 
 /// Tries all places, on all cores, and finds the edges; `tell` hears how many places are done, and of how many.
 ///
@@ -91,5 +91,5 @@ pub fn capture(
     let stopped = || CaptureError::Stopped { done: done.load(Ordering::Relaxed), total };
     let placed: Vec<Placed> = found.into_iter().collect::<Option<_>>().ok_or_else(stopped)?;
     let captured = edge::edges(&plan, &placed, load, go_on).ok_or_else(stopped)?;
-    Ok(Capture { scene: middle.name, plan, palm_width_m: middle.palm_width_m, placed, captured })
+    Ok(Capture { scene: middle.name, plan, palm_width_m: middle.system.palm_width_m, placed, captured })
 }

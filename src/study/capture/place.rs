@@ -5,7 +5,7 @@ use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed}
 use crate::grasp::geometric;
 use crate::grasp::run;
 use crate::gripper::Circle;
-use crate::scene::{GripperScene, Side};
+use crate::scene::{Scene, Side};
 use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
 use crate::trace::Model;
 
@@ -76,14 +76,14 @@ pub(super) fn place(model: Model, offset_m: f64, load: Load<'_>, go_on: &(dyn Fn
 }
 
 /// Form closure of the geometric grasp of an object that does not move.
-fn closed_there(scene: &GripperScene) -> Option<bool> {
+fn closed_there(scene: &Scene) -> Option<bool> {
     let stance = Stance {
-        fingers: Side::BOTH.map(|side| &scene.finger(side).finger),
+        fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
         angles_rad: geometric(scene).ok()?,
-        palm_width_m: scene.palm_width_m,
-        object: Circle { radius_m: scene.object.radius_m, centre_m: scene.object.centre_m },
+        palm_width_m: scene.system.palm_width_m,
+        object: Circle { radius_m: scene.system.grasped().radius_m, centre_m: scene.system.grasped().centre_m },
     };
-    let touching = PerContact { phalanges: [[true; 2]; 2], palm: scene.palm.is_some() };
-    let blocked = if scene.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
+    let touching = PerContact { phalanges: [[true; 2]; 2], palm: scene.system.palm.is_some() };
+    let blocked = if scene.system.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     gripper_closure(&stance, &touching, blocked).ok().map(|found| found.closed)
 }

@@ -6,7 +6,6 @@ use super::prepared::Prepared;
 use super::search::Answer;
 use crate::criteria::{Fate, GraspTracker, Travel};
 use crate::grasp::run;
-use crate::scene::GripperScene;
 use crate::trace::Model;
 
 /// A load, and what came of it.
@@ -69,7 +68,7 @@ pub(super) fn under(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Option<Result<Found, String>> {
     let duration_s = load.over_s + AFTER_S;
-    let scene = GripperScene { palm_motion: Some(load.motion), duration_s, ..prepared.scene.clone() };
+    let scene = prepared.scene.moved_by(Some(load.motion), duration_s);
     let mut tracker = GraspTracker::of(&scene).carrying_from(prepared.stage.begins_s);
     let outcome = run(model, &scene, &mut tracker, go_on)?;
     Some(outcome.and_then(|outcome| {

@@ -4,7 +4,7 @@ use super::load::Case;
 use super::prepared::Prepared;
 use crate::criteria::{Driven, held_at_rest};
 use crate::numeric::elementary::sin_cos;
-use crate::scene::{Axis, GripperScene};
+use crate::scene::{Axis, Scene};
 use crate::statics::{Balanced, balanced_acceleration};
 use crate::trace::Sample;
 
@@ -47,6 +47,6 @@ pub(super) fn at_rest(prepared: &Prepared, sample: &Sample, case: &Case) -> Opti
 }
 
 /// Whether all that drives the fingers has a brake that has gripped by then and stays so.
-fn is_blocked(scene: &GripperScene, time_s: f64) -> bool {
+fn is_blocked(scene: &Scene, time_s: f64) -> bool {
     scene.cycle().blocked_s.iter().all(|blocked_s| blocked_s.is_some_and(|blocked_s| blocked_s <= time_s))
 }

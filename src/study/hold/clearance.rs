@@ -39,8 +39,8 @@ pub(super) fn highest(prepared: &Prepared, plan: &Plan, cases: &[Case]) -> Resul
 
 /// Whether the object, where it lies in the hand, stays above the table from when loads begin.
 fn is_clear(prepared: &Prepared, load: &Load) -> bool {
-    let Some(table) = &prepared.scene.table else { return true };
-    let object = &prepared.scene.object;
+    let Some(table) = &prepared.scene.system.table else { return true };
+    let object = prepared.scene.system.grasped();
     let ([x, y], begins_s) = (object.centre_m, prepared.stage.begins_s);
     (0..=PLACES).all(|index| {
         let time_s = begins_s + (load.over_s - begins_s) * index as f64 / PLACES as f64;

@@ -41,7 +41,7 @@ use std::sync::mpsc::Sender;
 use crate::criteria::{Fate, GraspTracker};
 use crate::grasp::run;
 use crate::numeric::elementary::{ln, log2};
-use crate::scene::{Axis, GripperScene};
+use crate::scene::{Axis, Scene};
 use crate::study::pool;
 use crate::trace::Sample;
 
@@ -106,7 +106,7 @@ impl Held {
 /// # Panics
 /// If the plan's scan has fewer than 2 loads.
 pub fn hold(
-    scene: &GripperScene,
+    scene: &Scene,
     plan: Plan,
     tell: &mut (dyn FnMut(u64, u64) + Send),
     go_on: GoOn<'_>,
@@ -219,7 +219,7 @@ fn unloaded(prepared: &Prepared, plan: &Plan, cases: &[Case], go_on: GoOn<'_>) -
 /// The last sample before loads begin; `None` if it was told to stop.
 fn beginning(prepared: &Prepared, plan: &Plan, go_on: GoOn<'_>) -> Result<Option<Sample>, HoldError> {
     let (motion, duration_s) = (prepared.stage.before.clone(), prepared.stage.begins_s);
-    let scene = GripperScene { palm_motion: Some(motion), duration_s, ..prepared.scene.clone() };
+    let scene = prepared.scene.moved_by(Some(motion), duration_s);
     match run(plan.model, &scene, &mut GraspTracker::of(&scene), go_on) {
         None => Ok(None),
         Some(Err(reason)) => Err(HoldError::Scene { reason }),

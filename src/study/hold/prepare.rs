@@ -9,7 +9,7 @@ use super::rest::Rest;
 use crate::criteria::{Fate, GraspTracker};
 use crate::grasp::run;
 use crate::numeric::elementary::hypot;
-use crate::scene::{Actuation, Axis, Cycle, GripperScene, Motor, Move, ObjectMotion, PalmMotion, torque};
+use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Scene, torque};
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
 fn standard_cycle() -> PalmMotion {
@@ -20,11 +20,11 @@ fn standard_cycle() -> PalmMotion {
 
 /// Finds when loads begin, and makes the scene ready for them; `None` if it was told to stop.
 pub(super) fn prepare(
-    scene: &GripperScene,
+    scene: &Scene,
     plan: &Plan,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Prepared>, HoldError> {
-    if scene.object.motion == ObjectMotion::Fixed {
+    if scene.system.grasped().motion == DiscMotion::Fixed {
         return Err(HoldError::Fixed);
     }
     let cycle = scene.cycle();
@@ -34,13 +34,13 @@ pub(super) fn prepare(
     if let Some(releases_s) = cycle.releases_s.filter(|releases_s| *releases_s <= begins_s) {
         return Err(HoldError::LetGo { begins_s, releases_s });
     }
-    let given = scene.palm_motion.clone().unwrap_or_default();
+    let given = scene.system.palm_motion.clone().unwrap_or_default();
     let own = match moves_of(&given) {
         Some(start_s) => delayed(&given, -start_s),
         None => standard_cycle(),
     };
     let before = if plan.loads == Loads::Move { PalmMotion::default() } else { over_by(&given, begins_s) };
-    let centre_m = scene.object.centre_m;
+    let centre_m = scene.system.grasped().centre_m;
     let stage =
         Stage { begins_s, before, own_peak_m_s2: peak(&own, centre_m), own, lever_m: hypot(centre_m[0], centre_m[1]) };
     Ok(Some(Prepared { scene: held_from(scene, begins_s), stage, since }))
@@ -54,7 +54,7 @@ fn moves_of(motion: &PalmMotion) -> Option<f64> {
 
 /// When loads begin; `None` if it was told to stop.
 fn begins(
-    scene: &GripperScene,
+    scene: &Scene,
     plan: &Plan,
     cycle: &Cycle,
     go_on: &(dyn Fn() -> bool + Sync),
@@ -62,7 +62,7 @@ fn begins(
     if let Some(begins_s) = plan.begins_s {
         return Ok(Some((begins_s, Since::Given)));
     }
-    let given = scene.palm_motion.as_ref();
+    let given = scene.system.palm_motion.as_ref();
     let blocked_s = cycle.blocked_s.into_iter().flatten().fold(0.0, f64::max);
     if let Some(start_s) = given.and_then(moves_of) {
         return Ok(Some(match plan.loads {
@@ -71,7 +71,7 @@ fn begins(
         }));
     }
     let ends_s = cycle.releases_s.unwrap_or(scene.duration_s).min(scene.duration_s);
-    let alone = GripperScene { palm_motion: None, duration_s: ends_s, ..scene.clone() };
+    let alone = scene.moved_by(None, ends_s);
     let mut rest = Rest::new(GraspTracker::of(&alone));
     match run(plan.model, &alone, &mut rest, go_on) {
         None => return Ok(None),
@@ -107,14 +107,14 @@ fn over_by(motion: &PalmMotion, time_s: f64) -> PalmMotion {
 }
 
 /// The scene whose drives stay as they are at a time: nothing lets go or changes after it.
-fn held_from(scene: &GripperScene, time_s: f64) -> GripperScene {
-    let mut held = GripperScene { palm_motion: None, ..scene.clone() };
+fn held_from(scene: &Scene, time_s: f64) -> Scene {
+    let mut held = scene.moved_by(None, scene.duration_s);
     let motor = |motor: &mut Motor| {
         motor.actuation = steady_from(&motor.actuation, time_s);
         motor.brake.iter_mut().for_each(|brake| brake.release_s = brake.release_s.filter(|end_s| *end_s < time_s));
     };
-    held.fingers.iter_mut().for_each(|finger| motor(&mut finger.motor));
-    held.differential.iter_mut().for_each(|differential| motor(&mut differential.motor));
+    held.system.fingers.iter_mut().for_each(|finger| motor(&mut finger.motor));
+    held.system.differential.iter_mut().for_each(|differential| motor(&mut differential.motor));
     held
 }
 

@@ -1,7 +1,7 @@
 //! The scene up to where loads begin.
 
 use super::load::Stage;
-use crate::scene::GripperScene;
+use crate::scene::Scene;
 
 /// Why loads begin when they do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub enum Since {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prepared {
     /// Without motion, and with drives that stay as they are when loads begin.
-    pub scene: GripperScene,
+    pub scene: Scene,
     pub stage: Stage,
     pub since: Since,
 }

@@ -161,7 +161,7 @@ struct Again {
 /// Checks a run, and looks how it ends otherwise.
 fn again(scene: &Scene, varied: bool, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Again, ReproduceError> {
     let error = ReproduceError::of("a variation");
-    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
     let rest = at_rest(scene, object).map_err(|reason| error(&reason))?;
     let tracker = || Tracker::new(rest.angles());
     let (mut finer, mut pushed) = (tracker(), tracker());

@@ -44,14 +44,14 @@ pub fn cad() -> Result<Closing, ReproduceError> {
 fn closing(name: &'static str, text: &str, file: &str) -> Result<Closing, ReproduceError> {
     let error = ReproduceError::of(name);
     let scene = scene::parse(text, file).map_err(|reason| error(&reason))?;
-    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
     let rest = at_rest(&scene, object).map_err(|reason| error(&reason))?;
     let mut kept = Kept { tracker: Tracker::new(rest.angles()), points: Vec::new() };
     let outcome = trace::run_analytic(&scene, &mut kept).map_err(|reason| error(&reason))?;
     let forces = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];
     Ok(Closing {
         name,
-        mass_kg: total_mass(&scene.finger.bodies),
+        mass_kg: total_mass(&scene.finger().linkage.bodies),
         criteria: kept.tracker.criteria(rest.is_stable()),
         pfp_n: palm_force(&rest.end, forces[0], forces[1], rest.mu_static[0]),
         outcome,

@@ -51,7 +51,7 @@ pub fn designs(
         let values = results.numbers(name)?.into_iter().flatten();
         Ok(values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]))
     };
-    let finger = &scenes[chosen].finger;
+    let finger = &scenes[chosen].finger().linkage;
     Ok(Designs {
         lengths: finger.lengths,
         bodies: finger.bodies,
@@ -65,9 +65,9 @@ pub fn designs(
 
 fn necessary(scene: &Scene) -> Result<NecessaryCount, ReproduceError> {
     let error = ReproduceError::of("form closure");
-    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
     let rest = at_rest(scene, object).map_err(|reason| error(&reason))?;
-    Ok(form_closure(&scene.finger, &rest.end).map_err(|reason| error(&reason))?.necessary)
+    Ok(form_closure(&scene.finger().linkage, &rest.end).map_err(|reason| error(&reason))?.necessary)
 }
 
 /// Form-closed designs of the space that §4.2 prints.
@@ -125,21 +125,21 @@ fn other_sizings(
 /// Motor and spring by a rule.
 fn sized(scene: &Scene, rule: Rule) -> Result<[f64; 2], ReproduceError> {
     let error = ReproduceError::of("another sizing");
-    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
     let task = Task::thesis(object.circle());
-    let sizing = size(&scene.finger, &task, rule).map_err(|reason| error(&reason))?;
+    let sizing = size(&scene.finger().linkage, &task, rule).map_err(|reason| error(&reason))?;
     Ok([sizing.motor_n_m, sizing.spring_n_m])
 }
 
 /// Force positiveness with other torques.
 fn holds(scene: &Scene, motor_n_m: f64, spring_n_m: f64) -> Result<bool, ReproduceError> {
     let mut other = scene.clone();
-    other.actuation = Actuation::Constant { torque_n_m: motor_n_m };
-    if let Some(spring) = &mut other.spring {
+    other.finger_mut().motor.actuation = Actuation::Constant { torque_n_m: motor_n_m };
+    if let Some(spring) = &mut other.finger_mut().spring {
         spring.kind = SpringKind::Constant { torque_n_m: spring_n_m };
     }
     let error = ReproduceError::of("static stability");
-    let object = scene.object.ok_or_else(|| error(&"there is no object"))?;
+    let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
     let rest = at_rest(&other, object).map_err(|reason| error(&reason))?;
     Ok(rest.forces.map_err(|reason| error(&reason))?.is_force_positive())
 }

@@ -72,7 +72,7 @@ pub fn stability(
     });
     let found: Option<Vec<(ReferenceRun, Vec<Cell>)>> = found.into_iter().collect();
     let (references, cells): (Vec<_>, Vec<_>) = found.ok_or(StudyError::Stopped { done, total })?.into_iter().unzip();
-    let laws = [scene.contact.proximal.normal, scene.contact.distal.normal];
+    let laws = [scene.finger().contact.proximal.normal, scene.finger().contact.distal.normal];
     Ok(Stability {
         scene: scene.name.clone(),
         accuracy_rad,
@@ -88,7 +88,7 @@ pub fn stability(
 }
 
 fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
-    if scene.object.is_none() {
+    if scene.object().is_none() {
         return Err(StudyError::NoObject);
     }
     if scene.engine.response != Response::Laws {
@@ -98,7 +98,7 @@ fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
         return Err(StudyError::LongStep { step_s, duration_s: scene.duration_s });
     }
     for (stiffness, damping) in grid.columns() {
-        let contact = scaled(scene, stiffness, damping).contact;
+        let contact = scaled(scene, stiffness, damping).finger().contact;
         for law in [contact.proximal.normal, contact.distal.normal] {
             let (k, c) = (law.stiffness_n_per_m_e, law.damping_max_n_s_per_m);
             if !(k.is_finite() && c.is_finite() && k.max(c) > 0.0) {
@@ -112,7 +112,7 @@ fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
 /// The scene with its contacts times the factors.
 fn scaled(scene: &Scene, stiffness: f64, damping: f64) -> Scene {
     let mut scene = scene.clone();
-    for contact in [&mut scene.contact.proximal, &mut scene.contact.distal] {
+    for contact in scene.finger_mut().contact.both_mut() {
         contact.normal.stiffness_n_per_m_e *= stiffness;
         contact.normal.damping_max_n_s_per_m *= damping;
     }

@@ -42,9 +42,9 @@ pub(super) fn of_finger(
 }
 
 fn statics(scene: &Scene) -> Statics {
-    let object = scene.object.ok_or_else(|| "there is no object".to_string());
+    let object = scene.object().ok_or_else(|| "there is no object".to_string());
     let grasp = object.and_then(|object| at_rest(scene, object).map_err(|error| error.to_string()));
-    let closed = |grasp: &AtRest| match form_closure(&scene.finger, &grasp.end) {
+    let closed = |grasp: &AtRest| match form_closure(&scene.finger().linkage, &grasp.end) {
         Ok(found) => Ok(found.closed),
         Err(error) => Err(error.to_string()),
     };
@@ -53,19 +53,19 @@ fn statics(scene: &Scene) -> Statics {
 
 /// What the design is, and what its statics say.
 fn design(cells: &mut Cells, scene: &Scene, statics: &Statics) {
-    let lengths = &scene.finger.lengths;
+    let lengths = &scene.finger().linkage.lengths;
     cells.set("l12_m", lengths.l12_m);
     cells.set("l21_m", lengths.l21_m);
     cells.set("l22_m", lengths.l22_m);
     cells.set("t22_m", lengths.t22_m);
-    cells.set("mass_kg", total_mass(&scene.finger.bodies));
+    cells.set("mass_kg", total_mass(&scene.finger().linkage.bodies));
     // The torque that holds the grasp in the end, as in its statics.
-    cells.set("motor_n_m", scene::torque(&scene.actuation, scene.duration_s).0);
-    if let Some(SpringKind::Constant { torque_n_m }) = scene.spring.map(|spring| spring.kind) {
+    cells.set("motor_n_m", scene::torque(&scene.finger().motor.actuation, scene.duration_s).0);
+    if let Some(SpringKind::Constant { torque_n_m }) = scene.finger().spring.map(|spring| spring.kind) {
         cells.set("spring_n_m", torque_n_m);
     }
     if let Ok(grasp) = &statics.grasp {
-        cells.set("trajectory_rad", grasp.end.posture.q11_rad - scene.initial.q11_rad);
+        cells.set("trajectory_rad", grasp.end.posture.q11_rad - scene.finger().initial.q11_rad);
         if let Ok(forces) = &grasp.forces {
             cells.set("static_f21_n", forces.f21_n);
             cells.set("static_f22_n", forces.f22_n);

@@ -5,7 +5,8 @@ use super::row::{Cells, Row, Status};
 use super::simulate::{refusal, simulated};
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::gripper::SpringKind;
-use crate::scene::{self, AnyScene, GripperScene, Place, SceneError, Side};
+use crate::scene::words::SceneKind;
+use crate::scene::{self, Place, Scene, SceneError, Side};
 use crate::trace::Outcome;
 
 /// Makes one run of a study of grippers, of which `text` is the scene; `None` if it was told to stop.
@@ -30,23 +31,24 @@ pub(super) fn of_gripper(
 }
 
 /// The scene of a run.
-fn gripper(text: &str) -> Result<GripperScene, SceneError> {
-    match scene::parse_any(text, "run.toml")? {
-        AnyScene::Gripper(scene) => Ok(GripperScene { log: scene.log.without_grid(scene.duration_s), ..*scene }),
+fn gripper(text: &str) -> Result<Scene, SceneError> {
+    let scene = scene::parse_any(text, "run.toml")?;
+    match scene.kind() {
+        SceneKind::Gripper => Ok(Scene { log: scene.log.without_grid(scene.duration_s), ..scene }),
         // The study has made sure of the kind.
         _ => Err(SceneError::Invalid { file: "run.toml".to_string(), text: text.to_string(), problems: Vec::new() }),
     }
 }
 
-fn design(cells: &mut Cells, scene: &GripperScene) {
-    cells.set("palm_width_m", scene.palm_width_m);
-    cells.set("x_start_m", scene.object.centre_m[0]);
+fn design(cells: &mut Cells, scene: &Scene) {
+    cells.set("palm_width_m", scene.system.palm_width_m);
+    cells.set("x_start_m", scene.system.grasped().centre_m[0]);
     for side in Side::BOTH {
-        let (of, name) = (scene.finger(side), |what: &str| format!("{}_{what}", side.word()));
-        cells.set(&name("l21_m"), of.finger.lengths.l21_m);
+        let (of, name) = (scene.system.finger(side), |what: &str| format!("{}_{what}", side.word()));
+        cells.set(&name("l21_m"), of.linkage.lengths.l21_m);
         // The torque in the end.
         let own = scene::torque(&of.motor.actuation, scene.duration_s).0;
-        let input = scene.differential.as_ref().map(|of| scene::torque(&of.motor.actuation, scene.duration_s).0);
+        let input = scene.system.differential.as_ref().map(|of| scene::torque(&of.motor.actuation, scene.duration_s).0);
         cells.set(&name("motor_n_m"), own + 0.5 * input.unwrap_or(0.0));
         if let Some(SpringKind::Constant { torque_n_m }) = of.spring.map(|spring| spring.kind) {
             cells.set(&name("spring_n_m"), torque_n_m);
@@ -54,7 +56,7 @@ fn design(cells: &mut Cells, scene: &GripperScene) {
     }
 }
 
-fn closing(cells: &mut Cells, scene: &GripperScene, found: &GraspCriteria, outcome: &Outcome) {
+fn closing(cells: &mut Cells, scene: &Scene, found: &GraspCriteria, outcome: &Outcome) {
     let (last, end) = (&outcome.last, &found.end);
     cells.set("grasp", found.fate.name());
     cells.set("grasped_s", found.grasped_s);

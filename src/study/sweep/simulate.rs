@@ -3,22 +3,21 @@
 use super::Study;
 use super::row::{Cells, Row, Status};
 use crate::check::check;
-use crate::scene::SceneError;
+use crate::scene::{Scene, SceneError};
 use crate::trace::While;
-use crate::trace::{self, Outcome, RunError, Simulated, Sink};
+use crate::trace::{self, Outcome, RunError, Sink};
 
 /// Simulates a scene and says in its row what `closing` finds in the sink and the outcome; checks it if the study asks for
 /// that. `None` if it was told to stop.
-pub(super) fn simulated<'a, S: Sink>(
+pub(super) fn simulated<S: Sink>(
     study: &Study,
     run: u64,
-    scene: impl Into<Simulated<'a>>,
+    scene: &Scene,
     mut cells: Cells,
     mut sink: S,
     go_on: &(dyn Fn() -> bool + Sync),
     closing: impl FnOnce(&mut Cells, &S, &Outcome),
 ) -> Option<Row> {
-    let scene = scene.into();
     let outcome = match trace::run(study.model, scene, &mut While { sink: &mut sink, go_on }) {
         Ok(outcome) => outcome,
         Err(error) => return unfinished(cells, run, error),
