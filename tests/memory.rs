@@ -22,7 +22,7 @@ fn ten_second_hold_stays_below_50_mb() {
     let mut scene = scene::load(&path).expect("the shipped scene loads");
     scene.duration_s = 10.0;
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hold.mcap");
-    let info = log::RunInfo { scene: (&scene).into(), scene_file: "experiment-95.toml", model: "analytic" };
+    let info = log::RunInfo { scene: &scene, scene_file: "experiment-95.toml", model: "analytic" };
     let mut writer = log::create(&file, &info).expect("the log opens");
     let outcome = support::held::run(Model::Analytic, &scene, &mut writer).expect("the hold completes");
     writer.keep().expect("the log closes");

@@ -33,9 +33,9 @@ fn the_everyday_preset_is_near_it() {
 #[test]
 fn energy_balances_in_the_frame_of_the_palm() {
     for anchor in carried() {
-        let model = GripperModel::<8>::new(&anchor.scene);
+        let model = GripperModel::<8>::new(&anchor.scene.system);
         let (found, _) = reference::<8>(&anchor.scene, times(&anchor));
-        let start = start::<8>(&anchor.scene);
+        let start = start::<8>(&anchor.scene.system);
         let all = |q: &[f64; 8], v: &[f64; 8]| {
             let energies = model.energies(q, v);
             energies.kinetic + energies.gravity + energies.spring + energies.elastic
@@ -52,15 +52,15 @@ fn energy_balances_in_the_frame_of_the_palm() {
 #[test]
 fn the_jacobian_is_that_of_the_accelerations() {
     let mut scene = anchor("e").scene;
-    let motion = scene.palm_motion.as_mut().expect("it moves");
+    let motion = scene.system.palm_motion.as_mut().expect("it moves");
     motion.moves.push(Move { axis: Axis::Angle, distance: 0.3, start_s: 0.05, length_s: 0.06 });
     // Where the palm is at that time, the table is in reach.
     let (t, [x, y, angle]) = (0.073, motion.pose(0.073).place);
     let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02, t];
-    scene.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
+    scene.system.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
     assert!(x != 0.0);
     let v = [4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0, 1.0];
-    let model = GripperModel::<8>::new(&scene);
+    let model = GripperModel::<8>::new(&scene.system);
     let mut mode = GripperMode::FREE;
     mode.sites = [SiteState::Active; PLACES];
     let exact = model.linearise(t, &q, &v, &mode);

@@ -215,11 +215,11 @@ fn closing_cases() -> Vec<Case> {
     let mut scene = anchor();
     scene.integrator = reference();
     let (_, log) = complete(&scene);
-    let finger = scene.finger;
+    let finger = scene.finger().linkage;
     let state = |s: &phalanx::trace::Sample| Case {
         finger,
         gamma: gamma_of(&finger),
-        gravity: scene.gravity_m_s2,
+        gravity: scene.system.gravity_m_s2,
         q: [s.finger().q11_rad, s.finger().q21_rad],
         v: [s.finger().qd11_rad_s, s.finger().qd21_rad_s],
     };

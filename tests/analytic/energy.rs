@@ -8,7 +8,7 @@ use phalanx::trace::{Outcome, Sample};
 fn with_spring(kind: SpringKind, placement: Placement) -> Scene {
     let mut scene = anchor();
     scene.name = format!("{placement:?}, {kind:?}");
-    scene.spring = Some(Spring { kind, placement });
+    scene.finger_mut().spring = Some(Spring { kind, placement });
     scene
 }
 
@@ -23,22 +23,23 @@ fn scenes() -> Vec<Scene> {
     };
     let without_friction = |law: &mut ContactLaw| law.friction = None;
     add("frictionless", &|scene| {
-        without_friction(&mut scene.contact.proximal);
-        without_friction(&mut scene.contact.distal);
+        without_friction(&mut scene.finger_mut().contact.proximal);
+        without_friction(&mut scene.finger_mut().contact.distal);
     });
     add("no object", &|scene| {
-        scene.object = None;
+        scene.system.discs.clear();
         scene.duration_s = 8e-3;
     });
     add("gravity only", &|scene| {
-        scene.actuation = Actuation::Constant { torque_n_m: 0.0 };
-        scene.spring = None;
-        scene.gravity_m_s2 = [-9.81, 0.0];
+        scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m: 0.0 };
+        scene.finger_mut().spring = None;
+        scene.system.gravity_m_s2 = [-9.81, 0.0];
         scene.duration_s = 60e-3;
     });
     add("torque table", &|scene| {
         let points = vec![(0.0, 0.1), (2e-3, 0.5), (9e-3, 0.2)];
-        scene.actuation = Actuation::Table { points, interpolation: phalanx::scene::Interpolation::Linear };
+        scene.finger_mut().motor.actuation =
+            Actuation::Table { points, interpolation: phalanx::scene::Interpolation::Linear };
     });
     let torsional = SpringKind::Torsional { stiffness_n_m_per_rad: 0.06, preload_rad: 1.92 };
     let constant = SpringKind::Constant { torque_n_m: 0.1326 };
@@ -116,7 +117,7 @@ fn work_of_a_constant_torque_is_torque_times_angle() {
         let (_, log) = complete(&scene);
         let mut worst = 0.0f64;
         for s in &log.samples {
-            let work = 0.48 * (s.finger().q11_rad - scene.initial.q11_rad);
+            let work = 0.48 * (s.finger().q11_rad - scene.finger().initial.q11_rad);
             worst = worst.max((s.energy.motor_work_j - work).abs());
         }
         println!("{:?}: work off by {worst:e} J", settings.method);
@@ -130,7 +131,7 @@ fn logged_energies_are_those_of_the_logged_state() {
     let mut scene = anchor();
     scene.integrator = reference();
     let (_, log) = complete(&scene);
-    let (l, b) = (scene.finger.lengths, scene.finger.bodies);
+    let (l, b) = (scene.finger().linkage.lengths, scene.finger().linkage.bodies);
     let dip = |[x, y]: [f64; 2], angle: f64| x * angle.sin() + y * angle.cos();
     let mut height_energy = Vec::new();
     for s in &log.samples {

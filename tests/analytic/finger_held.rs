@@ -4,7 +4,7 @@ use phalanx::analytic::{GUARDS, HoldingModel, Mode, Model, QUADRATURES, SiteStat
 use phalanx::gripper::Site;
 use phalanx::integrator::{Options, RadauOrRodas, State, System, Tolerances, integrate};
 use phalanx::law::bristle_pull;
-use phalanx::scene::{self, AnyScene, Contacts, GripperScene, Scene};
+use phalanx::scene::{self, Contacts, Scene};
 use phalanx::trace::{self, Sample};
 
 use super::jacobian::{rates_with, touching};
@@ -13,12 +13,9 @@ use crate::support::scenes::{hold, holding};
 
 const PHALANGES: [Site; 2] = [Site::Proximal, Site::Distal];
 
-fn gripper(contacts: Contacts) -> GripperScene {
-    let AnyScene::Gripper(scene) = scene::load_any("scenes/gripper/fixed.toml").expect("a scene") else {
-        panic!("one of a gripper")
-    };
-    let mut scene = *scene;
-    scene.fingers.iter_mut().for_each(|finger| finger.contact = contacts);
+fn gripper(contacts: Contacts) -> Scene {
+    let mut scene = scene::load_any("scenes/gripper/fixed.toml").expect("a scene");
+    scene.system.fingers.iter_mut().for_each(|finger| finger.contact = contacts);
     (scene.duration_s, scene.integrator) = (0.06, reference());
     scene
 }
@@ -32,7 +29,7 @@ fn on_grid(samples: &[Sample], hz: f64) -> Vec<&Sample> {
 /// by itself, with both bristles, with those of one phalanx, and with soft ones, which slip more.
 #[test]
 fn each_finger_of_a_gripper_on_a_fixed_disc_is_a_finger() {
-    let both = holding("experiment-95").contact;
+    let both = holding("experiment-95").finger().contact;
     let mut one = both;
     one.distal.friction.as_mut().expect("friction").bristle = None;
     let mut soft = both;
@@ -42,7 +39,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_is_a_finger() {
     }
     for contacts in [both, one, soft] {
         let mut alone = holding("experiment-95");
-        (alone.contact, alone.duration_s, alone.integrator) = (contacts, 0.06, reference());
+        (alone.finger_mut().contact, alone.duration_s, alone.integrator) = (contacts, 0.06, reference());
         let (outcome, path) = complete(&alone);
         let whole = gripper(contacts);
         let mut found = Collect::default();
@@ -73,7 +70,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_is_a_finger() {
 /// How far a path is from that of the regularised law.
 fn apart_from_regularised(path: &[&Sample]) -> f64 {
     let mut scene = holding("experiment-95");
-    for law in [&mut scene.contact.proximal, &mut scene.contact.distal] {
+    for law in scene.finger_mut().contact.both_mut() {
         law.friction.as_mut().expect("friction").bristle = None;
     }
     (scene.duration_s, scene.integrator) = (0.06, reference());
@@ -89,7 +86,7 @@ fn after(scene: &Scene, time_s: f64) -> (HoldingModel, State<4, QUADRATURES>, Mo
     let tolerances =
         Tolerances { atol_q: settings.atol_angle_rad, atol_v: settings.atol_rate_rad_s, rtol_v: settings.rtol };
     let options = Options { tolerances, max_steps: settings.max_steps };
-    let (model, start) = (HoldingModel::new(scene), HoldingModel::start(scene));
+    let (model, start) = (HoldingModel::new(&scene.system), HoldingModel::start(&scene.system));
     let end = integrate::<4, QUADRATURES, GUARDS, _, RadauOrRodas<4, QUADRATURES>, _>(
         &model,
         &options,
@@ -108,13 +105,14 @@ fn after(scene: &Scene, time_s: f64) -> (HoldingModel, State<4, QUADRATURES>, Mo
 fn sliders_of_contacts_that_stick_are_at_rest() {
     for name in ["experiment-95", "experiment-95-cad", "long-fingers", "torsional-spring"] {
         let mut scene = holding(name);
-        for law in [&mut scene.contact.proximal, &mut scene.contact.distal] {
+        for law in scene.finger_mut().contact.both_mut() {
             (law.normal.stiffness_n_per_m_e, law.normal.exponent) = (1e10, 1.0);
         }
         let (model, State { q, v, .. }, mode) = after(&scene, 0.2);
         for (index, site) in PHALANGES.into_iter().enumerate() {
             let at = model.reading(q, v, site, mode[site as usize]).expect("a contact");
-            let law = [scene.contact.proximal, scene.contact.distal][index].friction.expect("friction");
+            let law =
+                [scene.finger().contact.proximal, scene.finger().contact.distal][index].friction.expect("friction");
             let (bristle, memory) = (law.bristle.expect("a bristle"), v[2 + index]);
             let pull = bristle_pull(&law, &bristle, at.slip, memory, at.normal);
             let slider = at.slip - (pull / bristle.damping_n_s_per_m - memory);
@@ -141,7 +139,7 @@ fn energies_count_what_bristles_store() {
         .into_iter()
         .enumerate()
         .map(|(index, site)| {
-            let law = [scene.contact.proximal, scene.contact.distal][index];
+            let law = [scene.finger().contact.proximal, scene.finger().contact.distal][index];
             let bristle = law.bristle().expect("a bristle");
             let stretch_m = bristle.relaxation_s * v[2 + index];
             let stiffness = bristle.damping_n_s_per_m / bristle.relaxation_s;
@@ -179,7 +177,7 @@ fn the_everyday_preset_is_near_the_reference() {
 #[test]
 fn the_jacobian_is_that_of_the_rates() {
     let scene = hold(crate::support::runs::anchor());
-    let (model, plain) = (HoldingModel::new(&scene), Model::new(&crate::support::runs::anchor()));
+    let (model, plain) = (HoldingModel::new(&scene.system), Model::new(&crate::support::runs::anchor().system));
     let q = touching(&plain, [0.036456, 1.134813], [2e-6; 2]);
     let rows = PHALANGES.map(|site| plain.reading(q, [0.0; 2], site, SiteState::Active).expect("a contact"));
     let [a, b] = rates_with(rows.map(|row| row.geometry.normal_row), [-1e-3; 2]);

@@ -2,11 +2,11 @@
 
 use phalanx::analytic::gripper::{GUARDS, GripperMode, GripperModel, PLACES, QUADRATURES, start};
 use phalanx::analytic::{self, SiteState};
-use phalanx::gripper::Site;
+use phalanx::gripper::{Circle, Site};
 use phalanx::integrator::{
     End, Method, Observer, Options, RadauOrRodas, Rodas5p, State, Step, StepTools, System, Tolerances, integrate,
 };
-use phalanx::scene::{GripperScene, Integrator, ObjectMotion, Place, Preset};
+use phalanx::scene::{Disc, DiscMotion, Integrator, Place, Preset, Scene};
 
 use crate::support::grippers::{Anchor, anchor, anchors};
 
@@ -37,7 +37,7 @@ impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for Watcher<N> {
 }
 
 fn run_by<const N: usize, K: Method<N, QUADRATURES>>(
-    scene: &GripperScene,
+    scene: &Scene,
     settings: &Integrator,
     times: Vec<f64>,
 ) -> (Watcher<N>, End<N, QUADRATURES>) {
@@ -45,26 +45,26 @@ fn run_by<const N: usize, K: Method<N, QUADRATURES>>(
     let Integrator { atol_angle_rad, atol_rate_rad_s, rtol, max_steps, .. } = *settings;
     let tolerances = Tolerances { atol_q: atol_angle_rad, atol_v: atol_rate_rad_s, rtol_v: rtol };
     let options = Options { tolerances, max_steps };
-    let model = GripperModel::<N>::new(scene);
-    let start = start::<N>(scene);
+    let model = GripperModel::<N>::new(&scene.system);
+    let start = start::<N>(&scene.system);
     let end =
         integrate::<N, QUADRATURES, GUARDS, _, K, _>(&model, &options, 0.0, start, scene.duration_s, &mut watcher);
     assert!(end.result.is_ok(), "{:?}", end.result);
     (watcher, end)
 }
 
-pub fn reference<const N: usize>(scene: &GripperScene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
+pub fn reference<const N: usize>(scene: &Scene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
     run_by::<N, RadauOrRodas<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Reference), times)
 }
 
-pub fn everyday<const N: usize>(scene: &GripperScene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
+pub fn everyday<const N: usize>(scene: &Scene, times: Vec<f64>) -> (Watcher<N>, End<N, QUADRATURES>) {
     run_by::<N, Rodas5p<N, QUADRATURES>>(scene, &Integrator::preset(Preset::Engineering), times)
 }
 
 /// Largest difference of coordinates from the states of an anchor; positions in object radii.
 pub fn off<const N: usize>(anchor: &Anchor, found: &[State<N, QUADRATURES>]) -> f64 {
     assert_eq!(found.len(), anchor.states.len(), "{}", anchor.name);
-    let radius = anchor.scene.object.radius_m;
+    let radius = anchor.scene.system.grasped().radius_m;
     let scale = |coordinate: usize| if coordinate == 4 || coordinate == 5 { 1.0 / radius } else { 1.0 };
     let of = |(found, wanted): (&State<N, QUADRATURES>, &[f64; 7])| {
         (0..N.min(7)).map(|i| scale(i) * (found.q[i] - wanted[i]).abs()).fold(0.0, f64::max)
@@ -121,9 +121,9 @@ fn a_symmetric_gripper_stays_symmetric() {
     }
 }
 
-fn fixed(scene: &GripperScene) -> GripperScene {
+fn fixed(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.object.motion = ObjectMotion::Fixed;
+    scene.system.grasped_mut().motion = DiscMotion::Fixed;
     scene
 }
 
@@ -133,18 +133,19 @@ fn a_fixed_object_gives_each_finger_its_own_scene() {
     let anchor = anchor("c");
     let (_, end) = reference::<4>(&fixed(&anchor.scene), Vec::new());
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let finger = &anchor.scene.fingers[side];
+        let finger = &anchor.scene.system.fingers[side];
         let mut scene = crate::support::runs::anchor();
-        (scene.finger, scene.spring, scene.limit) = (finger.finger, finger.spring, finger.limit);
-        (scene.contact, scene.initial, scene.actuation) =
+        (scene.finger_mut().linkage, scene.finger_mut().spring, scene.finger_mut().limit) =
+            (finger.linkage, finger.spring, finger.limit);
+        (scene.finger_mut().contact, scene.finger_mut().initial, scene.finger_mut().motor.actuation) =
             (finger.contact, finger.initial, finger.motor.actuation.clone());
         scene.duration_s = anchor.scene.duration_s;
-        scene.gravity_m_s2 = anchor.scene.gravity_m_s2;
-        let [x, y] = anchor.scene.object.centre_m;
-        scene.object = Some(phalanx::scene::Disc {
-            radius_m: anchor.scene.object.radius_m,
-            centre_m: [sign * x - 0.5 * anchor.scene.palm_width_m, y],
-        });
+        scene.system.gravity_m_s2 = anchor.scene.system.gravity_m_s2;
+        let [x, y] = anchor.scene.system.grasped().centre_m;
+        scene.system.discs = vec![Disc::object(Circle {
+            radius_m: anchor.scene.system.grasped().radius_m,
+            centre_m: [sign * x - 0.5 * anchor.scene.system.palm_width_m, y],
+        })];
         scene.integrator = Integrator::preset(Preset::Reference);
         let alone = phalanx::trace::run_analytic(&scene, &mut ()).expect("a run").last;
         let off = (end.state.q[2 * side] - alone.finger().q11_rad)
@@ -158,14 +159,14 @@ fn a_fixed_object_gives_each_finger_its_own_scene() {
 fn a_very_heavy_object_is_a_fixed_one() {
     let anchor = anchor("c");
     let mut scene = anchor.scene.clone();
-    scene.gravity_m_s2 = [0.0; 2];
+    scene.system.gravity_m_s2 = [0.0; 2];
     let held = reference::<4>(&fixed(&scene), Vec::new()).1.state.q;
     let mut last = f64::INFINITY;
     for factor in [1e3, 1e6] {
-        let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.object.motion else {
+        let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.system.grasped_mut().motion else {
             panic!("a free object")
         };
-        (*mass_kg, *inertia_kg_m2) = (0.0537840662 * factor, 1.0756813e-5 * factor);
+        (*mass_kg, *inertia_kg_m2) = (0.0537840662 * factor, Some(1.0756813e-5 * factor));
         let heavy = reference::<7>(&scene, Vec::new()).1.state.q;
         let off = (0..4).map(|i| (heavy[i] - held[i]).abs()).fold(0.0, f64::max);
         assert!(off < 0.02 * last, "{factor:e} times: {off:.1e} rad off");
@@ -178,8 +179,8 @@ fn a_very_heavy_object_is_a_fixed_one() {
 #[test]
 fn energy_balances() {
     for anchor in anchors() {
-        let model = GripperModel::<7>::new(&anchor.scene);
-        let before = start::<7>(&anchor.scene);
+        let model = GripperModel::<7>::new(&anchor.scene.system);
+        let before = start::<7>(&anchor.scene.system);
         let (_, end) = reference::<7>(&anchor.scene, Vec::new());
         let stored = |state: &State<7, QUADRATURES>| {
             let energies = model.energies(&state.q, &state.v);
@@ -257,15 +258,18 @@ impl Observer<7, QUADRATURES, GripperMode> for Books<'_> {
 #[test]
 fn momentum_balances() {
     for anchor in anchors() {
-        let model = GripperModel::<7>::new(&anchor.scene);
-        let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = anchor.scene.object.motion else { panic!("free") };
-        let [gx, gy] = anchor.scene.gravity_m_s2;
+        let model = GripperModel::<7>::new(&anchor.scene.system);
+        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = anchor.scene.system.grasped().motion
+        else {
+            panic!("free")
+        };
+        let [gx, gy] = anchor.scene.system.gravity_m_s2;
         let (inertia, weight) = ([mass_kg, mass_kg, inertia_kg_m2], [mass_kg * gx, mass_kg * gy, 0.0]);
         let mut books = Books { model: &model, given: [0.0; 3], size: 0.0, off: 0.0, largest: 0.0, inertia, weight };
         let Integrator { atol_angle_rad, atol_rate_rad_s, rtol, max_steps, .. } = Integrator::preset(Preset::Reference);
         let tolerances = Tolerances { atol_q: atol_angle_rad, atol_v: atol_rate_rad_s, rtol_v: rtol };
         let options = Options { tolerances, max_steps };
-        let (before, duration_s) = (start::<7>(&anchor.scene), anchor.scene.duration_s);
+        let (before, duration_s) = (start::<7>(&anchor.scene.system), anchor.scene.duration_s);
         let end = integrate::<7, QUADRATURES, GUARDS, _, RadauOrRodas<7, QUADRATURES>, _>(
             &model, &options, 0.0, before, duration_s, &mut books,
         );
@@ -286,11 +290,15 @@ fn momentum_balances() {
 fn the_jacobian_is_that_of_the_accelerations() {
     for letter in ["c", "f", "i"] {
         let mut scene = anchor(letter).scene;
-        scene.fingers[0].spring.as_mut().expect("a spring").kind =
+        scene.system.fingers[0].spring.as_mut().expect("a spring").kind =
             phalanx::gripper::SpringKind::Torsional { stiffness_n_m_per_rad: 0.08, preload_rad: 1.0 };
-        scene.table.iter_mut().for_each(|table| table.level_m = 0.0399);
-        scene.differential.iter_mut().for_each(|differential| differential.motor.no_load_speed_rad_s = Some(300.0));
-        let model = GripperModel::<7>::new(&scene);
+        scene.system.table.iter_mut().for_each(|table| table.level_m = 0.0399);
+        scene
+            .system
+            .differential
+            .iter_mut()
+            .for_each(|differential| differential.motor.no_load_speed_rad_s = Some(300.0));
+        let model = GripperModel::<7>::new(&scene.system);
         let mut mode = GripperMode::FREE;
         mode.sites = [SiteState::Active; PLACES];
         // Both fingers close on the object without its centre in the middle; the surfaces press where gaps are negative.
@@ -341,7 +349,7 @@ fn the_jacobian_is_that_of_the_accelerations() {
 #[test]
 fn contacts_are_read_in_the_palms_frame() {
     let anchor = anchor("a");
-    let model = GripperModel::<7>::new(&anchor.scene);
+    let model = GripperModel::<7>::new(&anchor.scene.system);
     let (_, end) = reference::<7>(&anchor.scene, Vec::new());
     let read = |side, site| {
         let place = Place::Finger(side, site);

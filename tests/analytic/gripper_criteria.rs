@@ -2,7 +2,7 @@
 
 use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, normal_forces, stance};
 use phalanx::gripper::{Circle, Site, final_posture};
-use phalanx::scene::{GripperScene, Place, Side};
+use phalanx::scene::{Place, Scene, Side};
 use phalanx::statics::{
     Blocked, Decision, FormClosure, GripperRow, PerContact, form_closure, gripper_closure, gripper_unilateral,
 };
@@ -11,7 +11,7 @@ use phalanx::trace::{Model, Sample, run};
 use crate::support::grippers::{anchor, anchors};
 use crate::support::statics::check;
 
-fn watch(scene: &GripperScene) -> (GraspCriteria, Sample) {
+fn watch(scene: &Scene) -> (GraspCriteria, Sample) {
     let mut tracker = GraspTracker::of(scene);
     let outcome = run(Model::Analytic, scene, &mut tracker).expect("a run to its end");
     (tracker.criteria().expect("samples"), outcome.last)
@@ -89,7 +89,7 @@ fn what_is_not_held_says_why() {
     assert_eq!(watch(&early).0.fate, Fate::NotGrasped);
 
     let mut slippery = anchor("a").scene;
-    for finger in &mut slippery.fingers {
+    for finger in &mut slippery.system.fingers {
         (finger.contact.proximal.friction, finger.contact.distal.friction) = (None, None);
     }
     let mut lasting = |duration_s: f64| {
@@ -111,12 +111,7 @@ fn what_is_not_held_says_why() {
     assert!((x.hypot(y) - 0.06).abs() < 1e-6, "three radii away at {at_s}: {x}, {y}");
 }
 
-fn closure(
-    scene: &GripperScene,
-    last: &Sample,
-    touching: &PerContact<bool>,
-    blocked: Blocked,
-) -> FormClosure<GripperRow> {
+fn closure(scene: &Scene, last: &Sample, touching: &PerContact<bool>, blocked: Blocked) -> FormClosure<GripperRow> {
     let stance = stance(scene, last);
     let found = gripper_closure(&stance, touching, blocked).expect("a decision");
     check(&gripper_unilateral(&stance, touching, blocked).expect("a posture"), &found);
@@ -148,7 +143,7 @@ fn the_final_grasp_of_b_is_form_closed_with_the_palm_and_those_on_a_wider_palm_a
         let input = closure(&scene, &last, &with_palm, Blocked::Input);
         assert!(!input.closed && !input.necessary.is_met(), "{letter}");
     }
-    let finger = anchor("c").scene.fingers[0].finger;
+    let finger = anchor("c").scene.system.fingers[0].linkage;
     for (base_m, closed) in [(15.5e-3, true), (17e-3, false)] {
         let disc = Circle { radius_m: 0.02, centre_m: [-base_m, 0.02] };
         let end = final_posture(&finger.lengths, finger.assembly, disc).expect("a grasp");

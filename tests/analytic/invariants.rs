@@ -4,7 +4,7 @@ use crate::support::grippers::anchor;
 use crate::support::laws::{FRICTION, THESIS, disc, on_plane, sliding};
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
-use phalanx::scene::{GripperObject, GripperScene, LogRates, ObjectMotion, Response, Scene, Stepping};
+use phalanx::scene::{DiscMotion, LogRates, Response, Scene, Stepping};
 use phalanx::trace::{self, BodyState, ContactSample, Energy, Event, Model, Sample, Sink, SinkError, Site};
 
 const SPEED_M_S: f64 = 1.0;
@@ -20,8 +20,8 @@ const START: Energy = Energy {
 
 fn scene() -> Scene {
     let mut scene = crate::support::synthetic::scene();
-    let law = ContactLaw { friction: Some(FRICTION), ..scene.contact.proximal };
-    (scene.contact.proximal, scene.contact.distal) = (law, law);
+    let law = ContactLaw { friction: Some(FRICTION), ..scene.finger().contact.proximal };
+    (scene.finger_mut().contact.proximal, scene.finger_mut().contact.distal) = (law, law);
     scene
 }
 
@@ -185,7 +185,7 @@ fn surfaces_deeper_in_than_their_energy_allows() {
 
 #[test]
 fn a_joint_past_its_limit() {
-    let law = scene().limit.expect("a limit");
+    let law = scene().finger().limit.expect("a limit");
     let e = law.exponent;
     let deepest = ((e + 1.0) * START.kinetic_j / law.stiffness_n_per_m_e).powf((e + 1.0).recip());
     breaks(Invariant::JointLimit, Some("limit"), |sample| sample.contact_mut(Site::Limit).gap_m = -1.1 * deepest);
@@ -270,17 +270,21 @@ fn discs_are_held_to_them_too() {
 #[test]
 fn momentum_of_the_object_balances_and_not_that_of_another() {
     let scene = anchor("c").scene;
-    let ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = scene.object.motion else {
-        panic!("the object is fixed")
-    };
     let with = |mass: f64, inertia: f64| {
-        let (mass_kg, inertia_kg_m2) = (mass * mass_kg, inertia * inertia_kg_m2);
-        let motion = ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s };
-        GripperScene { object: GripperObject { motion, ..scene.object }, ..scene.clone() }
+        let mut other = scene.clone();
+        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } =
+            &mut other.system.grasped_mut().motion
+        else {
+            panic!("the object is fixed")
+        };
+        *mass_kg *= mass;
+        *inertia_kg_m2 *= inertia;
+        other
     };
-    let [x, y] = scene.gravity_m_s2;
-    let heavier = GripperScene { gravity_m_s2: [x, 1.5 * y], ..scene.clone() };
-    let run_of = GripperScene { log: LogRates { numeric_hz: 1e6, ..scene.log }, ..scene.clone() };
+    let [x, y] = scene.system.gravity_m_s2;
+    let mut heavier = scene.clone();
+    heavier.system.gravity_m_s2 = [x, 1.5 * y];
+    let run_of = Scene { log: LogRates { numeric_hz: 1e6, ..scene.log }, ..scene.clone() };
     let books = [&scene, &with(1.01, 1.0), &with(1.0, 1.05), &heavier];
     let mut books = books.map(|scene| Invariants::new(Model::Analytic, scene));
     let outcome = trace::run(Model::Analytic, &run_of, &mut Each(&mut books)).unwrap();

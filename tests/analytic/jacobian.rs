@@ -47,7 +47,7 @@ fn derivative(f: impl Fn(f64) -> Outputs, h: f64) -> Outputs {
 
 /// Largest difference of the Jacobian, relative to the largest entry of the same output in the same block.
 fn worst(case: &Case) -> f64 {
-    let model = Model::new(&case.scene);
+    let model = Model::new(&case.scene.system);
     let f = |t: f64, q: [f64; 2], v: [f64; 2]| outputs(&model.rates(t, &q, &v, &case.mode));
     let exact = model.linearise(case.t, &case.q, &case.v, &case.mode);
 
@@ -133,14 +133,14 @@ fn free_swing_in_every_placement_of_every_spring() {
             SpringKind::Torsional { stiffness_n_m_per_rad: 0.06, preload_rad: 1.9 },
         ] {
             let mut scene = anchor();
-            scene.spring = Some(Spring { kind, placement });
+            scene.finger_mut().spring = Some(Spring { kind, placement });
             cases.push(swing("spring", scene.clone()));
-            scene.object = None;
+            scene.system.discs.clear();
             cases.push(Case { v: [-700.0, 300.0], ..swing("fast, no object", scene) });
         }
     }
     let mut bare = anchor();
-    (bare.spring, bare.limit, bare.gravity_m_s2) = (None, None, [3.0, -4.0]);
+    (bare.finger_mut().spring, bare.finger_mut().limit, bare.system.gravity_m_s2) = (None, None, [3.0, -4.0]);
     cases.push(swing("no spring, no limit, other gravity", bare));
     check("springs", &cases);
 }
@@ -149,7 +149,7 @@ fn free_swing_in_every_placement_of_every_spring() {
 fn joint_limit_in_its_damper_beyond_it_and_released() {
     let mut cases = Vec::new();
     let scene = anchor();
-    let model = Model::new(&scene);
+    let model = Model::new(&scene.system);
     for (name, delta, rate) in
         [("creeping", 3e-7, 1e-3), ("engaging", 4e-6, 0.2), ("beyond", 3e-5, -0.1), ("returning", 6e-6, -0.02)]
     {
@@ -173,7 +173,7 @@ fn joint_limit_in_its_damper_beyond_it_and_released() {
 /// Whether a step in the rates could take the law over the kink of its clamp.
 fn near_the_clamp(model: &Model, q: [f64; 2], v: [f64; 2], site: Site) -> bool {
     let reading = model.reading(q, v, site, Active).expect("an object");
-    let law = anchor().contact.proximal.normal;
+    let law = anchor().finger().contact.proximal.normal;
     let force = unclamped_normal_force(&law, reading.delta, reading.delta_rate);
     let [a, b] = reading.geometry.normal_row;
     force.force.abs() < 2.0 * force.d_rate * (a.abs() + b.abs()) * CONTACT[2]
@@ -184,7 +184,7 @@ fn one_and_two_contacts_on_every_branch_of_friction() {
     let mut cases = Vec::new();
     let mut natural = 0;
     let scene = anchor();
-    let model = Model::new(&scene);
+    let model = Model::new(&scene.system);
     for depth in [[2e-6, 3e-6], [8e-6, 6e-6], [1.5e-5, 3e-5]] {
         let q = touching(&model, GRASP, depth);
         let rows = |site| {
@@ -214,8 +214,8 @@ fn one_and_two_contacts_on_every_branch_of_friction() {
     }
     assert!(natural >= 30, "only {natural} cases on natural branches");
     let mut frictionless = anchor();
-    frictionless.contact.proximal.friction = None;
-    frictionless.contact.distal.friction = None;
+    frictionless.finger_mut().contact.proximal.friction = None;
+    frictionless.finger_mut().contact.distal.friction = None;
     let q = touching(&model, GRASP, [5e-6, 4e-6]);
     let mode = Mode::from([Active; 3]);
     cases.push(Case { name: "frictionless", scene: frictionless, mode, t: 0.0, q, v: [3.0, -1.0], steps: CONTACT });
@@ -227,19 +227,19 @@ fn tip_contact_on_its_end() {
     let mut cases = Vec::new();
     let mut scene = anchor();
     // A disc off the end of the tip: the normal turns with the motion.
-    let model = Model::new(&scene);
+    let model = Model::new(&scene.system);
     let reading = model.reading(GRASP, [0.0; 2], Site::Distal, Active).expect("an object");
     let face = reading.geometry.tangent_row;
-    let (lengths, [q11, q21]) = (&scene.finger.lengths, GRASP);
-    let posture = gripper::close(lengths, scene.finger.assembly, q11, q21).expect("the grasp closes the loop");
+    let (lengths, [q11, q21]) = (&scene.finger().linkage.lengths, GRASP);
+    let posture =
+        gripper::close(lengths, scene.finger().linkage.assembly, q11, q21).expect("the grasp closes the loop");
     let tip = gripper::joints(lengths, &posture).tip_m;
-    let reach = scene.finger.lengths.half_width_m + 20e-3 - 4e-6;
+    let reach = scene.finger().linkage.lengths.half_width_m + 20e-3 - 4e-6;
     let along = reading.geometry.normal.map(|n| -n);
     let out = [along[0] * 0.8 + along[1] * 0.6, along[1] * 0.8 - along[0] * 0.6];
     for direction in [out, [out[0] * 0.6 + out[1] * 0.8, out[1] * 0.6 - out[0] * 0.8]] {
-        let disc = scene.object.as_mut().expect("an object");
-        disc.centre_m = [tip[0] + reach * direction[0], tip[1] + reach * direction[1]];
-        let model = Model::new(&scene);
+        scene.system.grasped_mut().centre_m = [tip[0] + reach * direction[0], tip[1] + reach * direction[1]];
+        let model = Model::new(&scene.system);
         let end = model.reading(GRASP, [0.0; 2], Site::Distal, Active).expect("an object");
         assert!((end.delta - 4e-6).abs() < 1e-12, "{:e}", end.delta);
         assert!((end.geometry.tangent_row[0] - face[0]).abs() > 1e-5);
@@ -266,12 +266,12 @@ fn torque_profiles_with_a_slope() {
     for profile in profiles {
         for t in [1e-3, 3e-3, 8e-3] {
             let mut scene = anchor();
-            scene.actuation = profile.clone();
+            scene.finger_mut().motor.actuation = profile.clone();
             cases.push(Case { t, ..swing("profile", scene) });
         }
     }
     // The slope is there at all.
-    let sloped = Model::new(&cases[3].scene).linearise(1e-3, &cases[3].q, &cases[3].v, &Mode::from([Free; 3]));
+    let sloped = Model::new(&cases[3].scene.system).linearise(1e-3, &cases[3].q, &cases[3].v, &Mode::from([Free; 3]));
     assert!(sloped.a_t[0].abs() > 1e5 && (sloped.g_t[4] - 200.0 * 120.0).abs() < 1e-9, "{sloped:?}");
     check("profiles", &cases);
 }

@@ -46,7 +46,8 @@ impl Sink for Landings {
 fn landings(scene: &Scene, rtol: f64) -> Landings {
     let integrator: Integrator = scene.integrator.with_rtol(rtol);
     let scene = Scene { integrator, ..scene.clone() };
-    let mut found = Landings { transition_m: scene.contact.proximal.normal.transition_m, ..Landings::default() };
+    let mut found =
+        Landings { transition_m: scene.finger().contact.proximal.normal.transition_m, ..Landings::default() };
     run(Model::Analytic, &scene, &mut found).expect("a whole run");
     found
 }
@@ -102,8 +103,8 @@ fn no_step_goes_over_where_a_damper_engages() {
         let scene = load(Path::new(&format!("scenes/{name}.toml"))).expect("a scene");
         for rtol in [1e-3, 1e-4, 1e-5] {
             let scene = Scene { integrator: scene.integrator.with_rtol(rtol), ..scene.clone() };
-            let transitions_m =
-                [&scene.contact.proximal, &scene.contact.distal].map(|contact| contact.normal.transition_m);
+            let transitions_m = [&scene.finger().contact.proximal, &scene.finger().contact.distal]
+                .map(|contact| contact.normal.transition_m);
             let mut found = Depths { transitions_m, ..Depths::default() };
             run(Model::Analytic, &scene, &mut found).expect("a whole run");
             for depths in &found.of_sites {

@@ -6,7 +6,7 @@ use crate::support::laws::{
     BOTH, FRICTION, THESIS, complete, disc, driven, on_plane, relative, scene, sliding, spring, stepped,
 };
 use phalanx::law::NormalLaw;
-use phalanx::scene::{BodiesScene, DiscMotion, Integrator, Preset, Response};
+use phalanx::scene::{DiscMotion, Integrator, Preset, Response, Scene};
 use phalanx::trace::{Model, RunError, run};
 
 /// Free, turning, of 1 kg, a homogeneous disc.
@@ -18,7 +18,7 @@ const REBOUND: NormalLaw =
     NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 200.0, transition_m: 1e-4 };
 
 /// Thesis Figs. B.4–B.6: discs of 0.05, 5 and 10 cm of one mass hit one of 10 cm at one speed.
-fn three_radii() -> BodiesScene {
+fn three_radii() -> Scene {
     let mut discs = vec![disc("anvil", 0.1, [0.0; 2], DiscMotion::Fixed)];
     for (index, radius) in [0.0005, 0.05, 0.1].into_iter().enumerate() {
         let angle = TAU * index as f64 / 3.0 + 0.3;
@@ -94,7 +94,7 @@ fn a_sliding_disc_ends_rolling() {
     for (spin, wanted) in [(0.0, 2.0 / 3.0), (40.0, 2.0 / 3.0 - 40.0 * 0.05 / 3.0)] {
         let discs = vec![disc("wheel", radius, [0.0, radius - rest], free(radius, [1.0, 0.0], spin))];
         let mut scene = on_plane(scene(discs, THESIS, Some(FRICTION), 0.3));
-        scene.gravity_m_s2 = [0.0, -weight];
+        scene.system.gravity_m_s2 = [0.0, -weight];
         for (model, bound) in [(Model::Analytic, 1e-9), (Model::Engine, 1e-6)] {
             let (outcome, _) = complete(model, &scene);
             let wheel = &outcome.last.bodies[0];
@@ -136,7 +136,7 @@ fn a_symmetric_collision_stays_symmetric() {
 fn the_engine_is_of_second_order_in_free_motion() {
     let discs = vec![disc("ball", 0.05, [0.0; 2], free(0.05, [1.0, 2.0], 100.0))];
     let mut scene = scene(discs, THESIS, None, 0.02);
-    scene.gravity_m_s2 = [0.0, -9.81];
+    scene.system.gravity_m_s2 = [0.0, -9.81];
     let mut errors = Vec::new();
     for step in [2e-4, 1e-4, 5e-5] {
         let (outcome, _) = complete(Model::Engine, &stepped(&scene, step));
@@ -157,7 +157,7 @@ fn the_engine_is_of_second_order_in_free_motion() {
 #[test]
 fn the_engineering_preset_follows_the_reference() {
     let reference = three_radii();
-    let everyday = BodiesScene { integrator: Integrator::preset(Preset::Engineering), ..reference.clone() };
+    let everyday = Scene { integrator: Integrator::preset(Preset::Engineering), ..reference.clone() };
     let (fine, _) = complete(Model::Analytic, &reference);
     let (coarse, _) = complete(Model::Analytic, &everyday);
     for (a, b) in fine.last.bodies.iter().zip(&coarse.last.bodies) {
@@ -210,7 +210,7 @@ fn a_drive_pays_for_what_it_pushes() {
 /// against the half plane.
 #[test]
 fn rapiers_own_contact_answers_for_discs() {
-    let rapier = |mut scene: BodiesScene, friction: f64, restitution: f64| {
+    let rapier = |mut scene: Scene, friction: f64, restitution: f64| {
         scene.engine.response = Response::Rapier { friction, restitution };
         scene.engine.iterations = 50;
         stepped(&scene, 1e-5)
@@ -231,7 +231,7 @@ fn rapiers_own_contact_answers_for_discs() {
     }
     // μ g t of the speed is gone after t.
     let mut slide = on_plane(scene(vec![disc("puck", 0.05, [0.0, 0.05], sliding([1.0, 0.0]))], THESIS, None, 0.05));
-    slide.gravity_m_s2 = [0.0, -9.81];
+    slide.system.gravity_m_s2 = [0.0, -9.81];
     let (outcome, _) = complete(Model::Engine, &rapier(slide, 0.5, 0.0));
     let speed = outcome.last.bodies[0].velocity_m_s[0];
     assert!((speed - (1.0 - 0.5 * 9.81 * 0.05)).abs() < 1e-3, "{speed}");

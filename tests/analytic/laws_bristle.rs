@@ -1,18 +1,15 @@
 //! Friction that holds, by itself: discs whose motion has a closed form.
 
-use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
+use phalanx::scene::{self, Preset, Scene};
 use phalanx::trace::{EventKind, Model, Outcome, Sample, Sink, SinkError};
 
 use crate::support::held;
-use crate::support::laws::{BOTH, complete};
+use crate::support::laws::{self, BOTH, complete, with_law};
 
 const G: f64 = 9.81;
 
-fn load(name: &str) -> BodiesScene {
-    match scene::load_any(format!("scenes/laws/bristle-{name}.toml")).unwrap_or_else(|error| panic!("{error}")) {
-        AnyScene::Bodies(scene) => *scene,
-        _ => panic!("{name} is one of discs"),
-    }
+fn load(name: &str) -> Scene {
+    scene::load_any(format!("scenes/laws/bristle-{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[derive(Default)]
@@ -29,7 +26,7 @@ impl Sink for Kept {
     }
 }
 
-fn run(model: Model, scene: &BodiesScene) -> (Outcome, Vec<Sample>) {
+fn run(model: Model, scene: &Scene) -> (Outcome, Vec<Sample>) {
     let mut scene = scene.clone();
     scene.integrator = scene.integrator.with_preset(Preset::Reference);
     let mut kept = Kept::default();
@@ -49,8 +46,8 @@ fn a_block_stays_on_an_incline_within_the_cone_and_slides_beyond_it() {
         let (outcome, _) = run(model, &scene);
         let [x, _] = outcome.last.bodies[0].centre_m;
         // The mass hangs on a bristle of 1e9 N/m.
-        let stretch = 0.1 * scene.gravity_m_s2[0] / 1e9;
-        let start = scene.discs[0].centre_m[0];
+        let stretch = 0.1 * scene.system.gravity_m_s2[0] / 1e9;
+        let start = scene.system.discs[0].centre_m[0];
         assert!((x - start - stretch).abs() < within(model) * 1e-6, "{}: {x:e} {stretch:e}", model.name());
         assert!(
             outcome.last.contacts[0].slip_m_s.abs() < 1e-15,
@@ -60,7 +57,7 @@ fn a_block_stays_on_an_incline_within_the_cone_and_slides_beyond_it() {
         );
 
         let (outcome, _) = run(model, &load("slides"));
-        let [gx, gy] = load("slides").gravity_m_s2;
+        let [gx, gy] = load("slides").system.gravity_m_s2;
         let expected = 1.0 + 0.1 * (gx + 0.7 * 0.5 * gy);
         let [found, _] = outcome.last.bodies[0].velocity_m_s;
         assert!((found - expected).abs() < within(model), "{}: {found} {expected}", model.name());
@@ -93,7 +90,7 @@ fn a_wedge_jams_up_to_the_angle_of_friction() {
         let mut scene = load("jams");
         let (sin, cos) = degrees.to_radians().sin_cos();
         let reach = 10.0 + 0.02 - 1e-4;
-        for disc in &mut scene.discs {
+        for disc in &mut scene.system.discs {
             let [x, _] = disc.centre_m;
             if disc.radius_m == 10.0 {
                 disc.centre_m = [x.signum() * reach * cos, -reach * sin];
@@ -139,8 +136,10 @@ fn a_mass_on_a_spring_sticks_and_slips() {
         for v_static in [1e-4, 1e-5, 1e-6] {
             let mut scene = load("stick-slip");
             scene.log.numeric_hz = 1e5;
-            let friction = scene.contact.friction.as_mut().expect("friction");
-            (friction.v_static_m_s, friction.v_dynamic_m_s) = (v_static, 2.0 * v_static);
+            with_law(&mut scene, |law| {
+                let friction = law.friction.as_mut().expect("friction");
+                (friction.v_static_m_s, friction.v_dynamic_m_s) = (v_static, 2.0 * v_static);
+            });
             let (_, samples) = run(model, &scene);
             let (slips, sticks) = changes(&samples);
             assert!(slips.len() >= 4 && sticks.len() >= 3, "{}: {slips:?} {sticks:?}", model.name());
@@ -156,8 +155,10 @@ fn a_mass_on_a_spring_sticks_and_slips() {
 #[test]
 fn a_mass_that_is_pulled_slowly_creeps_along() {
     let mut scene = load("stick-slip");
-    let friction = scene.contact.friction.as_mut().expect("friction");
-    (friction.v_static_m_s, friction.v_dynamic_m_s) = (0.03, 0.06);
+    with_law(&mut scene, |law| {
+        let friction = law.friction.as_mut().expect("friction");
+        (friction.v_static_m_s, friction.v_dynamic_m_s) = (0.03, 0.06);
+    });
     for model in BOTH {
         let (_, samples) = run(model, &scene);
         let late = samples.iter().filter(|sample| sample.time_s > 0.1);
@@ -171,27 +172,27 @@ fn a_mass_that_is_pulled_slowly_creeps_along() {
 #[test]
 fn what_is_pinched_sinks_under_the_regularised_law_and_stays_where_friction_holds() {
     let mut scene = load("jams");
-    scene.gravity_m_s2 = [0.0, -G];
+    scene.system.gravity_m_s2 = [0.0, -G];
     let press = 1e-4;
-    for disc in scene.discs.iter_mut().filter(|disc| disc.radius_m == 10.0) {
+    for disc in scene.system.discs.iter_mut().filter(|disc| disc.radius_m == 10.0) {
         disc.centre_m = [disc.centre_m[0].signum() * (10.0 + 0.02 - press), 0.0];
     }
-    let pinched = scene.discs.iter().position(|disc| disc.motion.moves()).expect("a disc that moves");
+    let pinched = scene.system.discs.iter().position(|disc| disc.motion.moves()).expect("a disc that moves");
     let (weight, normal) = (0.05 * G, 1e6 * press);
-    let friction = scene.contact.friction.expect("friction");
+    let friction = laws::law(&scene).friction.expect("friction");
     let bristle = friction.bristle.expect("a bristle");
     // Softer than the flats are: what it gives way by can be seen.
     let stretch = 0.5 * weight * bristle.relaxation_s / bristle.damping_n_s_per_m;
     for (model, duration_s) in [(Model::Analytic, 60.0), (Model::Engine, 0.2)] {
         scene.duration_s = duration_s;
-        scene.contact.friction = Some(friction);
+        with_law(&mut scene, |law| law.friction = Some(friction));
         let (outcome, _) = run(model, &scene);
         let (height, slip_m_s) = (outcome.last.bodies[pinched].centre_m[1], outcome.last.contacts[0].slip_m_s.abs());
         assert!((height + stretch).abs() < 1e-12, "{}: {height:e} m", model.name());
         assert!(slip_m_s < 1e-15, "{}: {slip_m_s:e} m/s", model.name());
 
         scene.duration_s = 0.1;
-        scene.contact.friction = Some(phalanx::law::FrictionLaw { bristle: None, ..friction });
+        with_law(&mut scene, |law| law.friction = Some(phalanx::law::FrictionLaw { bristle: None, ..friction }));
         let (outcome, _) = run(model, &scene);
         let sinks = -outcome.last.bodies[pinched].velocity_m_s[1];
         let expected = weight * friction.v_static_m_s / (1.5 * friction.mu_static * 2.0 * normal);
@@ -200,7 +201,7 @@ fn what_is_pinched_sinks_under_the_regularised_law_and_stays_where_friction_hold
 }
 
 /// When the friction of a pair begins to slip and when it sticks again, in order.
-fn changes_told(model: Model, scene: &BodiesScene, pair: usize) -> Vec<(f64, EventKind)> {
+fn changes_told(model: Model, scene: &Scene, pair: usize) -> Vec<(f64, EventKind)> {
     let (_, kept) = complete(model, scene);
     let told = kept.events.iter().filter(|event| event.contact == pair && event.kind.is_of_friction());
     told.map(|event| (event.time_s, event.kind)).collect()

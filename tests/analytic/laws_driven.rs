@@ -4,14 +4,14 @@ use crate::support::laws::{
     BOTH, FRICTION, THESIS, at_steps, complete, disc, driven, on_plane, scene, spring, stepped,
 };
 use phalanx::law::NormalLaw;
-use phalanx::scene::{BodiesScene, DiscMotion};
+use phalanx::scene::{DiscMotion, Scene};
 use phalanx::trace::EventKind;
 
 /// Rounding of positions of 0.1 m, in a few operations.
 const POSITION_ROUNDING: f64 = 1e-16;
 
 /// A disc driven at 1 m/s by 2 cm into a fixed one.
-fn pressed(normal: NormalLaw) -> BodiesScene {
+fn pressed(normal: NormalLaw) -> Scene {
     let discs = vec![
         disc("anvil", 0.1, [0.1, 0.0], DiscMotion::Fixed),
         disc("hammer", 0.1, [-0.105, 0.0], driven([1.0, 0.0], [0.0; 2])),

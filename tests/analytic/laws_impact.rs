@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::support::laws::{complete, gamma, impact, relative, spring, stepped};
 use phalanx::law::NormalLaw;
-use phalanx::scene::BodiesScene;
+use phalanx::scene::Scene;
 use phalanx::trace::{EventKind, Model};
 
 /// What an impact of 1 kg comes down to.
@@ -17,7 +17,7 @@ struct Figures {
     lost_j: f64,
 }
 
-fn figures(model: Model, scene: &BodiesScene, speed: f64) -> Figures {
+fn figures(model: Model, scene: &Scene, speed: f64) -> Figures {
     let (outcome, log) = complete(model, scene);
     let summary = &outcome.contacts[0];
     assert_eq!(summary.touchdowns, 1, "{}", model.name());
@@ -196,7 +196,7 @@ fn the_engine_converges_to_the_same_impacts() {
     cases.push((BOTH_PARTS, 1.0, by_runge_kutta(&BOTH_PARTS, 1.0, 1e-7)));
     for (law, speed, wanted) in cases {
         let scene = impact(law, speed, 20e-3);
-        let error = |scene: &BodiesScene, step: f64| {
+        let error = |scene: &Scene, step: f64| {
             let got = figures(Model::Engine, scene, speed);
             let late = (got.contact_time_s - wanted.contact_time_s).abs();
             assert!(late <= step, "contact time is off by {late:e} s at steps of {step:e} s");

@@ -19,9 +19,9 @@ fn linearisation_matches_central_differences() {
         disc("wall", 0.02, [0.13, 0.056], DiscMotion::Fixed),
     ];
     let mut scene = on_plane(scene(discs, THESIS, Some(FRICTION), 1e-3));
-    scene.gravity_m_s2 = [0.0, -9.81];
-    let model = Discs::<9, 18>::new(&scene);
-    let start = Discs::<9, 18>::start(&scene);
+    scene.system.gravity_m_s2 = [0.0, -9.81];
+    let model = Discs::<9, 18>::new(&scene.system);
+    let start = Discs::<9, 18>::start(&scene.system);
     let overlapping = (0..model.pairs())
         .filter(|pair| model.reading(&start.q, &start.v, *pair, SiteState::Natural).delta > 1e-7)
         .count();

@@ -8,9 +8,9 @@ use crate::support::cli::{directory, json, phalanx, stderr, stdout};
 use mcap::{MessageStream, Summary};
 use phalanx::criteria::Rebounds;
 use phalanx::invariants::Finding;
-use phalanx::scene::{self, AnyScene, BodiesScene, Preset};
+use phalanx::scene::{self, Preset, Scene};
 use phalanx::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
-use phalanx::validate::{Subject, compare, record, reference, sampled};
+use phalanx::validate::{compare, compared, invariants, judge, record, reference, sampled};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
 const NAMES: [&str; 15] = [
@@ -31,11 +31,8 @@ const NAMES: [&str; 15] = [
     "two-free",
 ];
 
-fn load(name: &str) -> BodiesScene {
-    match scene::load_any(format!("scenes/laws/{name}.toml")).unwrap_or_else(|e| panic!("{e}")) {
-        AnyScene::Bodies(scene) => *scene,
-        _ => panic!("{name} is a finger"),
-    }
+fn load(name: &str) -> Scene {
+    scene::load_any(format!("scenes/laws/{name}.toml")).unwrap_or_else(|e| panic!("{e}"))
 }
 
 #[derive(Default)]
@@ -68,7 +65,7 @@ impl Sink for Listener {
 fn run(model: Model, name: &str) -> (Outcome, Listener) {
     let mut scene = load(name);
     scene.integrator = scene.integrator.with_preset(Preset::Reference);
-    let pairs = scene.pairs().len();
+    let pairs = scene.system.pairs().len();
     let mut listener = Listener { rebounds: Rebounds::new(pairs), ..Listener::default() };
     let outcome =
         crate::support::held::run_bodies(model, &scene, &mut listener).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -92,9 +89,9 @@ fn all_say_what_they_are_and_come_back_bit_for_bit() {
         let scene = load(name);
         assert_eq!(scene.name, name);
         assert!(scene.source.starts_with("# ") && scene.source.contains("\n# Expect: "), "{name}");
-        let text = scene::show_bodies(&scene);
-        let Ok(AnyScene::Bodies(back)) = scene::parse_any(&text, "shown.toml") else { panic!("{text}") };
-        assert_eq!(BodiesScene { source: scene.source.clone(), ..*back }, scene);
+        let text = scene::show(&scene);
+        let back = scene::parse_any(&text, "shown.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(Scene { source: scene.source.clone(), ..back }, scene);
     }
 }
 
@@ -102,16 +99,16 @@ fn all_say_what_they_are_and_come_back_bit_for_bit() {
 #[test]
 fn the_engine_is_within_the_bounds_of_every_scene() {
     for name in NAMES {
-        let scene = load(name).compared();
+        let scene = compared(&load(name));
         let expected = record(Model::Analytic, &reference(&scene)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let found = record(Model::Engine, &sampled(Model::Engine, &scene)).unwrap_or_else(|e| panic!("{name}: {e}"));
         for (model, scene, run) in
             [(Model::Analytic, reference(&scene), &expected), (Model::Engine, scene.clone(), &found)]
         {
-            let broken: Vec<_> = scene.invariants(model, run).into_iter().filter(Finding::is_broken).collect();
+            let broken: Vec<_> = invariants(&scene, model, run).into_iter().filter(Finding::is_broken).collect();
             assert!(broken.is_empty(), "{name}: {broken:?}");
         }
-        let verdict = scene.judge(&compare(&found, &expected, scene.bounds.until_s));
+        let verdict = judge(&scene, &compare(&found, &expected, scene.bounds.until_s));
         assert!(verdict.passed(), "{name}: {verdict:#?}");
         for (found, expected) in found.outcome.contacts.iter().zip(&expected.outcome.contacts) {
             assert_eq!(found.touchdowns, expected.touchdowns, "{name}");
@@ -177,8 +174,9 @@ fn three_radii_make_no_difference() {
     let scene = load("radii");
     for (model, relative) in [(Model::Analytic, 1e-4), (Model::Engine, 2e-3)] {
         let (outcome, heard) = run(model, "radii");
-        let met: Vec<usize> = (0..scene.pairs().len()).filter(|&k| outcome.contacts[k].first_s.is_some()).collect();
-        let names: Vec<String> = met.iter().map(|&k| scene.pair_name(scene.pairs()[k])).collect();
+        let met: Vec<usize> =
+            (0..scene.system.pairs().len()).filter(|&k| outcome.contacts[k].first_s.is_some()).collect();
+        let names: Vec<String> = met.iter().map(|&k| scene.system.pair_name(scene.system.pairs()[k])).collect();
         assert_eq!(names, ["large-target", "medium-target", "small-target"]);
         for &pair in &met {
             let summary = &outcome.contacts[pair];
@@ -226,7 +224,7 @@ fn two_free_discs_keep_their_momenta() {
         }
         sums
     };
-    assert_eq!([scene.discs[0].name.as_str(), scene.discs[1].name.as_str()], ["striker", "struck"]);
+    assert_eq!([scene.system.discs[0].name.as_str(), scene.system.discs[1].name.as_str()], ["striker", "struck"]);
     for model in BOTH {
         let (outcome, heard) = run(model, "two-free");
         let [before, after] = [momenta(&heard.first.expect("a sample")), momenta(&outcome.last)];

@@ -65,10 +65,11 @@ fn failure(scene: &Scene) -> (Failure, Collect) {
 fn pulled(assembly: Assembly, q: [f64; 2], v: [f64; 2], torque_n_m: f64) -> Scene {
     let mut scene = anchor();
     scene.name = format!("{assembly:?} from {q:?} with {torque_n_m}");
-    (scene.object, scene.limit, scene.spring) = (None, None, None);
-    scene.finger.assembly = assembly;
-    scene.initial = Initial { q11_rad: q[0], q21_rad: q[1], qd11_rad_s: v[0], qd21_rad_s: v[1] };
-    scene.actuation = Actuation::Constant { torque_n_m };
+    scene.system.discs.clear();
+    (scene.finger_mut().limit, scene.finger_mut().spring) = (None, None);
+    scene.finger_mut().linkage.assembly = assembly;
+    scene.finger_mut().initial = Initial { q11_rad: q[0], q21_rad: q[1], qd11_rad_s: v[0], qd21_rad_s: v[1] };
+    scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m };
     scene
 }
 
@@ -182,32 +183,36 @@ fn extremes_do_not_panic() {
         scenes.push(scene);
     };
     for torque_n_m in [0.0, -0.48, 1e-9, 48.0, -48.0, 1e6, 1e30, f64::MAX] {
-        add(&format!("torque {torque_n_m:e}"), &|s| s.actuation = Actuation::Constant { torque_n_m });
+        add(&format!("torque {torque_n_m:e}"), &|s| {
+            s.finger_mut().motor.actuation = Actuation::Constant { torque_n_m }
+        });
     }
-    add("fast start", &|s| s.initial.qd11_rad_s = 1e6);
-    add("fast start the other way", &|s| s.initial.qd21_rad_s = -1e6);
-    add("no gravity", &|s| s.gravity_m_s2 = [0.0; 2]);
-    add("much gravity", &|s| s.gravity_m_s2 = [1e8, -1e8]);
+    add("fast start", &|s| s.finger_mut().initial.qd11_rad_s = 1e6);
+    add("fast start the other way", &|s| s.finger_mut().initial.qd21_rad_s = -1e6);
+    add("no gravity", &|s| s.system.gravity_m_s2 = [0.0; 2]);
+    add("much gravity", &|s| s.system.gravity_m_s2 = [1e8, -1e8]);
     add("soft object", &|s| {
-        for law in [&mut s.contact.proximal.normal, &mut s.contact.distal.normal] {
+        for law in s.finger_mut().contact.both_mut().map(|law| &mut law.normal) {
             (law.stiffness_n_per_m_e, law.damping_max_n_s_per_m) = (1.0, 1e-3);
         }
     });
     add("elastic object", &|s| {
-        for law in [&mut s.contact.proximal.normal, &mut s.contact.distal.normal] {
+        for law in s.finger_mut().contact.both_mut().map(|law| &mut law.normal) {
             law.damping_max_n_s_per_m = 0.0;
         }
     });
     add("diamond object", &|s| {
-        for law in [&mut s.contact.proximal.normal, &mut s.contact.distal.normal] {
+        for law in s.finger_mut().contact.both_mut().map(|law| &mut law.normal) {
             (law.stiffness_n_per_m_e, law.damping_max_n_s_per_m) = (1e14, 1e12);
         }
     });
-    add("start out of reach", &|s| s.initial.q21_rad = 1.3);
-    add("start inside the object", &|s| (s.initial.q11_rad, s.initial.q21_rad) = (-0.4, 1.17));
-    add("tiny object", &|s| s.object.as_mut().expect("an object").radius_m = 1e-6);
+    add("start out of reach", &|s| s.finger_mut().initial.q21_rad = 1.3);
+    add("start inside the object", &|s| {
+        (s.finger_mut().initial.q11_rad, s.finger_mut().initial.q21_rad) = (-0.4, 1.17)
+    });
+    add("tiny object", &|s| s.system.grasped_mut().radius_m = 1e-6);
     add("huge friction", &|s| {
-        for law in [&mut s.contact.proximal, &mut s.contact.distal] {
+        for law in s.finger_mut().contact.both_mut() {
             let friction = law.friction.as_mut().expect("friction");
             (friction.mu_static, friction.mu_dynamic) = (100.0, 70.0);
         }

@@ -24,7 +24,8 @@ fn swing<K: Method<2, QUADRATURES>>(model: &Model, start: Point, span: f64) -> E
 
 fn conservative() -> Vec<(Scene, Point, f64)> {
     let mut scene = anchor();
-    (scene.limit, scene.object) = (None, None);
+    scene.finger_mut().limit = None;
+    scene.system.discs.clear();
     let at = |q, v| State { q, v, z: [0.0; QUADRATURES] };
     let mut cases = vec![
         (scene.clone(), at([-0.3, 1.1], [0.0, 0.0]), 3e-3),
@@ -32,7 +33,7 @@ fn conservative() -> Vec<(Scene, Point, f64)> {
     ];
     for placement in [Placement::GroundLinks, Placement::DrivenCoupler, Placement::CouplerDistal] {
         let kind = SpringKind::Torsional { stiffness_n_m_per_rad: 0.1, preload_rad: 1.0 };
-        scene.spring = Some(Spring { kind, placement });
+        scene.finger_mut().spring = Some(Spring { kind, placement });
         cases.push((scene.clone(), at([-0.3, 1.1], [20.0, 10.0]), 3e-3));
     }
     cases
@@ -41,7 +42,7 @@ fn conservative() -> Vec<(Scene, Point, f64)> {
 fn worst_return<K: Method<2, QUADRATURES>>(name: &str) -> f64 {
     let mut worst = 0.0f64;
     for (scene, start, span) in conservative() {
-        let model = Model::new(&scene);
+        let model = Model::new(&scene.system);
         let there = swing::<K>(&model, start, span);
         assert!(there.result.is_ok(), "{name}: {:?}", there.result);
         let moved = (there.state.q[0] - start.q[0]).abs().max((there.state.q[1] - start.q[1]).abs());

@@ -5,7 +5,7 @@ use phalanx::scene::{Actuation, Integrator, Interpolation};
 
 fn run(profile: &Actuation, settings: Integrator) -> (phalanx::trace::Outcome, Collect) {
     let mut scene = anchor();
-    scene.actuation = profile.clone();
+    scene.finger_mut().motor.actuation = profile.clone();
     scene.integrator = settings;
     scene.duration_s = 4e-3;
     complete(&scene)

@@ -2,7 +2,7 @@
 
 use phalanx::drawing::{self, Drawing, Part, Pose, Shape};
 use phalanx::gripper::{Posture, joints};
-use phalanx::scene::{self, AnyScene, Scene};
+use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, Site, run};
 use phalanx::validate::Recording;
 
@@ -37,7 +37,7 @@ fn joints_and_contact_points_lie_where_the_bodies_are_drawn() {
         ["palm", "object", "l11", "l12", "l21", "l22"]
     );
     assert_eq!(drawing.contacts, ["proximal", "distal"]);
-    let lengths = scene.finger.lengths;
+    let lengths = scene.finger().linkage.lengths;
     let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
     for sample in &kept.samples {
@@ -72,7 +72,7 @@ fn the_view_has_start_and_grasp_and_the_object() {
     let [low, high] = drawing.extent_m;
     let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
-    let object = scene.object.unwrap();
+    let object = scene.object().unwrap();
     for k in 0..2 {
         assert!(low[k] < object.centre_m[k] - object.radius_m && object.centre_m[k] + object.radius_m < high[k]);
     }
@@ -97,7 +97,7 @@ fn the_view_has_start_and_grasp_and_the_object() {
 fn arrows_are_bounded_and_keep_their_sign() {
     let drawing = Drawing::of(&load("experiment-95"));
     let usual = 0.48 / 0.015;
-    assert!((drawing.arrow_m(usual) - 0.5 * load("experiment-95").finger.lengths.l21_m).abs() < 1e-12);
+    assert!((drawing.arrow_m(usual) - 0.5 * load("experiment-95").finger().linkage.lengths.l21_m).abs() < 1e-12);
     assert_eq!(drawing.arrow_m(1e6), drawing.longest_arrow_m);
     assert_eq!(drawing.arrow_m(-1e6), -drawing.longest_arrow_m);
 }
@@ -113,18 +113,18 @@ fn without_object_palm_or_closure_there_is_still_a_finger() {
 
 #[test]
 fn discs_are_drawn_where_they_are() {
-    let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/two-free.toml").unwrap() else { panic!("not of discs") };
+    let scene = scene::load_any("scenes/laws/two-free.toml").unwrap();
     let drawing = Drawing::of(&scene);
     let mut kept = Recording::default();
     run(Model::Analytic, &scene, &mut kept).unwrap();
-    let offset = usize::from(scene.half_plane.is_some());
-    assert_eq!(drawing.bodies.len(), scene.discs.len() + offset);
+    let offset = usize::from(scene.system.palm.is_some());
+    assert_eq!(drawing.bodies.len(), scene.system.discs.len() + offset);
     for sample in &kept.samples {
         for (index, pose) in drawing::poses(&scene, sample).iter().skip(offset).enumerate() {
             assert_eq!(pose.position_m, sample.bodies[index].centre_m);
             assert_eq!(pose.angle_rad, sample.bodies[index].angle_rad);
         }
-        let (pair, contact) = (scene.pairs()[0], &sample.contacts[0]);
+        let (pair, contact) = (scene.system.pairs()[0], &sample.contacts[0]);
         let at = offset + pair.disc;
         let off = off_surface(&drawing.bodies[at].shapes[0], &drawing::poses(&scene, sample)[at], contact.point_m);
         assert!(off < 1e-12, "{off}");

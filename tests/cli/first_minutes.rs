@@ -44,7 +44,7 @@ fn a_new_scene_runs_as_it_is_and_says_what_can_be_changed() {
     let scene = scene::load(&place).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.name, "my gripper");
     // It is the anchor, whose outcome is known.
-    assert_eq!(scene.finger, scene::load(ANCHOR).expect("the anchor").finger);
+    assert_eq!(scene.finger().linkage, scene::load(ANCHOR).expect("the anchor").finger().linkage);
     let output = phalanx(&["run", file, "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(json(&output)["criteria"]["class"], "stable");

@@ -4,7 +4,8 @@ use std::fs;
 
 use crate::support::cli::{ANCHOR, directory, phalanx, stderr, stdout, write};
 use phalanx::plot::{Linkage, linkage};
-use phalanx::scene::{self, AnyScene, Scene};
+use phalanx::scene::words::SceneKind;
+use phalanx::scene::{self, Scene};
 
 const ALWAYS: [&str; 11] = ["l11", "l12", "l21", "l22", "t22", "w", "q11", "q21", "q12", "q22", "φ22"];
 
@@ -13,10 +14,7 @@ fn scenes(directory: &str) -> Vec<Scene> {
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
     paths.sort();
-    let load = |path| match scene::load_any(path) {
-        Ok(AnyScene::Finger(scene)) => Some(*scene),
-        _ => None,
-    };
+    let load = |path| scene::load_any(path).ok().filter(|scene| scene.kind() == SceneKind::Finger);
     paths.into_iter().filter_map(load).collect()
 }
 
@@ -43,7 +41,7 @@ fn every_letter_is_on_the_drawing_and_none_over_another() {
     for scene in all {
         let drawn = linkage(&scene);
         let letters: Vec<&str> = drawn.labels.iter().map(|label| label.0).collect();
-        let with_object: &[&str] = if scene.object.is_some() { &["base", "radius"] } else { &[] };
+        let with_object: &[&str] = if scene.object().is_some() { &["base", "radius"] } else { &[] };
         for letter in ALWAYS.iter().chain(with_object) {
             assert_eq!(letters.iter().filter(|other| *other == letter).count(), 1, "{}: {letter}", scene.name);
             // Once in the drawing, once in the table below.

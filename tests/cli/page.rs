@@ -3,7 +3,7 @@
 use base64::prelude::{BASE64_STANDARD, Engine};
 use phalanx::drawing::poses;
 use phalanx::page::{Film, MOST_SAMPLES, Note, Page, Picture, Reel, film, page};
-use phalanx::scene::{self, AnyScene, BodiesScene, Scene};
+use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, Sink, Site, run};
 use phalanx::validate::{Recording, record};
 use serde_json::Value;
@@ -12,11 +12,8 @@ fn load(name: &str) -> Scene {
     scene::load(format!("scenes/{name}.toml")).expect("a scene")
 }
 
-fn load_discs(name: &str) -> BodiesScene {
-    let AnyScene::Bodies(scene) = scene::load_any(format!("scenes/{name}.toml")).expect("a scene") else {
-        panic!("{name} is a finger");
-    };
-    *scene
+fn load_discs(name: &str) -> Scene {
+    scene::load_any(format!("scenes/{name}.toml")).expect("a scene")
 }
 
 fn films(scene: &Scene) -> (Vec<Recording>, Vec<Film>) {
@@ -143,7 +140,7 @@ fn what_comes_from_a_scene_is_never_markup() {
     let hostile = "</script><script>alert(1)</script><!--<svg onload='x'>\"&amp;{{data}}\u{2028}";
     let mut scene = load_discs("laws/two-free");
     scene.name = hostile.to_string();
-    scene.discs[0].name = hostile.to_string();
+    scene.system.discs[0].name = hostile.to_string();
     let mut recording = Recording::default();
     run(Model::Analytic, &scene, &mut recording).expect("a run");
     let named = film(hostile, &scene, &recording.samples, &recording.events, hostile);

@@ -142,7 +142,7 @@ fn what_is_not_known_is_null() {
     let mut outcome = outcome();
     outcome.contacts = vec![ContactSummary::default(); 3];
     let mut swing = scene();
-    swing.object = None;
+    swing.system.discs.clear();
     let document = parsed(&came(&swing, 0.0, Some(&outcome), None, None));
     assert_eq!(document["criteria"], Value::Null);
     for site in ["proximal", "distal"] {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use phalanx::scene::{self, AnyScene};
+use phalanx::scene;
 use serde_json::Value;
 
 use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, write};
@@ -104,9 +104,9 @@ fn a_scene_says_only_what_differs_from_the_one_it_extends() {
         "extends = \"variants/rough.toml\"\n[spring]\ntype = \"torsional\"\nstiffness = \"100 N*mm/rad\"\npreload = \"90 deg\"\n",
     );
     assert_eq!(finals(&[&rough]), finals(&[ANCHOR, "--set", "contact.friction.mu_static=0.6"]));
-    let AnyScene::Finger(found) = scene::load_any(&soft).expect("a scene") else { panic!("a finger") };
+    let found = scene::load_any(&soft).expect("a scene");
     assert_eq!(found.name, "soft");
-    assert_eq!(found.contact.proximal.friction.expect("friction").mu_static, 0.6);
+    assert_eq!(found.finger().contact.proximal.friction.expect("friction").mu_static, 0.6);
     // What is shown, and what a log has, stands by itself.
     let shown = phalanx(&["scene", "show", &soft]);
     assert!(!stdout(&shown).contains("extends"), "{}", stdout(&shown));

@@ -4,16 +4,17 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phalanx::criteria::Fate;
-use phalanx::scene::{self, AnyScene, Axis, GripperScene, Layer};
+use phalanx::scene::words::SceneKind;
+use phalanx::scene::{self, Axis, Layer, Scene};
 use phalanx::study::hold::{AtRest, Case, Hold, HoldError, Loads, Plan, Since, hold};
 use phalanx::trace::Model;
 
 /// A shipped gripper with lines that go over it.
-fn gripper(name: &str, over: &[&str]) -> GripperScene {
+fn gripper(name: &str, over: &[&str]) -> Scene {
     let over: Vec<Layer> =
         over.iter().map(|text| Layer { file: "test".to_string(), text: (*text).to_string() }).collect();
     match scene::load_any_with(format!("scenes/gripper/{name}.toml"), &over) {
-        Ok(AnyScene::Gripper(scene)) => *scene,
+        Ok(scene) if scene.kind() == SceneKind::Gripper => scene,
         Ok(_) => panic!("{name} is no gripper"),
         Err(error) => panic!("{error}"),
     }
@@ -38,12 +39,12 @@ fn pulses(directions: usize) -> Loads {
 }
 
 #[track_caller]
-fn found(scene: &GripperScene, plan: Plan) -> Hold {
+fn found(scene: &Scene, plan: Plan) -> Hold {
     hold(scene, plan, &mut |_, _| {}, &|| true).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }
 
 #[track_caller]
-fn refused(scene: &GripperScene, plan: Plan) -> HoldError {
+fn refused(scene: &Scene, plan: Plan) -> HoldError {
     hold(scene, plan, &mut |_, _| {}, &|| true).expect_err("refused")
 }
 

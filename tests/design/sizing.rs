@@ -168,22 +168,24 @@ fn a_scene_is_sized_as_the_finger_is() {
     let task = Task::thesis(disc(&design));
     for (word, rule) in [("rigid", Rule::Rigid), ("whole", Rule::Whole)] {
         let scene = scene(&format!("sizing = \"{word}\""), "");
-        let sizing = size(&scene.finger, &task, rule).unwrap();
-        assert_eq!(scene.actuation, Actuation::Constant { torque_n_m: sizing.motor_n_m });
+        let sizing = size(&scene.finger().linkage, &task, rule).unwrap();
+        assert_eq!(scene.finger().motor.actuation, Actuation::Constant { torque_n_m: sizing.motor_n_m });
         let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m };
-        assert_eq!(scene.spring, Some(Spring { kind, placement: Placement::Phalanges }));
+        assert_eq!(scene.finger().spring, Some(Spring { kind, placement: Placement::Phalanges }));
         // Filled in, the torques stand for themselves.
         let shown = scene::show(&scene);
         assert!(!shown.contains("sizing"));
         let again = scene::parse(&shown, "sized.toml").unwrap();
-        assert_eq!((again.actuation, again.spring), (scene.actuation, scene.spring));
+        assert_eq!(again.finger().motor, scene.finger().motor);
+        assert_eq!(again.finger().spring, scene.finger().spring);
     }
 }
 
 #[test]
 fn a_scene_is_sized_for_what_it_says() {
-    let plain = size(&scene("sizing = \"rigid\"", "").finger, &Task::thesis(disc(&design_95())), Rule::Rigid).unwrap();
-    let torques = |scene: &Scene| match (&scene.actuation, scene.spring.unwrap().kind) {
+    let plain = size(&scene("sizing = \"rigid\"", "").finger().linkage, &Task::thesis(disc(&design_95())), Rule::Rigid)
+        .unwrap();
+    let torques = |scene: &Scene| match (&scene.finger().motor.actuation, scene.finger().spring.unwrap().kind) {
         (Actuation::Constant { torque_n_m } | Actuation::Ramp { torque_n_m, .. }, kind) => (*torque_n_m, kind),
         other => panic!("{other:?}"),
     };
@@ -196,7 +198,7 @@ fn a_scene_is_sized_for_what_it_says() {
     assert!((torques(&heavy).0 / torques(&light).0 - 2.0).abs() < 1e-12);
     // The same start said in two ways.
     let by_angle = scene("sizing = \"rigid\"", "[initial]\nq21 = \"40 deg\"\n");
-    let contact = by_angle.initial.q21_rad;
+    let contact = by_angle.finger().initial.q21_rad;
     assert!((contact.to_degrees() - 40.0).abs() < 1e-12);
     assert!((torques(&by_angle).0 / plain.motor_n_m - 1.0).abs() < 1e-3);
     // A torsional spring has the torque of the constant one where the finger is straight.

@@ -27,7 +27,7 @@ fn studied(scene: &Scene) -> Grasp {
 
 /// Both phalanges a few micrometres deep in the object, as the simulation left them.
 fn yielded(scene: &Scene, last: &Sample) -> FinalPosture {
-    let lengths = &scene.finger.lengths;
+    let lengths = &scene.finger().linkage.lengths;
     let posture = Posture {
         q11_rad: last.finger().q11_rad,
         q21_rad: last.finger().q21_rad,
@@ -35,7 +35,7 @@ fn yielded(scene: &Scene, last: &Sample) -> FinalPosture {
         q22_rad: last.finger().q22_rad,
     };
     let at = joints(lengths, &posture);
-    let centre = scene.object.unwrap().centre_m;
+    let centre = scene.object().unwrap().centre_m;
     let along = |from: [f64; 2], to: [f64; 2]| {
         let (u, v) = ([to[0] - from[0], to[1] - from[1]], [centre[0] - from[0], centre[1] - from[1]]);
         (u[0] * v[0] + u[1] * v[1]) / u[0].hypot(u[1])
@@ -51,11 +51,15 @@ fn yielded(scene: &Scene, last: &Sample) -> FinalPosture {
 /// Forces that balance motor, spring and weight without friction.
 fn balance(scene: &Scene, end: &FinalPosture) -> Equilibrium {
     let q = [end.posture.q11_rad, end.posture.q21_rad];
-    let dynamics = Dynamics::new(&scene.finger, reference_gamma(&scene.finger.lengths), scene.gravity_m_s2);
+    let dynamics = Dynamics::new(
+        &scene.finger().linkage,
+        reference_gamma(&scene.finger().linkage.lengths),
+        scene.system.gravity_m_s2,
+    );
     let weight = inverse_dynamics(&dynamics, q, [0.0; 2], [0.0; 2]);
-    let motor_n_m = scene::torque(&scene.actuation, scene.duration_s).0;
-    let drive = drive_loads(&scene.finger, end, motor_n_m, scene.spring.as_ref()).unwrap();
-    equilibrium(&scene.finger, end, [drive[0] - weight[0], drive[1] - weight[1]], 0.0).unwrap()
+    let motor_n_m = scene::torque(&scene.finger().motor.actuation, scene.duration_s).0;
+    let drive = drive_loads(&scene.finger().linkage, end, motor_n_m, scene.finger().spring.as_ref()).unwrap();
+    equilibrium(&scene.finger().linkage, end, [drive[0] - weight[0], drive[1] - weight[1]], 0.0).unwrap()
 }
 
 #[track_caller]
@@ -89,7 +93,7 @@ fn design_95_at_rest_differs_from_its_simulation_by_penetration_and_weight_alone
     // 4 µm on levers of 12 mm, in stages: deeper, then with the weight of the links, which (2.31) leaves out.
     let deep = yielded(&scene, &last);
     assert!((deep.posture.q21_rad - end.posture.q21_rad).abs() < 4e-4);
-    let weightless = Scene { gravity_m_s2: [0.0; 2], ..scene.clone() };
+    let weightless = weightless(&scene);
     near([at_rest.f21_n, at_rest.f22_n], balance(&weightless, &end), 1e-12);
     near([at_rest.f21_n, at_rest.f22_n], balance(&weightless, &deep), 3e-3);
     let shares = [balance(&scene, &end), balance(&weightless, &deep)];
@@ -111,11 +115,18 @@ fn the_simulated_palm_force_is_that_of_the_definition() {
     assert!((palm_force(&studied(&scene).end, f21, f22, 0.8) - 17.26).abs() < 0.01);
 }
 
+/// The scene without gravity.
+fn weightless(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.system.gravity_m_s2 = [0.0; 2];
+    scene
+}
+
 #[test]
 fn harder_contacts_leave_less_of_a_difference() {
-    let soft = Scene { gravity_m_s2: [0.0; 2], ..load("scenes/experiment-95-frictionless.toml") };
+    let soft = weightless(&load("scenes/experiment-95-frictionless.toml"));
     let mut hard = soft.clone();
-    for law in [&mut hard.contact.proximal.normal, &mut hard.contact.distal.normal] {
+    for law in hard.finger_mut().contact.both_mut().map(|law| &mut law.normal) {
         law.stiffness_n_per_m_e *= 10.0;
         law.damping_max_n_s_per_m *= 10.0;
     }

@@ -56,7 +56,7 @@ fn factors_change_the_contact() {
     // Without a damper the finger bounces.
     assert!(study.reference(1, 0).touchdowns[0] > 1 && study.reference(1, 1).touchdowns[0] == 1);
     let mut scene = scene::load(ANCHOR).expect("the anchor");
-    for contact in [&mut scene.contact.proximal, &mut scene.contact.distal] {
+    for contact in scene.finger_mut().contact.both_mut() {
         contact.normal.stiffness_n_per_m_e *= 1e-2;
     }
     let one = grid(&[1e-5], &[1.0], &[1.0]);
@@ -178,8 +178,9 @@ fn what_cannot_be_mapped_is_refused() {
         "undamped.toml",
         &anchor.replace("[contact.friction]", "[contact]\nstiffness_si = 0\nexponent = 2.2\n[contact.friction]"),
     );
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 12] = [
         (&[discs], "scene of discs"),
+        (&["scenes/gripper/design-95.toml"], "scene of a gripper"),
         (&["scenes/free-swing.toml"], "nothing can touch"),
         (&[&rigid], "rapier's own contact"),
         (&[&undamped, "--damping", "0"], "one of them above 0"),

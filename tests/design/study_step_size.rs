@@ -1,15 +1,12 @@
 //! The study of step sizes on its shipped scene (thesis Fig. B.3).
 
 use phalanx::report::step_size::step_size_csv;
-use phalanx::scene::{self, AnyScene};
+use phalanx::scene;
 use phalanx::study::step_size::{Formulation, StepSize, step_size};
 use phalanx::wording::Reported;
 
 fn study() -> StepSize {
-    let scene = match scene::load_any("scenes/laws/step-size.toml").unwrap_or_else(|error| panic!("{error}")) {
-        AnyScene::Bodies(scene) => scene,
-        _ => panic!("a scene of discs"),
-    };
+    let scene = scene::load_any("scenes/laws/step-size.toml").unwrap_or_else(|error| panic!("{error}"));
     step_size(&scene, true, &mut |_, _, _| {}, &|| true).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -45,7 +42,7 @@ fn laws_converge_and_a_rigid_contact_does_not() {
 #[test]
 fn a_scene_without_a_rebound_is_refused() {
     let text = "kind = \"bodies\"\n[discs.ball]\nradius = \"1 mm\"\ncentre = [\"0 mm\", \"9 mm\"]\nmass = \"1 g\"\n";
-    let Ok(AnyScene::Bodies(scene)) = scene::parse_any(text, "still.toml") else { panic!("a scene of discs") };
+    let scene = scene::parse_any(text, "still.toml").expect("a scene");
     let error = step_size(&scene, true, &mut |_, _, _| {}, &|| true).expect_err("nothing touches");
     assert!(error.to_string().contains("rebounds"), "{error}");
 }

@@ -67,13 +67,13 @@ fn every_run_is_the_scene_its_values_say() {
     use Kind::{Flag, Integer, Number, Text};
     assert_eq!(kinds, [Number, Number, Number, Flag, Text, Text, Integer]);
     let last = scene::parse(&study.scene_text(32), "last.toml").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(last.contact.proximal.friction.expect("given").mu_static, 0.4);
-    assert_eq!((last.duration_s, last.palm, last.gravity_m_s2), (0.03, false, [0.0, 0.0]));
+    assert_eq!(last.finger().contact.proximal.friction.expect("given").mu_static, 0.4);
+    assert_eq!((last.duration_s, last.system.palm.is_some(), last.system.gravity_m_s2), (0.03, false, [0.0, 0.0]));
     assert_eq!((last.integrator.rtol, last.integrator.max_steps), (1e-11, 1000));
-    assert_eq!(last.object.expect("given").centre_m[0], -0.016);
+    assert_eq!(last.object().expect("given").centre_m[0], -0.016);
     assert_eq!(values(&study, 32)[1..3], [Value::Number(0.016), Value::Number(0.13)]);
     let first = scene::parse(&study.scene_text(1), "first.toml").unwrap_or_else(|error| panic!("{error}"));
-    assert!(first.palm && first.gravity_m_s2[1] == 9.81);
+    assert!(first.system.palm.is_some() && first.system.gravity_m_s2[1] == 9.81);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn ranges_are_grids_or_samples() {
         assert!((0.3..0.6).contains(&ratio) && (0.012..0.0225).contains(&base));
         // What stands in the results is what the scene has, bit for bit.
         let scene = scene::parse(&sampled.scene_text(run), "run.toml").unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(scene.object.expect("given").centre_m[0], -base);
+        assert_eq!(scene.object().expect("given").centre_m[0], -base);
     }
     let bases = |study: &Study| (1..=100).map(|run| numbers(study, run)[2]).collect::<Vec<_>>();
     let other = study(&mixed.replace("count = 100", "count = 100\nseed = 2"));

@@ -192,11 +192,11 @@ fn a_scene_gives_what_is_not_varied() {
     let found = volumes(&request, 1).unwrap();
     let state = found[0].points[0].state.as_ref().unwrap();
     // The scene itself is the one point: same lengths, masses and sizing.
-    assert_eq!(state.sized.lengths, scene.finger.lengths);
-    assert_eq!(state.sized.mass_kg, total_mass(&scene.finger.bodies));
-    assert_eq!(scene.finger.bodies.l22.mass_kg, 0.009);
-    assert_eq!(scene.actuation, scene::Actuation::Constant { torque_n_m: state.sized.sizing.motor_n_m });
-    let spring = scene.spring.unwrap();
+    assert_eq!(state.sized.lengths, scene.finger().linkage.lengths);
+    assert_eq!(state.sized.mass_kg, total_mass(&scene.finger().linkage.bodies));
+    assert_eq!(scene.finger().linkage.bodies.l22.mass_kg, 0.009);
+    assert_eq!(scene.finger().motor.actuation, scene::Actuation::Constant { torque_n_m: state.sized.sizing.motor_n_m });
+    let spring = scene.finger().spring.unwrap();
     assert_eq!(spring.kind, SpringKind::Constant { torque_n_m: state.sized.sizing.spring_n_m });
 }
 

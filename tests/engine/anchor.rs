@@ -9,7 +9,9 @@ fn ensemble() -> Vec<Scene> {
     (0..5)
         .map(|i| {
             let torque_n_m = 0.480 * (1.0 + 1e-9 * f64::from(i));
-            Scene { actuation: Actuation::Constant { torque_n_m }, ..anchor() }
+            let mut scene = anchor();
+            scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m };
+            scene
         })
         .collect()
 }

@@ -49,7 +49,7 @@ fn column(row: &Row, bodies: usize) -> DVector<f64> {
 #[test]
 fn contact_space_inverse_inertia_is_that_of_the_jointed_bodies() {
     let scene = anchor();
-    let plan = engine::plan(&scene).unwrap();
+    let plan = engine::plan(&scene.system).unwrap();
     let mut motion = motion(&scene, &plan);
     // So long a step takes in every site: limit, and both contacts with friction.
     for _ in 0..3 {
@@ -82,9 +82,10 @@ fn contact_space_inverse_inertia_is_that_of_the_jointed_bodies() {
 /// One row, one mass: a contact space without any body behind it.
 fn single(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f64) -> engine::Space {
     let scene = anchor();
-    let plan = engine::plan(&scene).unwrap();
+    let plan = engine::plan(&scene.system).unwrap();
     let motion = motion(&scene, &plan);
-    let mut touch = *motion.touches.iter().find(|touch| engine::site(&plan, touch.index) == Site::Proximal).unwrap();
+    let mut touch =
+        *motion.touches.iter().find(|touch| plan.place(touch.index) == Some(Site::Proximal as usize)).unwrap();
     (touch.gap, touch.law, touch.friction) = (gap, law.normal, law.friction);
     let rows = 1 + usize::from(law.friction.is_some());
     let mut space = engine::Space::default();
@@ -217,7 +218,7 @@ fn every_law_is_solved_at_every_step() {
 fn steps_follow_their_criteria() {
     let scene = anchor();
     let Stepping::Adaptive { tolerance_m, max_step_s } = scene.engine.stepping else { panic!("adaptive by default") };
-    let plan = engine::plan(&scene).unwrap();
+    let plan = engine::plan(&scene.system).unwrap();
     let mut motion = motion(&scene, &plan);
     let (mut last, mut landed, mut shortest) = (f64::INFINITY, 0, f64::INFINITY);
     while motion.clock.now() < scene.duration_s {
@@ -233,7 +234,8 @@ fn steps_follow_their_criteria() {
         }
         motion.advance(dt).unwrap();
         for change in &motion.contact.changes {
-            let site = engine::site(&plan, motion.space.sites[change.site].touch.index);
+            let place = plan.place(motion.space.sites[change.site].touch.index).expect("a place");
+            let site = Site::ALL[place];
             if change.kind == engine::ChangeKind::Meets && site != Site::Limit {
                 landed += 1;
                 // The touch is met in a short step, after an approach of ever shorter ones.

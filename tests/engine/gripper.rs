@@ -1,7 +1,7 @@
 //! Grippers in both models, held to each other and to an independent program.
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
-use phalanx::scene::{Axis, GripperScene, Integrator, Move, ObjectMotion, Preset, Side, Stepping};
+use phalanx::scene::{Axis, DiscMotion, Integrator, Move, Preset, Scene, Side, Stepping};
 use phalanx::trace::{Energy, Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
 
 use crate::support::grippers::{anchor, anchors};
@@ -36,20 +36,20 @@ impl Kept {
     }
 }
 
-fn kept(model: Model, scene: &GripperScene) -> (Kept, Outcome) {
+fn kept(model: Model, scene: &Scene) -> (Kept, Outcome) {
     let mut kept = Kept::default();
     let outcome = run(model, scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     (kept, outcome)
 }
 
-fn reference(scene: &GripperScene) -> GripperScene {
-    GripperScene { integrator: Integrator::preset(Preset::Reference), ..scene.clone() }
+fn reference(scene: &Scene) -> Scene {
+    Scene { integrator: Integrator::preset(Preset::Reference), ..scene.clone() }
 }
 
 /// Largest difference of angles, and of positions in object radii, over the grid of the log.
-fn apart(scene: &GripperScene, a: &Kept, b: &Kept) -> f64 {
+fn apart(scene: &Scene, a: &Kept, b: &Kept) -> f64 {
     let steps = (scene.duration_s * scene.log.numeric_hz).round() as usize;
-    let radius = scene.object.radius_m;
+    let radius = scene.system.grasped().radius_m;
     let mut most = 0.0f64;
     for k in 0..=steps {
         let time_s = k as f64 / scene.log.numeric_hz;
@@ -66,7 +66,7 @@ fn apart(scene: &GripperScene, a: &Kept, b: &Kept) -> f64 {
 }
 
 /// The same of the engine at a hundredth of its tolerance.
-fn finely_apart(scene: &GripperScene, exact: &Kept) -> f64 {
+fn finely_apart(scene: &Scene, exact: &Kept) -> f64 {
     let mut fine = scene.clone();
     fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
     apart(&fine, exact, &kept(Model::Engine, &fine).0)
@@ -143,7 +143,7 @@ fn criteria_of_a_grasp_are_those_of_the_analytic_model() {
 fn momentum_of_the_object_is_that_of_its_contacts() {
     let mut scene = anchor("c").scene;
     scene.log.numeric_hz = 2e5;
-    let ObjectMotion::Free { mass_kg, .. } = scene.object.motion else { panic!("a free object") };
+    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { panic!("a free object") };
     for (model, allowed) in [(Model::Analytic, 2e-3), (Model::Engine, 2e-3)] {
         let (kept, outcome) = kept(model, &scene);
         let (mut impulse, mut most) = ([0.0; 2], 0.0f64);
@@ -151,7 +151,9 @@ fn momentum_of_the_object_is_that_of_its_contacts() {
             let dt = pair[1].time_s - pair[0].time_s;
             for sample in pair {
                 let push = pushed(sample);
-                (0..2).for_each(|axis| impulse[axis] += 0.5 * dt * (push[axis] + mass_kg * scene.gravity_m_s2[axis]));
+                (0..2).for_each(|axis| {
+                    impulse[axis] += 0.5 * dt * (push[axis] + mass_kg * scene.system.gravity_m_s2[axis])
+                });
             }
             most = most.max(impulse[0].hypot(impulse[1]));
         }
@@ -196,13 +198,13 @@ fn a_symmetric_grasp_is_its_own_mirror_image_in_both_models() {
 #[test]
 fn a_fixed_object_stays_where_it_is() {
     let mut scene = anchor("c").scene;
-    scene.object.motion = ObjectMotion::Fixed;
+    scene.system.grasped_mut().motion = DiscMotion::Fixed;
     let (exact, _) = kept(Model::Analytic, &reference(&scene));
     let (engine, outcome) = kept(Model::Engine, &scene);
     let off = apart(&scene, &exact, &engine);
     // Twice as long as the closing that scenes of fingers hold to 2e-5.
     assert!(off < 5e-5, "{off:.1e}");
-    assert_eq!(outcome.last.bodies[0].centre_m, scene.object.centre_m);
+    assert_eq!(outcome.last.bodies[0].centre_m, scene.system.grasped().centre_m);
     assert!(outcome.contacts[0].impulse_n_s > 0.1 && outcome.contacts[6].impulse_n_s == 0.0);
 }
 
@@ -227,18 +229,18 @@ fn a_palm_that_moves_is_the_same_in_both_models() {
 #[test]
 fn a_palm_that_turns_is_the_same_in_both_models() {
     let mut turned = anchor("e").scene;
-    let motion = turned.palm_motion.as_mut().expect("it moves");
+    let motion = turned.system.palm_motion.as_mut().expect("it moves");
     motion.moves.push(Move { axis: Axis::Angle, distance: 0.7, start_s: 0.06, length_s: 0.04 });
     motion.vibrations[0].axis = Axis::Angle;
     motion.vibrations[0].amplitude = 2e-3;
-    turned.fingers[0].motor.inertia_kg_m2 = 5e-6;
-    turned.fingers[1].motor.brake.as_mut().expect("a brake").torque_n_m = 0.05;
+    turned.system.fingers[0].motor.inertia_kg_m2 = 5e-6;
+    turned.system.fingers[1].motor.brake.as_mut().expect("a brake").torque_n_m = 0.05;
     let mut geared = anchor("f").scene;
-    geared.palm_motion = turned.palm_motion.clone();
+    geared.system.palm_motion = turned.system.palm_motion.clone();
     geared.duration_s = 0.1;
     geared.log.numeric_hz = 1e4;
-    let differential = geared.differential.as_mut().expect("a differential");
-    differential.motor.brake = turned.fingers[0].motor.brake;
+    let differential = geared.system.differential.as_mut().expect("a differential");
+    differential.motor.brake = turned.system.fingers[0].motor.brake;
     for (scene, bound) in [(turned, 4e-5), (geared, 4e-5)] {
         let (exact, told) = kept(Model::Analytic, &reference(&scene));
         let (usual, outcome) = kept(Model::Engine, &scene);
@@ -262,10 +264,13 @@ fn moves_that_follow_each_other_make_no_step_of_their_own() {
     let lift = Move { axis: Axis::Y, distance: -0.007, start_s: 0.02, length_s: 0.031 };
     let across = Move { axis: Axis::X, distance: 0.01, start_s: 0.051, length_s: 0.025 };
     assert_ne!(lift.start_s + lift.length_s, across.start_s);
-    scene.palm_motion.as_mut().expect("it moves").moves = vec![lift, across];
-    let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.object.motion else { panic!("it is free") };
-    (*mass_kg, *inertia_kg_m2) = (1.51, 0.5 * 1.51 * scene.object.radius_m.powi(2));
-    for finger in &mut scene.fingers {
+    scene.system.palm_motion.as_mut().expect("it moves").moves = vec![lift, across];
+    let radius_m = scene.system.grasped().radius_m;
+    let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.system.grasped_mut().motion else {
+        panic!("it is free")
+    };
+    (*mass_kg, *inertia_kg_m2) = (1.51, Some(0.5 * 1.51 * radius_m.powi(2)));
+    for finger in &mut scene.system.fingers {
         finger.motor.brake.as_mut().expect("a brake").torque_n_m = 0.3194;
     }
     let (exact, _) = kept(Model::Analytic, &reference(&scene));

@@ -5,7 +5,10 @@ use phalanx::scene::{self, Construction, Scene, Stepping};
 
 /// The anchor without object and limit, before the tip has swung too far: motor, spring, gravity and joints only.
 fn free() -> Scene {
-    Scene { object: None, limit: None, duration_s: 3e-3, ..anchor() }
+    let mut scene = Scene { duration_s: 3e-3, ..anchor() };
+    scene.system.discs.clear();
+    scene.finger_mut().limit = None;
+    scene
 }
 
 /// Errors at steps that halve, with the number of steps each took.
@@ -39,7 +42,8 @@ fn free_motion_in_maximal_coordinates_is_second_order() {
 /// A pressing joint limit is a stiff, plastic contact; it must not cost the order.
 #[test]
 fn motion_against_the_joint_limit_is_second_order() {
-    let scene = Scene { object: None, duration_s: 4e-3, ..anchor() };
+    let mut scene = Scene { duration_s: 4e-3, ..anchor() };
+    scene.system.discs.clear();
     let errors = errors(&scene, Construction::Maximal, 4e-5);
     for slope in slopes(&errors) {
         assert!(slope >= 1.8, "slopes {:?} of {errors:?}", slopes(&errors));

@@ -1,6 +1,6 @@
 //! What the recorder of the engine makes of its steps, the same for fingers and discs.
 
-use phalanx::scene::{self, BodiesScene, Scene, Stepping};
+use phalanx::scene::{self, Scene, Stepping};
 use phalanx::trace::{ContactSample, EventKind, Model, Site};
 
 use crate::support::laws::{self, BOTH, disc, impact, on_plane, sliding, stepped};
@@ -11,9 +11,11 @@ fn load(name: &str) -> Scene {
 }
 
 /// A disc of 1 kg that lies on the half plane, at rest.
-fn lying(gravity_m_s2: f64) -> BodiesScene {
+fn lying(gravity_m_s2: f64) -> Scene {
     let discs = vec![disc("puck", 0.05, [0.0, 0.05], sliding([0.0; 2]))];
-    BodiesScene { gravity_m_s2: [0.0, gravity_m_s2], ..on_plane(laws::scene(discs, laws::THESIS, None, 1e-3)) }
+    let mut scene = on_plane(laws::scene(discs, laws::THESIS, None, 1e-3));
+    scene.system.gravity_m_s2 = [0.0, gravity_m_s2];
+    scene
 }
 
 /// What touches and rests at the start has met if it is about to press: that is no impact, and it is not told a step late.

@@ -9,7 +9,7 @@ use phalanx::scene::Scene;
 use phalanx::trace::Model;
 
 fn log_of(scene: &Scene, path: &Path) -> Vec<u8> {
-    let info = RunInfo { scene: scene.into(), scene_file: "experiment-95.toml", model: "engine" };
+    let info = RunInfo { scene, scene_file: "experiment-95.toml", model: "engine" };
     let mut writer = log::create(path, &info).expect("a log");
     held::run(Model::Engine, scene, &mut writer).expect("a run");
     writer.keep().expect("a finished log");

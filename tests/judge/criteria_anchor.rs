@@ -8,9 +8,9 @@ use phalanx::trace::Model;
 #[test]
 fn design_95_is_stable_when_its_tip_has_landed_whatever_the_log_rate() {
     let mut scene = scene::load("scenes/experiment-95.toml").unwrap_or_else(|error| panic!("{error}"));
-    let object = scene.object.expect("an object");
+    let object = scene.object().expect("an object");
     let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
-    let end = final_posture(&scene.finger.lengths, scene.finger.assembly, disc).expect("a grasp");
+    let end = final_posture(&scene.finger().linkage.lengths, scene.finger().linkage.assembly, disc).expect("a grasp");
     for numeric_hz in [1e3, 1e4, 1e6] {
         scene.log.numeric_hz = numeric_hz;
         let mut tracker = Tracker::new(FinalAngles { q11_rad: end.posture.q11_rad, q21_rad: end.posture.q21_rad });

@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use phalanx::check::pushed_gripper;
+use phalanx::check::pushed;
 use phalanx::criteria::{Fate, GraspCriteria, GraspTracker};
 use phalanx::invariants::Finding;
-use phalanx::scene::{self, AnyScene, GripperScene};
+use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, Sink};
-use phalanx::validate::{Recording, Subject, compare, record, reference, sampled};
+use phalanx::validate::{Recording, compare, invariants, judge, record, reference, sampled};
 
 const GRIPPERS: [&str; 28] = [
     "gripper/bought",
@@ -48,14 +48,11 @@ const EVERYDAY: f64 = 1e-5;
 /// …but where a push of 1e-7 moves it by more than 1e-3.
 const CHAOTIC: [(&str, f64); 1] = [("hard/gripper-light", 1e-2)];
 
-fn load(name: &str) -> GripperScene {
-    match scene::load_any(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}")) {
-        AnyScene::Gripper(scene) => *scene,
-        _ => panic!("{name} is no gripper"),
-    }
+fn load(name: &str) -> Scene {
+    scene::load_any(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn recorded(model: Model, scene: &GripperScene) -> Recording {
+fn recorded(model: Model, scene: &Scene) -> Recording {
     record(model, scene).unwrap_or_else(|error| panic!("{}: {} model: {error}", scene.name, model.name()))
 }
 
@@ -66,7 +63,7 @@ fn assert_held(found: &[Finding], what: &str) {
 }
 
 /// What a recorded run came to.
-fn criteria(scene: &GripperScene, run: &Recording) -> GraspCriteria {
+fn criteria(scene: &Scene, run: &Recording) -> GraspCriteria {
     let mut tracker = GraspTracker::of(scene);
     let mut events = run.events.iter().peekable();
     for sample in &run.samples {
@@ -99,18 +96,18 @@ fn both_models_agree_on_every_gripper() {
         let scene = load(name);
         let exact = reference(&scene);
         let expected = recorded(Model::Analytic, &exact);
-        assert_held(&exact.invariants(Model::Analytic, &expected), &format!("{name}, analytic reference"));
+        assert_held(&invariants(&exact, Model::Analytic, &expected), &format!("{name}, analytic reference"));
         let everyday = sampled(Model::Analytic, &scene);
         let found = recorded(Model::Analytic, &everyday);
-        assert_held(&everyday.invariants(Model::Analytic, &found), &format!("{name}, analytic"));
+        assert_held(&invariants(&everyday, Model::Analytic, &found), &format!("{name}, analytic"));
         let off = compare(&found, &expected, scene.bounds.until_s).path_max();
         let allowed = CHAOTIC.iter().find(|(chaotic, _)| *chaotic == name).map_or(EVERYDAY, |(_, allowed)| *allowed);
         if off >= allowed {
             wrong.push(format!("{name}: the everyday preset is {off:.1e} off"));
         }
         let found = recorded(Model::Engine, &sampled(Model::Engine, &scene));
-        assert_held(&scene.invariants(Model::Engine, &found), &format!("{name}, engine"));
-        let verdict = scene.judge(&compare(&found, &expected, scene.bounds.until_s));
+        assert_held(&invariants(&scene, Model::Engine, &found), &format!("{name}, engine"));
+        let verdict = judge(&scene, &compare(&found, &expected, scene.bounds.until_s));
         let broken = verdict.checks.iter().filter(|check| !check.passed());
         wrong.extend(
             broken.map(|check| format!("{name}: {} is {:?}, not {}", check.bound, check.measured, check.limit)),
@@ -187,7 +184,7 @@ const LAST_DIGITS: [f64; 6] = [-8.0, -4.0, -2.0, 2.0, 4.0, 8.0];
 const OTHER_DRAWS: f64 = 4.0;
 
 /// Where object and fingers are at the end; `side` −1 takes the mirror image of it.
-fn end(model: Model, scene: &GripperScene, side: f64) -> [f64; 7] {
+fn end(model: Model, scene: &Scene, side: f64) -> [f64; 7] {
     let last = recorded(model, scene).outcome.last;
     let (object, mut fingers) = (&last.bodies[0], [0, 1].map(|i| [last.fingers[i].q11_rad, last.fingers[i].q21_rad]));
     if side < 0.0 {
@@ -211,8 +208,7 @@ fn a_mirror_image_moves_as_a_mirror_image() {
     ] {
         let apart = |a: [f64; 7], b: [f64; 7]| (0..7).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
         let own = end(model, &right, 1.0);
-        let pushed =
-            LAST_DIGITS.map(|count| apart(own, end(model, &pushed_gripper(&right, count * f64::EPSILON), 1.0)));
+        let pushed = LAST_DIGITS.map(|count| apart(own, end(model, &pushed(&right, count * f64::EPSILON), 1.0)));
         let rounding = pushed.into_iter().fold(0.0, f64::max);
         let off = apart(own, end(model, &left, -1.0));
         println!("{what}: {off:.1e}, last digits {pushed:?}");

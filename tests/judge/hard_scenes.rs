@@ -7,7 +7,9 @@ use phalanx::integrator::Reason;
 use phalanx::invariants::Finding;
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, RunError, Site, run};
-use phalanx::validate::{MOST_ERRORS, Recording, Subject, compare, record, reference, sampled, statistics, verdicts};
+use phalanx::validate::{
+    MOST_ERRORS, Recording, compare, invariants, record, reference, sampled, statistics, verdicts,
+};
 
 fn load(name: &str) -> Scene {
     scene::load(format!("scenes/hard/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
@@ -34,15 +36,15 @@ fn agree(name: &str) -> (Scene, Recording, Recording) {
     assert_eq!(scene.name, name);
     let exact = reference(&scene);
     let expected = recorded(Model::Analytic, &exact);
-    assert_held(&exact.invariants(Model::Analytic, &expected), &format!("{name}, analytic reference"));
+    assert_held(&invariants(&exact, Model::Analytic, &expected), &format!("{name}, analytic reference"));
     let everyday = sampled(Model::Analytic, &scene);
     let found = recorded(Model::Analytic, &everyday);
-    assert_held(&everyday.invariants(Model::Analytic, &found), &format!("{name}, analytic"));
+    assert_held(&invariants(&everyday, Model::Analytic, &found), &format!("{name}, analytic"));
     let off = compare(&found, &expected, scene.bounds.until_s).path_max();
     let allowed = AMPLIFYING.iter().find(|(scene, _)| *scene == name).map_or(EVERYDAY, |(_, allowed)| *allowed);
     assert!(off < allowed, "{name}: the everyday preset is {off:.1e} rad off");
     let found = recorded(Model::Engine, &sampled(Model::Engine, &scene));
-    assert_held(&scene.invariants(Model::Engine, &found), &format!("{name}, engine"));
+    assert_held(&invariants(&scene, Model::Engine, &found), &format!("{name}, engine"));
     let verdict = verdicts(&compare(&found, &expected, scene.bounds.until_s), &scene.bounds);
     let broken: Vec<_> = verdict.checks.iter().filter(|check| !check.passed()).collect();
     assert!(broken.is_empty(), "{name}: {broken:?}");
@@ -246,7 +248,7 @@ fn a_fold_ends_the_analytic_model_only() {
     assert_eq!(so_far.last.time_s, failure.time_s);
     let found = recorded(Model::Engine, &sampled(Model::Engine, &scene));
     assert_eq!(found.outcome.last.time_s, scene.duration_s);
-    assert_held(&scene.invariants(Model::Engine, &found), "through the fold, engine");
+    assert_held(&invariants(&scene, Model::Engine, &found), "through the fold, engine");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::support::synthetic::{lift_off, sample, touch_down};
 use phalanx::scene::Bounds;
+use phalanx::scene::words::SceneKind;
 use phalanx::trace::{ContactSample, ContactSummary, FingerState, Outcome, Sample, Sink, Site};
 use phalanx::validate::{IMPACT_S, Off, Recording, compare, verdicts};
 
@@ -66,7 +67,7 @@ fn a_run_does_not_differ_from_itself() {
     assert_eq!(found.final_force, [Some(0.0), None], "there is nothing for the distal phalanx to press on");
     assert_eq!(found.contact_time_s, [Some(0.0), None]);
     assert_eq!(found.impulse, [Some(0.0), None]);
-    assert!(verdicts(&found, &Bounds::over(END_S)).passed());
+    assert!(verdicts(&found, &Bounds::over(SceneKind::Finger, END_S)).passed());
 }
 
 #[test]
@@ -123,7 +124,7 @@ fn a_touch_that_one_lacks_is_infinitely_far_off() {
     let found = compare(&never, &usual(1000), END_S);
     assert_eq!(found.contact_time_s[0], Some(f64::INFINITY));
     assert_eq!(found.impulse[0], Some(f64::INFINITY));
-    assert!(!verdicts(&found, &Bounds::over(END_S)).passed());
+    assert!(!verdicts(&found, &Bounds::over(SceneKind::Finger, END_S)).passed());
     // Before both touch there is nothing to compare.
     let found = compare(&never, &usual(1000), 2e-3);
     assert_eq!((found.contact_time_s[0], found.impulse[0]), (None, None));
@@ -136,7 +137,7 @@ fn figures_that_are_no_numbers_break_their_bound() {
     broken.outcome.last.contact_mut(Site::Proximal).normal_n = f64::NAN;
     let found = compare(&broken, &usual(1000), END_S);
     assert_eq!((found.path_max(), found.final_force[0]), (f64::INFINITY, Some(f64::INFINITY)));
-    assert!(!verdicts(&found, &Bounds::over(END_S)).passed());
+    assert!(!verdicts(&found, &Bounds::over(SceneKind::Finger, END_S)).passed());
 }
 
 #[test]

@@ -28,7 +28,7 @@ impl Write for Disk {
 }
 
 fn info(scene: &Scene) -> RunInfo<'_> {
-    RunInfo { scene: scene.into(), scene_file: "synthetic.toml", model: "analytic" }
+    RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" }
 }
 
 /// Times of the `/state` messages that can be read before the log ends or breaks off.

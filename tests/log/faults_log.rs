@@ -15,7 +15,7 @@ fn log() -> &'static (Vec<u8>, Items) {
     LOG.get_or_init(|| {
         let mut scene = scene::load("scenes/experiment-95.toml").expect("the anchor scene");
         scene.log.numeric_hz = 1e5;
-        let run = RunInfo { scene: (&scene).into(), scene_file: "experiment-95.toml", model: "analytic" };
+        let run = RunInfo { scene: &scene, scene_file: "experiment-95.toml", model: "analytic" };
         let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
         let outcome = crate::support::held::run(Model::Analytic, &scene, &mut writer).expect("a run");
         writer.note(outcome.last.time_s, Severity::Info, "run", "completed").expect("written");

@@ -7,7 +7,7 @@ use foxglove::messages::{FrameTransforms, SceneUpdate};
 use mcap::MessageStream;
 use phalanx::drawing::{self, Drawing, Shape};
 use phalanx::log::{RunInfo, Writer};
-use phalanx::scene::{self, AnyScene, Scene};
+use phalanx::scene::{self, Scene};
 use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Site, Thinned, run};
 
 /// A message: topic, log time, payload.
@@ -34,7 +34,7 @@ fn load(name: &str) -> Scene {
 }
 
 fn logged(scene: &Scene, model: Model) -> (Vec<Raw>, Vec<Sample>) {
-    let info = RunInfo { scene: scene.into(), scene_file: "scene.toml", model: model.name() };
+    let info = RunInfo { scene, scene_file: "scene.toml", model: model.name() };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
     let mut sink = Thinned::new(scene.log.numeric_hz, Both { writer, samples: Vec::new() });
     run(model, scene, &mut sink).expect("a run");
@@ -206,17 +206,15 @@ fn at_each_instant_frames_come_before_what_is_drawn_in_them() {
 
 #[test]
 fn discs_are_drawn_too() {
-    let AnyScene::Bodies(scene) = scene::load_any("scenes/laws/two-free.toml").expect("a scene") else {
-        panic!("not of discs")
-    };
-    let info = RunInfo { scene: scene.as_ref().into(), scene_file: "two-free.toml", model: "analytic" };
+    let scene = scene::load_any("scenes/laws/two-free.toml").expect("a scene");
+    let info = RunInfo { scene: &scene, scene_file: "two-free.toml", model: "analytic" };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
     let mut sink = Thinned::new(scene.log.numeric_hz, writer);
     run(Model::Analytic, &scene, &mut sink).expect("a run");
     sink.end().expect("written");
     let messages = messages(&sink.sink.finish().expect("finished"));
     let last = of(&messages, "/tf").last().expect("pictures");
-    for (frame, disc) in transforms(last).transforms.iter().zip(&scene.discs) {
+    for (frame, disc) in transforms(last).transforms.iter().zip(&scene.system.discs) {
         assert_eq!(frame.child_frame_id, disc.name);
         let topic = format!("/disc/{}", disc.name);
         let state = messages.iter().rfind(|message| message.0 == topic && message.1 == last.1).expect("a sample");
@@ -225,7 +223,7 @@ fn discs_are_drawn_too() {
         let place = frame.translation.expect("a place");
         assert_eq!((place.x, place.y), (number(1), number(2)));
     }
-    assert_eq!(update(of(&messages, "/scene").next().expect("shapes")).entities.len(), scene.discs.len());
+    assert_eq!(update(of(&messages, "/scene").next().expect("shapes")).entities.len(), scene.system.discs.len());
     assert!(of(&messages, "/forces").any(|message| !update(message).entities[0].arrows.is_empty()));
     let end = update(of(&messages, "/forces").last().expect("forces"));
     assert!(end.entities[0].arrows.is_empty(), "they have parted");

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use phalanx::log::{RunInfo, Writer, read, scene_text};
-use phalanx::scene::{Actuation, AnyScene, BodiesScene, Preset, Scene, load, load_any, parse, parse_any};
+use phalanx::scene::{Actuation, Preset, Scene, load, load_any, parse, parse_any};
 use phalanx::trace::{Model, run};
 
 fn anchor() -> Scene {
@@ -13,7 +13,7 @@ fn anchor() -> Scene {
 
 /// The text of the scene in the log of a run.
 fn logged(scene: &Scene) -> String {
-    let info = RunInfo { scene: scene.into(), scene_file: "scene.toml", model: Model::Analytic.name() };
+    let info = RunInfo { scene, scene_file: "scene.toml", model: Model::Analytic.name() };
     let mut writer = Writer::new(Vec::new(), "the log", &info).expect("a log in memory");
     run(Model::Analytic, scene, &mut writer).expect("a whole run");
     let bytes = writer.finish().expect("finished");
@@ -34,9 +34,9 @@ fn a_scene_as_it_was_read_is_logged_to_the_letter() {
 fn a_scene_that_was_changed_is_logged_as_it_was_run() {
     let scene = anchor();
     let changes: [fn(&mut Scene); 4] = [
-        |scene| scene.actuation = Actuation::Constant { torque_n_m: 0.5 },
-        |scene| scene.gravity_m_s2 = [1.0, -2.0],
-        |scene| scene.contact.distal.normal.exponent = 1.5,
+        |scene| scene.finger_mut().motor.actuation = Actuation::Constant { torque_n_m: 0.5 },
+        |scene| scene.system.gravity_m_s2 = [1.0, -2.0],
+        |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
         |scene| scene.source = String::new(),
     ];
     for change in changes {
@@ -51,13 +51,11 @@ fn a_scene_that_was_changed_is_logged_as_it_was_run() {
 
 #[test]
 fn discs_that_were_changed_are_logged_as_they_were_run() {
-    let Ok(AnyScene::Bodies(scene)) = load_any(Path::new("scenes/laws/impact.toml")) else {
-        panic!("a scene of discs")
-    };
+    let scene = load_any(Path::new("scenes/laws/impact.toml")).expect("a scene");
     assert_eq!(scene_text(&scene), scene.source);
-    let mut changed: BodiesScene = (*scene).clone();
-    changed.discs[0].radius_m *= 1.25;
+    let mut changed: Scene = scene.clone();
+    changed.system.discs[0].radius_m *= 1.25;
     let text = scene_text(&changed);
-    let Ok(AnyScene::Bodies(read)) = parse_any(&text, "scene.toml") else { panic!("{text}") };
-    assert_eq!(BodiesScene { source: changed.source.clone(), ..(*read).clone() }, changed);
+    let read = parse_any(&text, "scene.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert_eq!(Scene { source: changed.source.clone(), ..read }, changed);
 }

@@ -10,7 +10,7 @@ const SAMPLES: usize = 3_000;
 
 /// A log of several chunks, and what was written to it.
 fn written(scene: &Scene, samples: usize) -> (Vec<u8>, Items) {
-    let run = RunInfo { scene: scene.into(), scene_file: "synthetic.toml", model: "analytic" };
+    let run = RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" };
     let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
     let mut items = Items::default();
     for i in 0..samples {
@@ -60,7 +60,8 @@ fn a_whole_log_comes_back_to_the_last_bit() {
 #[test]
 fn what_a_scene_does_not_have_is_not_there() {
     let mut swing = scene();
-    (swing.object, swing.limit) = (None, None);
+    swing.system.discs.clear();
+    swing.finger_mut().limit = None;
     let (bytes, _) = written(&swing, 10);
     let (reading, found) = good(&bytes);
     assert!(reading.is_whole());
@@ -72,7 +73,7 @@ fn what_a_scene_does_not_have_is_not_there() {
 #[test]
 fn a_log_without_samples_is_a_log() {
     let scene = scene();
-    let run = RunInfo { scene: (&scene).into(), scene_file: "synthetic.toml", model: "engine" };
+    let run = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "engine" };
     let mut writer = Writer::new(Vec::new(), "the log", &run).expect("started");
     writer.note(0.0, Severity::Error, "run", "stopped: no way").expect("written");
     let (reading, found) = good(&writer.finish().expect("finished"));
@@ -179,7 +180,7 @@ fn channels_of_others_are_skipped_and_counted() {
     let scene = scene();
     let mut bytes = Vec::new();
     let mut mcap = mcap::Writer::new(std::io::Cursor::new(&mut bytes)).expect("started");
-    let run = RunInfo { scene: (&scene).into(), scene_file: "synthetic.toml", model: "analytic" };
+    let run = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
     let metadata = mcap::write::Metadata { name: "phalanx".to_string(), metadata: phalanx::log::metadata(&run) };
     mcap.write_metadata(&metadata).expect("written");
     // The topic is ours, the schema is not.

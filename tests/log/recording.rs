@@ -1,9 +1,10 @@
 //! A run as arrays: the columns are those of `replay --csv`, and the peaks those of the run.
 
+use phalanx::scene::words::SceneKind;
 use std::fs;
 
 use phalanx::log::{read_any_file, read_file, run_to};
-use phalanx::scene::{AnyScene, load, load_any};
+use phalanx::scene::{load, load_any};
 use phalanx::trace::{Event, EventKind, Layout, Model, Recording, Site, record, run};
 
 use crate::support::cli::{directory, phalanx, stderr};
@@ -49,7 +50,7 @@ fn the_columns_of_a_finger_are_those_of_the_table() {
         assert_eq!(logged.outcome, outcome);
         same(&recording, &table(&path));
         // A log is read into the same arrays.
-        let mut read = Recording::new(&Layout::finger());
+        let mut read = Recording::new(&Layout::of_kind(SceneKind::Finger));
         read_file(&path, &mut read).expect("a log");
         same(&read, &table(&path));
         assert_eq!(read.events(), recording.events());
@@ -60,9 +61,9 @@ fn the_columns_of_a_finger_are_those_of_the_table() {
 fn the_columns_of_discs_are_those_of_the_table() {
     let directory = directory("recording_discs");
     let path = directory.join("run.mcap");
-    let Ok(AnyScene::Bodies(scene)) = load_any(DISCS) else { panic!("a scene of discs") };
+    let scene = load_any(DISCS).expect("a scene");
     let (_, recording) = record(Model::Engine, &scene).expect("a run");
-    run_to(scene.as_ref(), Model::Engine, &path).expect("a run");
+    run_to(&scene, Model::Engine, &path).expect("a run");
     same(&recording, &table(&path));
     assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
     let mut read = Recording::new(&Layout::default());
@@ -76,7 +77,7 @@ fn the_largest_of_a_column_is_the_largest_of_the_run() {
     let scene = load(FINGER).expect("a scene");
     let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
     // Without thinning, too.
-    let mut every = Recording::new(&Layout::finger());
+    let mut every = Recording::new(&Layout::of_kind(SceneKind::Finger));
     run(Model::Analytic, &scene, &mut every).expect("a run");
     assert!(every.time().len() >= recording.time().len());
     assert!(every.time().is_sorted() && recording.time().is_sorted());
@@ -91,7 +92,8 @@ fn the_largest_of_a_column_is_the_largest_of_the_run() {
 #[test]
 fn what_is_not_there_is_no_number_and_what_is_unknown_no_column() {
     let mut scene = load(FINGER).expect("a scene");
-    (scene.object, scene.duration_s) = (None, 2e-3);
+    scene.system.discs.clear();
+    scene.duration_s = 2e-3;
     let (_, recording) = record(Model::Analytic, &scene).expect("a run");
     let forces = recording.column("distal_normal_n").expect("a column");
     assert!(forces.len() > 10 && forces.iter().all(|force| force.is_nan()));
@@ -122,7 +124,8 @@ fn slipping_and_sticking_come_back_from_a_log() {
                 "{scene}"
             );
             run_to(&any, model, &path).expect("a run");
-            let layout = if matches!(any, AnyScene::Finger(_)) { Layout::finger() } else { Layout::default() };
+            let layout =
+                if any.kind() == SceneKind::Finger { Layout::of_kind(SceneKind::Finger) } else { Layout::default() };
             let mut read = Recording::new(&layout);
             assert!(read_any_file(&path, &mut read).expect("a log").is_whole());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());

@@ -35,7 +35,7 @@ fn run() -> Vec<Record> {
 }
 
 fn write(scene: &Scene, records: &[Record]) -> Vec<u8> {
-    let run = RunInfo { scene: scene.into(), scene_file: "synthetic.toml", model: "analytic" };
+    let run = RunInfo { scene, scene_file: "synthetic.toml", model: "analytic" };
     let mut writer = Writer::new(Vec::new(), "the log", &run).expect("a vector takes any log");
     for record in records {
         match record {
@@ -264,7 +264,7 @@ fn the_scene_and_the_settings_are_in_the_file() {
     assert_eq!(summary.metadata_indexes.len(), 1);
     let record = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable");
     assert_eq!(record.name, "phalanx");
-    let info = RunInfo { scene: (&scene).into(), scene_file: "synthetic.toml", model: "analytic" };
+    let info = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
     assert_eq!(record.metadata, metadata(&info));
     assert_eq!(record.metadata["model"], "analytic");
     assert_eq!(record.metadata["integrator_rtol"], "0.0001");
@@ -299,8 +299,8 @@ fn only_what_the_scene_has_is_logged() {
     let set = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<BTreeSet<_>>();
     assert_eq!(topics(&scene()), set(&all));
     let mut swing = scene();
-    swing.object = None;
-    swing.limit = None;
+    swing.system.discs.clear();
+    swing.finger_mut().limit = None;
     assert_eq!(topics(&swing), set(&["/energy", "/events", "/scene", "/state", "/tf", "/tf_static"]));
     swing.log.picture_hz = 0.0;
     assert_eq!(topics(&swing), set(&["/energy", "/events", "/state"]));

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use phalanx::log::{LogError, LoggedRunError, read_any_file, run_into, run_to};
-use phalanx::scene::{Actuation, AnyScene, BodiesScene, Scene, load, load_any};
+use phalanx::scene::{Actuation, Scene, load, load_any};
 use phalanx::trace::{Model, RunError, Site};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout};
@@ -15,9 +15,8 @@ fn finger() -> Scene {
     load(FINGER).expect("a scene")
 }
 
-fn discs() -> BodiesScene {
-    let Ok(AnyScene::Bodies(scene)) = load_any(DISCS) else { panic!("a scene of discs") };
-    *scene
+fn discs() -> Scene {
+    load_any(DISCS).expect("a scene")
 }
 
 /// The log that the command writes of a scene of the name that a scene in memory has.
@@ -63,10 +62,10 @@ fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
     let directory = directory("run_to_changed");
     let path = directory.join("changed.mcap");
     let changes: [fn(&mut Scene); 4] = [
-        |scene| scene.actuation = Actuation::Ramp { torque_n_m: 0.7, rise_s: 1.3e-3 },
-        |scene| scene.contact.distal.normal.exponent = 1.5,
-        |scene| (scene.gravity_m_s2, scene.duration_s) = ([1.0 / 3.0, -9.0], 7.1e-3),
-        |scene| scene.object = None,
+        |scene| scene.finger_mut().motor.actuation = Actuation::Ramp { torque_n_m: 0.7, rise_s: 1.3e-3 },
+        |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
+        |scene| (scene.system.gravity_m_s2, scene.duration_s) = ([1.0 / 3.0, -9.0], 7.1e-3),
+        |scene| scene.system.discs.clear(),
     ];
     for change in changes {
         let mut scene = finger();
@@ -74,14 +73,14 @@ fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
         for model in [Model::Analytic, Model::Engine] {
             let run = run_to(&scene, model, &path).expect("a run");
             is_complete(&path);
-            assert_eq!(run.criteria.is_some(), scene.object.is_some());
-            assert_eq!(run.outcome.site(Site::Distal).first_s.is_some(), scene.object.is_some());
+            assert_eq!(run.criteria.is_some(), scene.object().is_some());
+            assert_eq!(run.outcome.site(Site::Distal).first_s.is_some(), scene.object().is_some());
             assert!(run.check.is_some(), "a short run is checked");
         }
     }
     let mut scene = discs();
-    scene.discs[0].radius_m *= 1.03;
-    scene.discs[1].name = "thrown".to_string();
+    scene.system.discs[0].radius_m *= 1.03;
+    scene.system.discs[1].name = "thrown".to_string();
     scene.duration_s = 13.3e-3;
     let run = run_to(&scene, Model::Analytic, &path).expect("a run");
     assert!(run.rebounds[0].restitution().is_some_and(|kept| kept < 1.0), "{:?}", run.rebounds);

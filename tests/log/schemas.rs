@@ -1,6 +1,7 @@
 //! What the messages in a log are called: ours under `phalanx.`, Foxglove's under `foxglove.`; logs in which ours had other
 //! names are read as before.
 
+use phalanx::scene::words::SceneKind;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
@@ -95,7 +96,7 @@ fn our_messages_have_our_name() {
 fn a_log_of_old_is_read() {
     let path = "tests/log/names-of-old.mcap";
     assert_eq!(schemas(&fs::read(path).expect("the log"))["/state"], "state.State");
-    let mut recording = Recording::new(&Layout::finger());
+    let mut recording = Recording::new(&Layout::of_kind(SceneKind::Finger));
     let reading = read_file(path.as_ref(), &mut recording).expect("a log");
     assert!(reading.is_whole(), "{:?}", reading.losses);
     assert_eq!(reading.ended.expect("an end").stopped, None);
@@ -116,7 +117,10 @@ fn a_log_of_old_says_the_same_and_is_no_other_run() {
         assert!(schemas(&fs::read(&old).expect("a log")).values().any(|name| name == "energy.Energy"));
         match scene {
             FINGER => {
-                let [mut a, mut b] = [Recording::new(&Layout::finger()), Recording::new(&Layout::finger())];
+                let [mut a, mut b] = [
+                    Recording::new(&Layout::of_kind(SceneKind::Finger)),
+                    Recording::new(&Layout::of_kind(SceneKind::Finger)),
+                ];
                 read_any_file(&now, &mut a).expect("a log");
                 read_any_file(&old, &mut b).expect("a log");
                 assert!(a.time().len() > 20 && a.column("q21_rad") == b.column("q21_rad"));

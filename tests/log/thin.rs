@@ -1,6 +1,6 @@
 //! What is kept of a run: the grid, impacts step by step, and the extremes.
 
-use phalanx::scene::{self, AnyScene};
+use phalanx::scene;
 use phalanx::trace::{ContactSample, EventKind, Model, Sample, SinkError, Site, Thin, Thinned, run};
 use phalanx::validate::Recording;
 
@@ -97,9 +97,7 @@ fn the_largest_values_of_the_samples_are_those_of_the_run() {
 #[test]
 fn discs_too() {
     for name in ["impact", "two-free", "spring"] {
-        let AnyScene::Bodies(scene) = scene::load_any(format!("scenes/laws/{name}.toml")).expect("a scene") else {
-            panic!("not of discs")
-        };
+        let scene = scene::load_any(format!("scenes/laws/{name}.toml")).expect("a scene");
         for model in [Model::Analytic, Model::Engine] {
             let mut sink = Thinned::new(scene.log.numeric_hz, Recording::default());
             let outcome = run(model, &scene, &mut sink).expect("a run");

@@ -2,32 +2,33 @@
 
 use phalanx::cli::scene::{SceneCommand, answer};
 use phalanx::cli::set::SetArgs;
-use phalanx::law::{FrictionLaw, NormalLaw};
-use phalanx::scene::{
-    self, AnyScene, BodiesBounds, BodiesScene, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response,
-};
+use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::scene::words::SceneKind;
+use phalanx::scene::{self, Bounds, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response, Scene};
 use proptest::prelude::*;
 use serde_json::Value;
 
 const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";
 
-fn parse(text: &str) -> BodiesScene {
-    match scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}")) {
-        AnyScene::Bodies(scene) => *scene,
-        _ => panic!("no discs:\n{text}"),
-    }
+/// The law of all contacts.
+fn law(scene: &Scene) -> ContactLaw {
+    scene.system.between_discs.expect("a law")
 }
 
-fn with(rest: &str) -> BodiesScene {
+fn parse(text: &str) -> Scene {
+    scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn with(rest: &str) -> Scene {
     parse(&format!("kind = \"bodies\"\n{BALL}{rest}"))
 }
 
 /// `show` then `parse`: the same scene, bit for bit, but for its source.
-fn assert_round_trip(scene: &BodiesScene) {
-    let text = scene::show_bodies(scene);
+fn assert_round_trip(scene: &Scene) {
+    let text = scene::show(scene);
     let mut back = parse(&text);
     assert_eq!(back.source, text);
-    assert_eq!(scene::show_bodies(&back), text);
+    assert_eq!(scene::show(&back), text);
     back.source = scene.source.clone();
     assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
 }
@@ -36,17 +37,17 @@ fn assert_round_trip(scene: &BodiesScene) {
 fn a_short_scene_has_the_defaults() {
     let scene = with("");
     assert_eq!((scene.name.as_str(), scene.description.as_str()), ("test", ""));
-    assert_eq!((scene.gravity_m_s2, scene.duration_s, scene.half_plane), ([0.0; 2], 0.02, None));
-    let [ball] = scene.discs.as_slice() else { panic!("{:?}", scene.discs) };
+    assert_eq!((scene.system.gravity_m_s2, scene.duration_s, scene.system.palm), ([0.0; 2], 0.02, None));
+    let [ball] = scene.system.discs.as_slice() else { panic!("{:?}", scene.system.discs) };
     assert_eq!((ball.name.as_str(), ball.radius_m, ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
     // A homogeneous disc: m r²/2 = 0.05 × 0.02²/2.
     let DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = ball.motion else { panic!("{ball:?}") };
     assert_eq!((mass_kg, velocity_m_s, spin_rad_s), (0.05, [0.0; 2], 0.0));
     assert!((inertia_kg_m2.expect("it turns") - 1e-5).abs() < 1e-19);
     let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
-    assert_eq!((scene.contact.normal, scene.contact.friction), (normal, None));
+    assert_eq!((law(&scene).normal, law(&scene).friction), (normal, None));
     assert_eq!((scene.integrator, scene.engine), (Integrator::preset(Preset::Engineering), Engine::DEFAULT));
-    assert_eq!((scene.bounds, scene.log.numeric_hz), (BodiesBounds::over(0.02), 1e4));
+    assert_eq!((scene.bounds, scene.log.numeric_hz), (Bounds::over(SceneKind::Bodies, 0.02), 1e4));
 }
 
 #[test]
@@ -66,10 +67,13 @@ fn every_key_is_heard() {
          contact_time = \"3 us\"\nimpulse = 0.04\npeak_force = 0.05\nuntil = \"6 ms\"\n[log]\nnumeric_rate = \"1 kHz\"\n",
     );
     assert_eq!((scene.name.as_str(), scene.description.as_str(), scene.duration_s), ("all", "of them", 7e-3));
-    assert_eq!((scene.gravity_m_s2, scene.half_plane), ([1.0, -9.81], Some(HalfPlane { level_m: -3e-3 })));
-    let names: Vec<&str> = scene.discs.iter().map(|disc| disc.name.as_str()).collect();
+    assert_eq!(
+        (scene.system.gravity_m_s2, scene.system.palm),
+        ([1.0, -9.81], Some(HalfPlane { level_m: -3e-3, contact: scene.system.between_discs }))
+    );
+    let names: Vec<&str> = scene.system.discs.iter().map(|disc| disc.name.as_str()).collect();
     assert_eq!(names, ["a", "b", "c", "d"], "in the order of their names");
-    let motions: Vec<DiscMotion> = scene.discs.iter().map(|disc| disc.motion).collect();
+    let motions: Vec<DiscMotion> = scene.system.discs.iter().map(|disc| disc.motion).collect();
     let spin_rad_s = std::f64::consts::TAU;
     let free = |mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s| DiscMotion::Free {
         mass_kg,
@@ -85,10 +89,15 @@ fn every_key_is_heard() {
     let normal = NormalLaw { stiffness_n_per_m_e: 5.0, exponent: 1.0, damping_max_n_s_per_m: 0.0, transition_m: 1e-3 };
     let friction =
         FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
-    assert_eq!((scene.contact.normal, scene.contact.friction), (normal, Some(friction)));
+    assert_eq!((law(&scene).normal, law(&scene).friction), (normal, Some(friction)));
     assert_eq!(scene.engine.response, Response::Rapier { friction: 0.5, restitution: 0.4 });
-    let bounds =
-        BodiesBounds { position_m: 2e-6, contact_time_s: 3e-6, impulse: 0.04, peak_force: 0.05, until_s: 6e-3 };
+    let bounds = Bounds {
+        position_m: 2e-6,
+        contact_time_s: 3e-6,
+        impulse: 0.04,
+        peak_force: 0.05,
+        ..Bounds::over(SceneKind::Bodies, 6e-3)
+    };
     assert_eq!((scene.bounds, scene.log.numeric_hz), (bounds, 1e3));
     assert_round_trip(&scene);
 }
@@ -99,17 +108,17 @@ fn pairs_are_those_of_which_one_moves_and_have_names() {
         "[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\nmotion = \"fixed\"\n\
          [discs.post]\nradius = \"10 mm\"\ncentre = [\"90 mm\", \"20 mm\"]\nmotion = \"fixed\"\n",
     );
-    let names: Vec<String> = scene.pairs().into_iter().map(|pair| scene.pair_name(pair)).collect();
+    let names: Vec<String> = scene.system.pairs().into_iter().map(|pair| scene.system.pair_name(pair)).collect();
     assert_eq!(names, ["ball-anvil", "ball-post", "ball-plane"]);
-    assert_eq!(scene.pairs()[2].partner, Partner::HalfPlane);
+    assert_eq!(scene.system.pairs()[2].partner, Partner::HalfPlane);
 }
 
 #[test]
 fn surfaces_may_overlap_at_the_start_and_either_half_of_the_law_may_be_missing() {
     let post = "[discs.post]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"55 mm\"]\nmotion = \"fixed\"\n";
     with(&format!("{post}[half_plane]\nlevel = \"10 mm\"\n"));
-    assert_eq!(with("[contact]\nstiffness_si = 0\n").contact.normal.stiffness_n_per_m_e, 0.0);
-    assert_eq!(with("[contact]\ndamping = \"0 N*s/m\"\n").contact.normal.damping_max_n_s_per_m, 0.0);
+    assert_eq!(law(&with("[contact]\nstiffness_si = 0\n")).normal.stiffness_n_per_m_e, 0.0);
+    assert_eq!(law(&with("[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max_n_s_per_m, 0.0);
 }
 
 #[test]
@@ -255,7 +264,7 @@ proptest! {
             "[]", "{}", "[[]]", "[\"1 m\", 2]", "[\"1e300 m\", \"1e300 m\"]", "\"driven\"", "\"fixed\"", "\"finger\"",
             "\"reduced\"", "5e-324", "1.7e308", "[\"nan m/s\", \"0 m/s\"]",
         ];
-        let text = scene::show_bodies(&with(
+        let text = scene::show(&with(
             "[half_plane]\n[discs.hand]\nradius = \"1 mm\"\ncentre = [\"90 mm\", \"50 mm\"]\nmotion = \"driven\"\n[contact.friction]\n\
              mu_static = 0.3\n",
         ));
@@ -266,7 +275,7 @@ proptest! {
             *target = format!("{key} = {}", values[value % values.len()]);
         }
         match scene::parse_any(&lines.join("\n"), "swapped.toml") {
-            Ok(AnyScene::Bodies(scene)) => assert_round_trip(&scene),
+            Ok(scene) if scene.kind() == SceneKind::Bodies => assert_round_trip(&scene),
             Ok(_) => prop_assert!(false, "no discs"),
             Err(error) => prop_assert!(error.to_string().starts_with("error: ")),
         }

@@ -1,5 +1,6 @@
 //! What a scene says about the engine model and the bounds of its validation.
 
+use phalanx::scene::words::SceneKind;
 use phalanx::scene::{self, Bounds, Construction, Engine, Response, Scene, Stepping};
 
 const GRASP: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n[motor]\n\
@@ -24,7 +25,7 @@ fn left_out_or_empty_they_are_the_defaults() {
     for rest in ["", "[engine]\n[validate]\n"] {
         let scene = with(rest);
         assert_eq!(scene.engine, Engine::DEFAULT);
-        assert_eq!(scene.bounds, Bounds::over(0.02));
+        assert_eq!(scene.bounds, Bounds::over(SceneKind::Finger, 0.02));
     }
     let Engine { construction, response, stepping, iterations, max_steps } = Engine::DEFAULT;
     assert_eq!((construction, response), (Construction::Maximal, Response::Laws));
@@ -68,7 +69,7 @@ fn rapiers_friction_is_that_of_the_proximal_contact_unless_given() {
 #[test]
 fn every_bound_is_heard_and_the_end_follows_the_duration() {
     let bounds = |keys: &str| with(&format!("[validate]\n{keys}\n")).bounds;
-    let base = Bounds::over(0.02);
+    let base = Bounds::over(SceneKind::Finger, 0.02);
     assert_eq!(bounds("angle = \"1e-3 rad\""), Bounds { angle_rad: 1e-3, ..base });
     assert_eq!(bounds("contact_time = \"2 us\""), Bounds { contact_time_s: 2e-6, ..base });
     assert_eq!(bounds("final_force = 0.5"), Bounds { final_force: 0.5, ..base });
@@ -77,7 +78,7 @@ fn every_bound_is_heard_and_the_end_follows_the_duration() {
     assert_eq!(bounds("until = \"8 ms\""), Bounds { until_s: 0.008, ..base });
     assert_eq!(bounds("until = \"20 ms\""), base);
     let scene = scene::parse(&format!("duration = \"7 ms\"\n{GRASP}"), "test.toml").expect("scene");
-    assert_eq!(scene.bounds, Bounds::over(0.007));
+    assert_eq!(scene.bounds, Bounds::over(SceneKind::Finger, 0.007));
 }
 
 #[test]

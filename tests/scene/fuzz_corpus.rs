@@ -75,7 +75,7 @@ fn seeds() {
 }
 
 fn logged(scene: &Scene, model: Model) -> Vec<u8> {
-    let info = RunInfo { scene: scene.into(), scene_file: "seed.toml", model: model.name() };
+    let info = RunInfo { scene, scene_file: "seed.toml", model: model.name() };
     let mut writer = Writer::new(Vec::new(), "the seed", &info).expect("started");
     run(model, scene, &mut writer).expect("a run");
     writer.note(scene.duration_s, Severity::Info, "run", "completed").expect("written");
@@ -88,7 +88,7 @@ fn bare(bytes: &[u8], scene: &Scene, model: Model) -> Vec<u8> {
     let options = mcap::WriteOptions::new().compression(None).calculate_chunk_crcs(false);
     let options = options.calculate_data_section_crc(false).calculate_summary_section_crc(false);
     let mut writer = options.calculate_attachment_crcs(false).chunk_size(Some(4096)).create(&mut out).expect("started");
-    let info = RunInfo { scene: scene.into(), scene_file: "seed.toml", model: model.name() };
+    let info = RunInfo { scene, scene_file: "seed.toml", model: model.name() };
     let record = mcap::write::Metadata { name: "phalanx".to_string(), metadata: metadata(&info) };
     writer.write_metadata(&record).expect("written");
     for message in mcap::MessageStream::new(bytes).expect("a log") {

@@ -1,11 +1,10 @@
 //! Scenes of grippers: what they say when they say little, what one finger alone has, and where both start.
 
+use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
-    self, Actuation, AnyScene, GripperBounds, GripperScene, Integrator, Motor, ObjectMotion, Placement, Preset, Side,
-    SpringKind, show_gripper,
+    self, Actuation, Bounds, DiscMotion, Integrator, Motor, Place, Placement, Preset, Scene, Side, SpringKind, show,
 };
 use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
-use phalanx::trace::Numerics;
 
 use crate::support::grippers::anchor;
 
@@ -13,25 +12,22 @@ const DESIGN: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = 
 const DRIVE: &str = "[motor]\ntorque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n";
 
 #[track_caller]
-fn parse(text: &str) -> GripperScene {
-    match scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|error| panic!("{error}\n{text}")) {
-        AnyScene::Gripper(scene) => *scene,
-        other => panic!("no gripper: {other:?}"),
-    }
+fn parse(text: &str) -> Scene {
+    scene::parse_any(text, "some/where/test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// Design 95's gripper with `top` above and `rest` below.
 #[track_caller]
-fn with(top: &str, rest: &str) -> GripperScene {
+fn with(top: &str, rest: &str) -> Scene {
     parse(&format!("kind = \"gripper\"\n{top}{DESIGN}{DRIVE}{rest}"))
 }
 
 /// `show` then `parse`: the same scene, bit for bit, but for its source.
 #[track_caller]
-fn comes_back(scene: &GripperScene) {
-    let text = show_gripper(scene);
+fn comes_back(scene: &Scene) {
+    let text = show(scene);
     let back = parse(&text);
-    let back = GripperScene { source: scene.source.clone(), ..back };
+    let back = Scene { source: scene.source.clone(), ..back };
     assert_eq!(format!("{back:?}"), format!("{scene:?}"), "{text}");
 }
 
@@ -39,23 +35,26 @@ fn comes_back(scene: &GripperScene) {
 fn a_gripper_that_says_little_is_that_of_the_specification() {
     let scene = with("", "");
     let wanted = anchor("a").scene;
-    let [right, left] = &scene.fingers;
+    let [right, left] = scene.system.fingers.as_slice() else { panic!("two fingers") };
     assert_eq!(right, left);
-    assert_eq!((scene.name.as_str(), scene.duration_s, scene.gravity_m_s2), ("test", 0.02, [0.0, 9.81]));
-    assert_eq!((scene.palm_width_m, scene.object.centre_m, scene.object.angle_rad), (0.031, [0.0, 0.02], 0.0));
-    let mass_and_inertia = |scene: &GripperScene| match scene.object.motion {
-        ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => [mass_kg, inertia_kg_m2],
-        ObjectMotion::Fixed => panic!("fixed"),
+    assert_eq!((scene.name.as_str(), scene.duration_s, scene.system.gravity_m_s2), ("test", 0.02, [0.0, 9.81]));
+    assert_eq!(
+        (scene.system.palm_width_m, scene.system.grasped().centre_m, scene.system.grasped().angle_rad),
+        (0.031, [0.0, 0.02], 0.0)
+    );
+    let mass_and_inertia = |scene: &Scene| match scene.system.grasped().motion {
+        DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } => [mass_kg, inertia_kg_m2],
+        other => panic!("{other:?}"),
     };
     for (found, wanted) in mass_and_inertia(&scene).into_iter().zip(mass_and_inertia(&wanted)) {
         assert!((found / wanted - 1.0).abs() < 1e-14, "{found} {wanted}");
     }
     let start = &right.initial;
-    assert!((start.q11_rad - wanted.fingers[0].initial.q11_rad).abs() < 1e-9, "{start:?}");
-    assert!((start.q21_rad - wanted.fingers[0].initial.q21_rad).abs() < 1e-9, "{start:?}");
-    assert!(scene.palm.is_some() && scene.table.is_none() && scene.differential.is_none());
+    assert!((start.q11_rad - wanted.system.fingers[0].initial.q11_rad).abs() < 1e-9, "{start:?}");
+    assert!((start.q21_rad - wanted.system.fingers[0].initial.q21_rad).abs() < 1e-9, "{start:?}");
+    assert!(scene.system.palm.is_some() && scene.system.table.is_none() && scene.system.differential.is_none());
     assert_eq!((right.motor.inertia_kg_m2, right.motor.no_load_speed_rad_s), (0.0, None));
-    assert_eq!(scene.bounds, GripperBounds::over(0.02));
+    assert_eq!(scene.bounds, Bounds::over(SceneKind::Gripper, 0.02));
     assert_eq!((scene.integrator.preset, scene.integrator.rtol), (Preset::Engineering, 3e-6));
     comes_back(&scene);
 }
@@ -67,7 +66,7 @@ fn the_everyday_preset_is_that_of_grippers_by_name_too() {
     assert_eq!(said("preset = \"engineering\"\nrtol = 1e-5").rtol, 1e-5);
     let mut scene = with("", "[integrator]\npreset = \"reference\"\nmax_steps = 77\n");
     assert_eq!((scene.integrator.rtol, scene.integrator.max_steps), (1e-11, 77));
-    Numerics::from(&mut scene).integrate_by(Preset::Engineering);
+    scene.integrate_by(Preset::Engineering);
     assert_eq!(scene.integrator, Integrator { max_steps: 77, ..with("", "").integrator });
 }
 
@@ -75,18 +74,19 @@ fn the_everyday_preset_is_that_of_grippers_by_name_too() {
 fn both_fingers_start_where_the_nearer_one_would() {
     let case_c = with("palm_width = \"34 mm\"\n", "[object]\noffset = \"3.5 mm\"\n[table]\n");
     let wanted = anchor("c").scene;
-    for (found, wanted) in case_c.fingers.iter().zip(&wanted.fingers) {
+    for (found, wanted) in case_c.system.fingers.iter().zip(&wanted.system.fingers) {
         assert!((found.initial.q11_rad - wanted.initial.q11_rad).abs() < 1e-9, "{:?}", found.initial);
         assert!((found.initial.q21_rad - wanted.initial.q21_rad).abs() < 1e-9, "{:?}", found.initial);
     }
-    assert_eq!(case_c.fingers[0].initial, case_c.fingers[1].initial);
+    assert_eq!(case_c.system.fingers[0].initial, case_c.system.fingers[1].initial);
     // The error that is reckoned with decides, and not where the object happens to lie.
+    let starts = |scene: &Scene| scene.system.fingers.iter().map(|finger| finger.initial).collect::<Vec<_>>();
     let start = |offset: &str| {
         let top = "palm_width = \"34 mm\"\npositioning_error = \"3.5 mm\"\n";
-        with(top, &format!("[object]\noffset = \"{offset}\"\n")).fingers.map(|finger| finger.initial)
+        starts(&with(top, &format!("[object]\noffset = \"{offset}\"\n")))
     };
     for offset in ["0 mm", "-1 mm", "3.5 mm", "-3.5 mm"] {
-        assert_eq!(start(offset), case_c.fingers.clone().map(|finger| finger.initial), "{offset}");
+        assert_eq!(start(offset), starts(&case_c), "{offset}");
     }
 }
 
@@ -97,13 +97,14 @@ const SHORT: &str = "[design]\nbase = \"17 mm\"\nl21_fraction = 0.0\nphi22 = \"1
 fn motors_and_springs_are_sized_for_both_ends_of_the_error() {
     let top = "palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"3.5 mm\"\n";
     let sized = |design: &str, rest: &str| parse(&format!("kind = \"gripper\"\n{top}{design}{rest}"));
-    let at = |scene: &GripperScene, base_m: f64| {
+    let at = |scene: &Scene, base_m: f64| {
         let disc = phalanx::gripper::Circle { radius_m: 0.02, centre_m: [-base_m, 0.02] };
-        let task = Task { disc, opening_rad: 25f64.to_radians(), gravity_m_s2: scene.gravity_m_s2, closing_s: 0.01 };
-        size_with(&scene.finger(Side::Right).finger, &task, Rule::Rigid, Placement::Phalanges, INTERVALS)
+        let task =
+            Task { disc, opening_rad: 25f64.to_radians(), gravity_m_s2: scene.system.gravity_m_s2, closing_s: 0.01 };
+        size_with(&scene.system.finger(Side::Right).linkage, &task, Rule::Rigid, Placement::Phalanges, INTERVALS)
     };
-    let found = |scene: &GripperScene| {
-        let of = scene.finger(Side::Right);
+    let found = |scene: &Scene| {
+        let of = scene.system.finger(Side::Right);
         let SpringKind::Constant { torque_n_m } = of.spring.expect("a spring").kind else { panic!("{of:?}") };
         [scene::torque(&of.motor.actuation, 0.0).0, torque_n_m]
     };
@@ -121,10 +122,10 @@ fn motors_and_springs_are_sized_for_both_ends_of_the_error() {
     same(found(&scene), [far.motor_n_m, far.spring_n_m]);
     // A differential has one motor for both.
     let seesaw = sized(SHORT, "[differential]\n");
-    let input = &seesaw.differential.as_ref().expect("one").motor;
+    let input = &seesaw.system.differential.as_ref().expect("one").motor;
     let one = found(&sized(SHORT, ""))[0];
     assert_eq!(scene::torque(&input.actuation, 0.0).0, 2.0 * one);
-    assert_eq!(seesaw.fingers.clone().map(|finger| finger.motor), [Motor::NONE, Motor::NONE]);
+    assert_eq!(seesaw.system.fingers.iter().map(|finger| &finger.motor).collect::<Vec<_>>(), [&Motor::NONE; 2]);
     comes_back(&seesaw);
 }
 
@@ -137,17 +138,17 @@ fn one_finger_may_be_another() {
          inertia = \"1e-6 kg*m^2\"\n[left.lengths]\nl21 = \"23 mm\"\nl22 = \"7 mm\"\nt22 = \"13 mm\"\nphi22 = \"118 deg\"\n\
          [left.spring]\ntype = \"torsional\"\nstiffness = \"40 N*mm/rad\"\n[left.contact.friction]\nmu_static = 0.3\n",
     );
-    let [right, left] = &scene.fingers;
-    assert_eq!((right.finger.lengths.half_width_m, left.finger.lengths.half_width_m), (0.003, 0.002));
+    let [right, left] = scene.system.fingers.as_slice() else { panic!("two fingers") };
+    assert_eq!((right.linkage.lengths.half_width_m, left.linkage.lengths.half_width_m), (0.003, 0.002));
     assert_eq!(right.motor.actuation, Actuation::Ramp { torque_n_m: 0.5, rise_s: 1e-3 });
     assert_eq!((right.motor.inertia_kg_m2, left.motor.inertia_kg_m2), (1e-6, 0.0));
     assert_eq!(left.motor.actuation, Actuation::Constant { torque_n_m: 0.48 });
-    assert_eq!((left.finger.lengths.l21_m, right.finger.lengths.l22_m), (0.023, 0.0075));
+    assert_eq!((left.linkage.lengths.l21_m, right.linkage.lengths.l22_m), (0.023, 0.0075));
     assert!(matches!(left.spring.expect("one").kind, SpringKind::Torsional { .. }));
     assert!(matches!(right.spring.expect("one").kind, SpringKind::Constant { .. }));
     assert_eq!((right.contact.mu_static(), left.contact.mu_static()), ([0.8; 2], [0.3; 2]));
     assert_eq!(left.contact.distal.normal.damping_max_n_s_per_m, 2e5);
-    assert_eq!(scene.palm.and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
+    assert_eq!(scene.system.law(Place::Palm).and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
     comes_back(&scene);
 }
 
@@ -158,16 +159,16 @@ fn table_and_motors_as_bought() {
         "[table]\n[contact.table]\nstiffness_si = 1e6\nexponent = 1.5\n[object]\nheight = \"21 mm\"\n\
          radius = \"20.5 mm\"\n[differential]\ninput_inertia = \"2e-5 kg*m^2\"\nseesaw_inertia = \"5e-6 kg*m^2\"\n",
     );
-    let table = scene.table.expect("a table");
+    let table = scene.system.table.expect("a table");
     assert!((table.level_m - 0.0415).abs() < 1e-17, "it touches the object: {}", table.level_m);
-    assert_eq!(table.contact.normal.stiffness_n_per_m_e, 1e6);
-    assert_eq!(scene.palm.expect("a palm").normal.stiffness_n_per_m_e, 1e8);
-    let differential = scene.differential.as_ref().expect("one");
+    assert_eq!(table.contact.expect("a law").normal.stiffness_n_per_m_e, 1e6);
+    assert_eq!(scene.system.law(Place::Palm).expect("a palm").normal.stiffness_n_per_m_e, 1e8);
+    let differential = scene.system.differential.as_ref().expect("one");
     assert_eq!((differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2), (2e-5, 5e-6));
     comes_back(&scene);
     // Nothing of it is there where the scene takes it away from one that it extends.
     let without = with("palm = false\n", "[table]\npresent = false\n[differential]\npresent = false\n");
-    assert!(without.table.is_none() && without.differential.is_none() && without.palm.is_none());
+    assert!(without.system.table.is_none() && without.system.differential.is_none() && without.system.palm.is_none());
     comes_back(&without);
 }
 
@@ -183,7 +184,7 @@ fn shipped_grippers_say_what_they_are_and_come_back_bit_for_bit() {
     for file in files {
         let text = std::fs::read_to_string(&file).expect("text");
         assert!(text.starts_with("# ") && text.contains("\n# Expect: "), "{}", file.display());
-        let AnyScene::Gripper(scene) = scene::load_any(&file).unwrap_or_else(|e| panic!("{e}")) else { panic!() };
+        let scene = scene::load_any(&file).unwrap_or_else(|e| panic!("{e}"));
         let stem = file.file_stem().expect("a name").to_string_lossy().into_owned();
         let stem = if stem.starts_with("gripper-") { stem } else { format!("gripper-{stem}") };
         assert_eq!(scene.name, stem);

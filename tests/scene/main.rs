@@ -15,3 +15,4 @@ mod run;
 mod settings;
 mod ship;
 mod show;
+mod sound;

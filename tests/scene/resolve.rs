@@ -2,6 +2,7 @@
 
 use phalanx::gripper::{self, Design, ProximalLength};
 use phalanx::law::{Bristle, FrictionLaw, NormalLaw};
+use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     self, Actuation, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind,
 };
@@ -25,25 +26,25 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     let scene = with("");
     assert_eq!(scene.name, "test");
     let design = Design::thesis(0.0155, ProximalLength::Fraction(1.0), 120f64.to_radians(), 0.5);
-    assert_eq!(Ok(scene.finger.lengths), gripper::lengths(&design));
-    assert_eq!(gripper::bodies(&scene.finger.lengths, 1070.0, 0.04), Ok(scene.finger.bodies));
-    let object = scene.object.expect("object");
+    assert_eq!(Ok(scene.finger().linkage.lengths), gripper::lengths(&design));
+    assert_eq!(gripper::bodies(&scene.finger().linkage.lengths, 1070.0, 0.04), Ok(scene.finger().linkage.bodies));
+    let object = scene.object().expect("object");
     assert_eq!((object.radius_m, object.centre_m), (0.02, [-0.0155, 0.02]));
-    assert!(scene.palm);
+    assert!(scene.system.palm.is_some());
     let limit = NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
-    assert_eq!(scene.limit, Some(limit));
+    assert_eq!(scene.finger().limit, Some(limit));
     let contact = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
-    for law in [scene.contact.proximal, scene.contact.distal] {
+    for law in [scene.finger().contact.proximal, scene.finger().contact.distal] {
         assert_eq!((law.normal, law.friction), (contact, None));
     }
-    assert_eq!((scene.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
-    assert_eq!(scene.actuation, Actuation::Constant { torque_n_m: 0.48 });
-    let spring = scene.spring.expect("spring");
+    assert_eq!((scene.system.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
+    assert_eq!(scene.finger().motor.actuation, Actuation::Constant { torque_n_m: 0.48 });
+    let spring = scene.finger().spring.expect("spring");
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
-    assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::over(0.02)));
+    assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::over(SceneKind::Finger, 0.02)));
     assert_eq!((scene.log.numeric_hz, scene.log.picture_hz), (1e4, 5e3));
-    assert_eq!((scene.initial.qd11_rad_s, scene.initial.qd21_rad_s), (0.0, 0.0));
+    assert_eq!((scene.finger().initial.qd11_rad_s, scene.finger().initial.qd21_rad_s), (0.0, 0.0));
 }
 
 /// Every `default` in the JSON Schema, written into a scene, changes nothing.
@@ -132,12 +133,12 @@ fn friction_holds_where_it_is_told_to() {
         "[contact.friction]\nmu_static = 0.8\n[contact.proximal]\ndamping = \"5e5 N*s/m\"\n[contact.proximal.friction]\n\
          law = \"bristle\"\nbristle_relaxation = \"2 ms\"\n",
     );
-    assert_eq!(scene.contact.proximal.bristle(), Some(Bristle { damping_n_s_per_m: 5e5, relaxation_s: 2e-3 }));
-    assert!(scene.contact.distal.bristle().is_none() && scene.holds());
+    assert_eq!(scene.finger().contact.proximal.bristle(), Some(Bristle { damping_n_s_per_m: 5e5, relaxation_s: 2e-3 }));
+    assert!(scene.finger().contact.distal.bristle().is_none() && scene.system.holds());
     let scene = with("[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n");
-    let both = [scene.contact.proximal, scene.contact.distal].map(|law| law.bristle());
+    let both = [scene.finger().contact.proximal, scene.finger().contact.distal].map(|law| law.bristle());
     assert_eq!(both, [Some(Bristle { damping_n_s_per_m: 3e4, relaxation_s: 1e-3 }); 2]);
-    assert!(!with("[contact.friction]\nmu_static = 0.8\n").holds());
+    assert!(!with("[contact.friction]\nmu_static = 0.8\n").system.holds());
 }
 
 #[test]
@@ -148,16 +149,16 @@ fn friction_of_one_contact_replaces_that_of_both() {
     );
     let proximal =
         FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3, bristle: None };
-    assert_eq!(scene.contact.proximal.friction, Some(proximal));
+    assert_eq!(scene.finger().contact.proximal.friction, Some(proximal));
     let distal = FrictionLaw { mu_static: 0.4, mu_dynamic: 0.28, ..proximal };
-    assert_eq!(scene.contact.distal.friction, Some(distal));
-    assert_eq!(scene.contact.proximal.normal.damping_max_n_s_per_m, 1e6);
-    assert_eq!(scene.contact.distal.normal.damping_max_n_s_per_m, 5.0);
-    assert_eq!(scene.contact.distal.normal.stiffness_n_per_m_e, 1e8);
+    assert_eq!(scene.finger().contact.distal.friction, Some(distal));
+    assert_eq!(scene.finger().contact.proximal.normal.damping_max_n_s_per_m, 1e6);
+    assert_eq!(scene.finger().contact.distal.normal.damping_max_n_s_per_m, 5.0);
+    assert_eq!(scene.finger().contact.distal.normal.stiffness_n_per_m_e, 1e8);
     // No friction on one side alone, and the default to the last bit.
     let scene = with("[contact.friction]\nmu_static = 0.8\n[contact.distal.friction]\nmu_static = 0\n");
-    assert_eq!(scene.contact.proximal.friction.map(|f| f.mu_dynamic), Some(0.56));
-    assert_eq!(scene.contact.distal.friction, None);
+    assert_eq!(scene.finger().contact.proximal.friction.map(|f| f.mu_dynamic), Some(0.56));
+    assert_eq!(scene.finger().contact.distal.friction, None);
 }
 
 #[test]
@@ -167,27 +168,27 @@ fn materials_give_the_hertz_law() {
         "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
          phalanx = { modulus = \"10 MPa\", poisson = 0.5 }\n[contact.distal]\nstiffness_si = 1e7\n",
     );
-    let law = scene.contact.proximal.normal;
+    let law = scene.finger().contact.proximal.normal;
     let k = 4.0 / 3.0 * 10e6 / 0.75 * 0.02f64.sqrt();
     assert!((law.stiffness_n_per_m_e / k - 1.0).abs() < 1e-12, "{law:?}");
     assert_eq!(law.exponent, 1.5);
-    assert_eq!(scene.contact.distal.normal.stiffness_n_per_m_e, 1e7);
+    assert_eq!(scene.finger().contact.distal.normal.stiffness_n_per_m_e, 1e7);
     // A rounded phalanx of the same radius halves R.
     let scene = with(
         "[contact.materials]\nobject = { modulus = \"1e12 GPa\", poisson = 0.3 }\n\
          phalanx = { modulus = \"10 MPa\", poisson = 0.5, radius = \"20 mm\" }\n",
     );
-    let ratio = scene.contact.proximal.normal.stiffness_n_per_m_e / k;
+    let ratio = scene.finger().contact.proximal.normal.stiffness_n_per_m_e / k;
     assert!((ratio - 0.5f64.sqrt()).abs() < 1e-12);
 }
 
 #[test]
 fn a_mass_alone_scales_the_inertia() {
-    let plain = with("").finger.bodies;
+    let plain = with("").finger().linkage.bodies;
     let scene = with(
         "[bodies]\nl21 = { mass = \"4.73 g\" }\nl22 = { com = [\"1 mm\", \"-2 mm\"], inertia = \"500 g*mm^2\" }\n",
     );
-    let bodies = scene.finger.bodies;
+    let bodies = scene.finger().linkage.bodies;
     assert_eq!((bodies.l11, bodies.l12), (plain.l11, plain.l12));
     assert_eq!(bodies.l21.mass_kg, 4.73e-3);
     assert_eq!(bodies.l21.com_m, plain.l21.com_m);
@@ -202,22 +203,25 @@ fn a_distal_body_given_completely_needs_no_outline() {
     let flat = LENGTHS.replace("120 deg", "179.9999999 deg");
     let body = "[bodies.l22]\nmass = \"5 g\"\ncom = [\"0 mm\", \"0 mm\"]\ninertia = \"500 g*mm^2\"\n";
     let scene = parse(&format!("{flat}{DRIVE}{body}"));
-    assert_eq!(scene.finger.bodies.l22.mass_kg, 5e-3);
+    assert_eq!(scene.finger().linkage.bodies.l22.mass_kg, 5e-3);
 }
 
 #[test]
 fn lengths_leave_l12_to_the_straight_configuration() {
     let scene = parse(&format!("{LENGTHS}{DRIVE}"));
-    let l = scene.finger.lengths;
+    let l = scene.finger().linkage.lengths;
     let (sin, cos) = l.phi22_rad.sin_cos();
     assert_eq!(l.l12_m, (0.015 - 0.0075 * sin).hypot(0.024 + 0.0075 * cos));
     // Straight at the start, so l11 is 90° behind l21.
-    assert!((scene.initial.q21_rad - scene.initial.q11_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert!(
+        (scene.finger().initial.q21_rad - scene.finger().initial.q11_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12
+    );
 }
 
 #[test]
 fn starts_are_straight_before_contact_straight_at_an_angle_or_as_given() {
-    let degrees = |scene: &Scene| (scene.initial.q11_rad.to_degrees(), scene.initial.q21_rad.to_degrees());
+    let degrees =
+        |scene: &Scene| (scene.finger().initial.q11_rad.to_degrees(), scene.finger().initial.q21_rad.to_degrees());
     let near =
         |(a, b): (f64, f64), (c, d): (f64, f64)| assert!((a - c).abs() < 1e-9 && (b - d).abs() < 1e-9, "{a} {b}");
     let default = degrees(&with(""));
@@ -227,13 +231,15 @@ fn starts_are_straight_before_contact_straight_at_an_angle_or_as_given() {
     // Without the object, where the design's object would be.
     near(degrees(&with("[object]\npresent = false\n")), default);
     let scene = with("[initial]\nqd11 = \"60 rpm\"\nqd21 = \"-1 rad/s\"\n");
-    assert!((scene.initial.qd11_rad_s - std::f64::consts::TAU).abs() < 1e-14);
-    assert_eq!(scene.initial.qd21_rad_s, -1.0);
+    assert!((scene.finger().initial.qd11_rad_s - std::f64::consts::TAU).abs() < 1e-14);
+    assert_eq!(scene.finger().initial.qd21_rad_s, -1.0);
 }
 
 #[test]
 fn motors_follow_their_profiles() {
-    let motor = |text: &str| parse(&format!("{FINGER}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).actuation;
+    let motor = |text: &str| {
+        parse(&format!("{FINGER}[spring]\ntype = \"none\"\n[motor]\n{text}\n")).finger().motor.actuation.clone()
+    };
     let table = "profile = \"table\"\ntimes = [\"0 ms\", \"5 ms\"]\ntorques = [\"0 N*mm\", \"480 N*mm\"]";
     let points = vec![(0.0, 0.0), (0.005, 0.48)];
     let interpolation = Interpolation::Linear;

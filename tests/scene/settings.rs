@@ -5,12 +5,13 @@ use std::path::Path;
 
 use phalanx::gripper::Design;
 use phalanx::scene::schema::schema_of;
+use phalanx::scene::table::bounds::FingerBounds;
 use phalanx::scene::table::drive::{Motor, Springs};
 use phalanx::scene::table::finger::{Material, Object, Start};
 use phalanx::scene::table::law::{Contact, Limit};
 use phalanx::scene::table::{self, Table};
 use phalanx::scene::words::SceneKind;
-use phalanx::scene::{Bounds, Engine, Integrator, LogRates};
+use phalanx::scene::{Engine, Integrator, LogRates};
 
 const BEGIN: &str = "<!-- settings: PHALANX_BLESS=1 cargo test --test scene settings -->\n";
 const END: &str = "<!-- end of settings -->\n";
@@ -51,7 +52,7 @@ fn defaults_are_what_a_scene_has_that_says_nothing() {
     }
     check::<Integrator>("integrator");
     check::<Engine>("engine");
-    check::<Bounds>("validate");
+    check::<FingerBounds>("validate");
     check::<LogRates>("log");
     check::<Contact>("contact");
     check::<Limit>("limit");

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use phalanx::scene::{AnyScene, load_any, parse_any, show_any, show_written};
+use phalanx::scene::{Scene, load_any, parse_any, show, show_written};
 
 /// All scene files below a directory.
 fn files(directory: &Path) -> Vec<PathBuf> {
@@ -20,18 +20,14 @@ fn files(directory: &Path) -> Vec<PathBuf> {
     found
 }
 
-fn without_source(scene: &AnyScene) -> AnyScene {
+fn without_source(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    match &mut scene {
-        AnyScene::Finger(scene) => scene.source.clear(),
-        AnyScene::Bodies(scene) => scene.source.clear(),
-        AnyScene::Gripper(scene) => scene.source.clear(),
-    }
+    scene.source.clear();
     scene
 }
 
 /// Shows a scene, and checks that what is shown is the scene.
-fn shown(scene: &AnyScene, what: &str) -> String {
+fn shown(scene: &Scene, what: &str) -> String {
     let text = show_written(scene);
     let back = parse_any(&text, "other-name.toml").unwrap_or_else(|error| panic!("{what}: {error}\n{text}"));
     // `{:?}` of an f64 tells any two bits apart.
@@ -109,11 +105,8 @@ fn what_is_written_in_other_ways_comes_back_too() {
 
 #[test]
 fn a_scene_that_was_changed_is_shown_as_it_is() {
-    let AnyScene::Finger(mut scene) = load_any("scenes/experiment-95.toml").expect("a scene") else {
-        panic!("a finger")
-    };
+    let mut scene = load_any("scenes/experiment-95.toml").expect("a scene");
     scene.duration_s = 0.5;
-    let scene = AnyScene::Finger(scene);
-    assert_eq!(show_written(&scene), show_any(&scene));
+    assert_eq!(show_written(&scene), show(&scene));
     shown(&scene, "changed");
 }

@@ -1,20 +1,21 @@
 //! Grippers whose motion an independent program has found: absolute coordinates, its own Radau IIA of order 5, rtol 3e-12
 //! (tests/anchors/gripper.json; against 1e-12 its own runs differ by less than 2e-9 rad).
 
+use phalanx::scene::words::SceneKind;
 use std::collections::BTreeMap;
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Actuation, Axis, Brake, Contacts, Differential, Engine, GripperBounds, GripperFinger, GripperObject, GripperScene,
-    Initial, Integrator, LogRates, Motor, Move, ObjectMotion, PalmMotion, Preset, Ramp, Table, Vibration,
+    Actuation, Axis, Bounds, Brake, Contacts, Differential, Disc, DiscMotion, DrivenFinger, Engine, HalfPlane, Initial,
+    Integrator, LogRates, Motor, Move, PalmMotion, Preset, Ramp, Scene, System, Vibration,
 };
 use serde_json::Value;
 
 /// One case: the scene, and what was found.
 pub struct Anchor {
     pub name: String,
-    pub scene: GripperScene,
+    pub scene: Scene,
     /// First touch of the four phalanges, s: right proximal and distal, then left.
     pub first_touch_s: [f64; 4],
     pub states: Vec<State>,
@@ -33,17 +34,23 @@ pub struct State {
 
 /// All cases whose palm is at rest, by the letter they have in the specification.
 pub fn anchors() -> Vec<Anchor> {
-    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_none() && !anchor.scene.holds()).collect()
+    all()
+        .into_iter()
+        .filter(|anchor| anchor.scene.system.palm_motion.is_none() && !anchor.scene.system.holds())
+        .collect()
 }
 
 /// Those whose motors are blocked and whose palm moves.
 pub fn carried() -> Vec<Anchor> {
-    all().into_iter().filter(|anchor| anchor.scene.palm_motion.is_some() && !anchor.scene.holds()).collect()
+    all()
+        .into_iter()
+        .filter(|anchor| anchor.scene.system.palm_motion.is_some() && !anchor.scene.system.holds())
+        .collect()
 }
 
 /// Those whose friction holds.
 pub fn held() -> Vec<Anchor> {
-    all().into_iter().filter(|anchor| anchor.scene.holds()).collect()
+    all().into_iter().filter(|anchor| anchor.scene.system.holds()).collect()
 }
 
 fn all() -> Vec<Anchor> {
@@ -141,7 +148,7 @@ fn palm_motion(scene: &Value) -> Option<PalmMotion> {
     (motion != PalmMotion::default()).then_some(motion)
 }
 
-fn finger(value: &Value, [proximal, distal]: [&Value; 2], held: &Value) -> GripperFinger {
+fn finger(value: &Value, [proximal, distal]: [&Value; 2], held: &Value) -> DrivenFinger {
     let [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m] =
         ["l11", "l12", "l21", "l22", "t22", "phi22", "w"].map(|key| number(&value[key]));
     let body = |index: usize| {
@@ -149,8 +156,8 @@ fn finger(value: &Value, [proximal, distal]: [&Value; 2], held: &Value) -> Gripp
         Body { mass_kg, com_m: [a, b], inertia_kg_m2 }
     };
     let ([q11_rad, q21_rad], [qd11_rad_s, qd21_rad_s]) = (numbers(&value["q"]), numbers(&value["v"]));
-    GripperFinger {
-        finger: Finger {
+    DrivenFinger {
+        linkage: Finger {
             lengths: Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m },
             bodies: Bodies { l11: body(0), l12: body(1), l21: body(2), l22: body(3) },
             assembly: Assembly::Reference,
@@ -166,44 +173,49 @@ fn finger(value: &Value, [proximal, distal]: [&Value; 2], held: &Value) -> Gripp
     }
 }
 
-fn scene(value: &Value) -> GripperScene {
+fn scene(value: &Value) -> Scene {
     let (object, contacts) = (&value["object"], &value["contacts"]);
     let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (numbers(&object["start"]), numbers(&object["rates"]));
     let has_table = value["support"].as_bool() == Some(true);
     let duration_s = number(&value["T"]);
     let differential = &value["diff"];
-    GripperScene {
+    Scene {
         name: "anchor".to_string(),
         description: String::new(),
         source: String::new(),
-        fingers: [
-            finger(&value["right"], [&contacts["R21"], &contacts["R22"]], &value["brakes"]["r"]),
-            finger(&value["left"], [&contacts["L21"], &contacts["L22"]], &value["brakes"]["l"]),
-        ],
-        palm_width_m: number(&value["palm"]),
-        object: GripperObject {
-            radius_m: number(&object["radius"]),
-            centre_m: [x, y],
-            angle_rad,
-            motion: ObjectMotion::Free {
-                mass_kg: number(&object["mass"]),
-                inertia_kg_m2: number(&object["inertia"]),
-                velocity_m_s: [vx, vy],
-                spin_rad_s,
-            },
+        system: System {
+            fingers: vec![
+                finger(&value["right"], [&contacts["R21"], &contacts["R22"]], &value["brakes"]["r"]),
+                finger(&value["left"], [&contacts["L21"], &contacts["L22"]], &value["brakes"]["l"]),
+            ],
+            palm_width_m: number(&value["palm"]),
+            differential: differential.is_object().then(|| Differential {
+                motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
+                seesaw_inertia_kg_m2: number(&differential["J_s"]),
+            }),
+            discs: vec![Disc {
+                name: Disc::OBJECT.to_string(),
+                radius_m: number(&object["radius"]),
+                centre_m: [x, y],
+                angle_rad,
+                motion: DiscMotion::Free {
+                    mass_kg: number(&object["mass"]),
+                    inertia_kg_m2: Some(number(&object["inertia"])),
+                    velocity_m_s: [vx, vy],
+                    spin_rad_s,
+                },
+            }],
+            between_discs: None,
+            palm: Some(HalfPlane { level_m: 0.0, contact: Some(law(&contacts["palm"])) }),
+            table: has_table
+                .then(|| HalfPlane { level_m: number(&value["h"]), contact: Some(law(&contacts["support"])) }),
+            palm_motion: palm_motion(value),
+            gravity_m_s2: numbers(&value["gravity"]),
         },
-        palm: Some(law(&contacts["palm"])),
-        table: has_table.then(|| Table { level_m: number(&value["h"]), contact: law(&contacts["support"]) }),
-        differential: differential.is_object().then(|| Differential {
-            motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
-            seesaw_inertia_kg_m2: number(&differential["J_s"]),
-        }),
-        palm_motion: palm_motion(value),
-        gravity_m_s2: numbers(&value["gravity"]),
         duration_s,
         integrator: Integrator::preset(Preset::Engineering),
         engine: Engine::DEFAULT,
-        bounds: GripperBounds::over(duration_s),
+        bounds: Bounds::over(SceneKind::Gripper, duration_s),
         log: LogRates { numeric_hz: 1e4, picture_hz: 0.0 },
     }
 }

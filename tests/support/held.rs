@@ -2,7 +2,7 @@
 
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant, Invariants, Tolerances};
-use phalanx::scene::{BodiesScene, Engine, GripperScene, Scene, Stepping};
+use phalanx::scene::{Engine, Scene, Stepping};
 use phalanx::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
 use phalanx::validate::steps_only;
 
@@ -41,11 +41,7 @@ pub fn judged(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outc
 }
 
 /// The same for discs.
-pub fn judged_bodies(
-    model: Model,
-    scene: &BodiesScene,
-    sink: &mut impl Sink,
-) -> (Result<Outcome, RunError>, Vec<Finding>) {
+pub fn judged_bodies(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let (result, found) = watched_bodies(model, scene, sink);
     match between_steps(model, &found) {
         true => (result, watched_bodies(model, &steps_only(scene), &mut ()).1),
@@ -63,7 +59,7 @@ pub fn run(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome,
 
 /// The same for discs.
 #[track_caller]
-pub fn run_bodies(model: Model, scene: &BodiesScene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
+pub fn run_bodies(model: Model, scene: &Scene, sink: &mut impl Sink) -> Result<Outcome, RunError> {
     let (result, found) = judged_bodies(model, scene, sink);
     assert!(found.is_empty(), "{}, {} model: {}", scene.name, model.name(), lines(&found));
     result
@@ -75,11 +71,7 @@ pub fn lines(found: &[Finding]) -> String {
 }
 
 /// The same for a gripper.
-pub fn judged_gripper(
-    model: Model,
-    scene: &GripperScene,
-    sink: &mut impl Sink,
-) -> (Result<Outcome, RunError>, Vec<Finding>) {
+pub fn judged_gripper(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let (result, found) = watched_gripper(model, scene, sink);
     match between_steps(model, &found) {
         true => (result, watched_gripper(model, &steps_only(scene), &mut ()).1),
@@ -87,11 +79,7 @@ pub fn judged_gripper(
     }
 }
 
-fn watched_gripper(
-    model: Model,
-    scene: &GripperScene,
-    sink: &mut impl Sink,
-) -> (Result<Outcome, RunError>, Vec<Finding>) {
+fn watched_gripper(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let mut held = Held { invariants: Invariants::new(model, scene), sink };
     let result = trace::run(model, scene, &mut held);
     let loop_gap_m = match &result {
@@ -134,11 +122,7 @@ fn is_energy(finding: &Finding) -> bool {
     matches!(finding.invariant, Invariant::Energy | Invariant::Passivity)
 }
 
-fn watched_bodies(
-    model: Model,
-    scene: &BodiesScene,
-    sink: &mut impl Sink,
-) -> (Result<Outcome, RunError>, Vec<Finding>) {
+fn watched_bodies(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Result<Outcome, RunError>, Vec<Finding>) {
     let mut held = Held { invariants: Invariants::new(model, scene), sink };
     let result = trace::run(model, scene, &mut held);
     (result, broken(held.invariants.findings(0.0)))

@@ -2,8 +2,9 @@
 
 use super::held;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
-    BodiesBounds, BodiesScene, DiscMotion, Engine, HalfPlane, Integrator, LogRates, NamedDisc, Preset, Stepping,
+    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System,
 };
 use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
 
@@ -21,8 +22,8 @@ pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
     NormalLaw { stiffness_n_per_m_e, exponent, damping_max_n_s_per_m: 0.0, transition_m: 1e-5 }
 }
 
-pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> NamedDisc {
-    NamedDisc { name: name.to_string(), radius_m, centre_m, motion }
+pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> Disc {
+    Disc { name: name.to_string(), radius_m, centre_m, angle_rad: 0.0, motion }
 }
 
 /// A disc of 1 kg that does not turn.
@@ -35,36 +36,55 @@ pub fn driven(velocity_m_s: [f64; 2], acceleration_m_s2: [f64; 2]) -> DiscMotion
 }
 
 /// No gravity, no half plane, reference integrator, default engine.
-pub fn scene(discs: Vec<NamedDisc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> BodiesScene {
-    BodiesScene {
+pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
+    Scene {
         name: "laws".to_string(),
         description: String::new(),
         source: String::new(),
-        discs,
-        half_plane: None,
-        contact: ContactLaw { normal, friction },
-        gravity_m_s2: [0.0; 2],
+        system: System {
+            fingers: Vec::new(),
+            palm_width_m: 0.0,
+            differential: None,
+            discs,
+            between_discs: Some(ContactLaw { normal, friction }),
+            palm: None,
+            table: None,
+            palm_motion: None,
+            gravity_m_s2: [0.0; 2],
+        },
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
-        bounds: BodiesBounds {
+        bounds: Bounds {
             position_m: 1e-6,
             contact_time_s: 1e-6,
             impulse: 1e-3,
-            peak_force: 1e-2,
-            until_s: duration_s,
+            ..Bounds::over(SceneKind::Bodies, duration_s)
         },
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }
 
-pub fn on_plane(mut scene: BodiesScene) -> BodiesScene {
-    scene.half_plane = Some(HalfPlane { level_m: 0.0 });
+pub fn on_plane(mut scene: Scene) -> Scene {
+    scene.system.palm = Some(HalfPlane { level_m: 0.0, contact: scene.system.between_discs });
     scene
 }
 
+/// The law of all contacts of a scene of discs.
+pub fn law(scene: &Scene) -> ContactLaw {
+    scene.system.between_discs.expect("discs that touch by a law")
+}
+
+/// Changes that law, wherever it holds.
+pub fn with_law(scene: &mut Scene, change: impl FnOnce(&mut ContactLaw)) {
+    let mut law = law(scene);
+    change(&mut law);
+    scene.system.between_discs = Some(law);
+    scene.system.palm.iter_mut().for_each(|plane| plane.contact = Some(law));
+}
+
 /// The scene logged where forces are computed: the engine's, between its steps, are interpolated.
-pub fn at_steps(model: Model, mut scene: BodiesScene) -> BodiesScene {
+pub fn at_steps(model: Model, mut scene: Scene) -> Scene {
     if model == Model::Engine {
         scene.log.numeric_hz = 1.0 / scene.duration_s;
     }
@@ -72,7 +92,7 @@ pub fn at_steps(model: Model, mut scene: BodiesScene) -> BodiesScene {
 }
 
 /// The scene with fixed steps of the engine.
-pub fn stepped(scene: &BodiesScene, step_s: f64) -> BodiesScene {
+pub fn stepped(scene: &Scene, step_s: f64) -> Scene {
     let mut scene = scene.clone();
     scene.engine.stepping = Stepping::Fixed { step_s };
     scene
@@ -108,7 +128,7 @@ impl Collect {
 
 /// Runs a scene that must get to its end.
 #[track_caller]
-pub fn complete(model: Model, scene: &BodiesScene) -> (Outcome, Collect) {
+pub fn complete(model: Model, scene: &Scene) -> (Outcome, Collect) {
     let mut log = Collect::default();
     let outcome = held::run_bodies(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();
@@ -119,7 +139,7 @@ pub fn complete(model: Model, scene: &BodiesScene) -> (Outcome, Collect) {
 }
 
 /// One free disc of 1 kg on the way to a fixed one, head on, to touch it after 1 ms.
-pub fn impact(normal: NormalLaw, speed: f64, duration_s: f64) -> BodiesScene {
+pub fn impact(normal: NormalLaw, speed: f64, duration_s: f64) -> Scene {
     let discs = vec![
         disc("anvil", 0.1, [0.1, 0.0], DiscMotion::Fixed),
         disc("hammer", 0.05, [-0.05 - 1e-3 * speed, 0.0], sliding([speed, 0.0])),

@@ -9,7 +9,7 @@ use std::process::Command;
 use mcap::records::MessageHeader;
 use phalanx::log::{LogSink, MessageRecord, Record, RunInfo, Severity, Writer, read_any};
 use phalanx::scene::load_any;
-use phalanx::trace::{Event, Model, Sample, Simulated, Sink, SinkError, Thinned, run};
+use phalanx::trace::{Event, Model, Sample, Sink, SinkError, Thinned, run};
 
 pub const FINGER: &str = "scenes/experiment-95.toml";
 pub const DISCS: &str = "scenes/laws/impact.toml";
@@ -51,11 +51,11 @@ pub fn interrupted(scene: &str, model: Model, samples: usize) -> Vec<u8> {
     let file = scene.rsplit('/').next().expect("a name");
     let reason = "stopped: interrupted by SIGINT (Ctrl-C)";
     let scene = load_any(scene).expect("a scene");
-    let scene = Simulated::from(&scene);
+    let scene = &scene;
     let info = RunInfo { scene, scene_file: file, model: model.name() };
     let writer = Writer::new(Vec::new(), "the log", &info).expect("started");
     let until = Until { writer, left: samples, last_s: 0.0 };
-    let mut thinned = Thinned::new(scene.log().numeric_hz, until);
+    let mut thinned = Thinned::new(scene.log.numeric_hz, until);
     assert!(run(model, scene, &mut thinned).expect_err("stopped").is_stop());
     thinned.end().expect("written");
     let mut sink = thinned.sink;

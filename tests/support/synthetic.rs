@@ -1,10 +1,11 @@
 //! A made-up run in closed form for the tests of the sinks: no model needed.
 
-use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
+use phalanx::gripper::{Assembly, Bodies, Body, Circle, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
+use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
-    Actuation, Bounds, Contacts, Disc, Engine, Initial, Integrator, LogRates, Method, Placement, Preset, Scene, Spring,
-    SpringKind, show,
+    Actuation, Bounds, Contacts, Disc, DrivenFinger, Engine, HalfPlane, Initial, Integrator, LogRates, Method, Motor,
+    Placement, Preset, Scene, Spring, SpringKind, System, show,
 };
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
 
@@ -15,14 +16,42 @@ pub fn scene() -> Scene {
 }
 
 fn resolved() -> Scene {
-    let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
-    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
-    let contact = ContactLaw { normal, friction: None };
     Scene {
         name: "synthetic".to_string(),
         description: String::new(),
         source: String::new(),
-        finger: Finger {
+        system: System {
+            fingers: vec![finger()],
+            palm_width_m: 0.0,
+            differential: None,
+            discs: vec![Disc::object(Circle { radius_m: 20e-3, centre_m: [-15.5e-3, 20e-3] })],
+            between_discs: None,
+            palm: Some(HalfPlane { level_m: 0.0, contact: None }),
+            table: None,
+            palm_motion: None,
+            gravity_m_s2: [0.0, 9.81],
+        },
+        duration_s: 20e-3,
+        integrator: Integrator {
+            preset: Preset::Engineering,
+            method: Method::Rodas5p,
+            rtol: 1e-4,
+            atol_angle_rad: 1e-10,
+            atol_rate_rad_s: 1e-6,
+            max_steps: 1_000_000,
+        },
+        engine: Engine::DEFAULT,
+        bounds: Bounds::over(SceneKind::Finger, 20e-3),
+        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
+    }
+}
+
+fn finger() -> DrivenFinger {
+    let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
+    let normal = NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
+    let contact = ContactLaw { normal, friction: None };
+    DrivenFinger {
+        linkage: Finger {
             lengths: Lengths {
                 l11_m: 15e-3,
                 l12_m: 22.3628e-3,
@@ -35,31 +64,16 @@ fn resolved() -> Scene {
             bodies: Bodies { l11: body, l12: body, l21: body, l22: body },
             assembly: Assembly::Reference,
         },
-        object: Some(Disc { radius_m: 20e-3, centre_m: [-15.5e-3, 20e-3] }),
-        palm: true,
-        actuation: Actuation::Constant { torque_n_m: 0.48 },
+        motor: Motor::of(Actuation::Constant { torque_n_m: 0.48 }),
         spring: Some(Spring { kind: SpringKind::Constant { torque_n_m: 0.1326 }, placement: Placement::Phalanges }),
         limit: Some(normal),
         contact: Contacts { proximal: contact, distal: contact },
-        gravity_m_s2: [0.0, 9.81],
-        duration_s: 20e-3,
         initial: Initial {
             q11_rad: -50f64.to_radians(),
             q21_rad: 40f64.to_radians(),
             qd11_rad_s: 0.0,
             qd21_rad_s: 0.0,
         },
-        integrator: Integrator {
-            preset: Preset::Engineering,
-            method: Method::Rodas5p,
-            rtol: 1e-4,
-            atol_angle_rad: 1e-10,
-            atol_rate_rad_s: 1e-6,
-            max_steps: 1_000_000,
-        },
-        engine: Engine::DEFAULT,
-        bounds: Bounds::over(20e-3),
-        log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }
 

@@ -1,6 +1,6 @@
 //! Any bytes as a scene file: refused with a message, or a scene that shows itself as it is and runs in bounded time.
 
-use phalanx::scene::{AnyScene, BodiesScene, Engine, GripperScene, Integrator, LogRates, Scene, parse_any, show_any};
+use phalanx::scene::{Engine, Integrator, LogRates, Scene, parse_any, show};
 use phalanx::trace::{Model, run};
 
 /// Steps that a run may take here.
@@ -17,56 +17,11 @@ pub fn scene(bytes: &[u8]) {
             return;
         }
     };
-    let shown = show_any(&scene);
+    let shown = show(&scene);
     let again = parse_any(&shown, "fuzz.toml").unwrap_or_else(|error| panic!("what is shown is refused: {error}"));
-    assert_eq!(show_any(&again), shown);
-    match (scene, again) {
-        (AnyScene::Finger(scene), AnyScene::Finger(again)) => {
-            assert_eq!(Scene { source: scene.source.clone(), ..*again }, *scene);
-            finger(*scene);
-        }
-        (AnyScene::Bodies(scene), AnyScene::Bodies(again)) => {
-            assert_eq!(BodiesScene { source: scene.source.clone(), ..*again }, *scene);
-            discs(*scene);
-        }
-        (AnyScene::Gripper(scene), AnyScene::Gripper(again)) => {
-            assert_eq!(GripperScene { source: scene.source.clone(), ..*again }, *scene);
-            gripper(*scene);
-        }
-        _ => panic!("what is shown is of another kind"),
-    }
-}
-
-fn finger(scene: Scene) {
+    assert_eq!(show(&again), shown);
+    assert_eq!(Scene { source: scene.source.clone(), ..again }, scene);
     let short = Scene {
-        integrator: short_integrator(&scene.integrator),
-        engine: short_engine(&scene.engine),
-        log: coarse(scene.log, scene.duration_s),
-        ..scene
-    };
-    for model in [Model::Analytic, Model::Engine] {
-        if let Err(error) = run(model, &short, &mut ()) {
-            assert!(!error.to_string().is_empty());
-        }
-    }
-}
-
-fn gripper(scene: GripperScene) {
-    let short = GripperScene {
-        integrator: short_integrator(&scene.integrator),
-        engine: short_engine(&scene.engine),
-        log: coarse(scene.log, scene.duration_s),
-        ..scene
-    };
-    for model in [Model::Analytic, Model::Engine] {
-        if let Err(error) = run(model, &short, &mut ()) {
-            assert!(!error.to_string().is_empty());
-        }
-    }
-}
-
-fn discs(scene: BodiesScene) {
-    let short = BodiesScene {
         integrator: short_integrator(&scene.integrator),
         engine: short_engine(&scene.engine),
         log: coarse(scene.log, scene.duration_s),

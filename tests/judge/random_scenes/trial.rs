@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant};
 use phalanx::log::{self, LogSink, Reading, RunInfo, Severity, Writer};
-use phalanx::scene::{AnyScene, BodiesScene, GripperScene, Scene, parse_any};
-use phalanx::trace::{BodyState, Event, Layout, Model, RunError, Sample, Simulated, Sink, SinkError};
+use phalanx::scene::words::SceneKind;
+use phalanx::scene::{Scene, parse_any};
+use phalanx::trace::{BodyState, Event, Layout, Model, RunError, Sample, Sink, SinkError};
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
 
 use crate::support::held;
@@ -106,10 +107,10 @@ pub fn trial(model: Model, text: &str, counts: &mut Counts) -> Result<(), String
         }
     };
     let start = Instant::now();
-    let ended = match &scene {
-        AnyScene::Finger(scene) => finger(model, scene, counts)?,
-        AnyScene::Bodies(scene) => discs(model, scene, counts)?,
-        AnyScene::Gripper(scene) => gripper(model, scene, counts)?,
+    let ended = match scene.kind() {
+        SceneKind::Finger => finger(model, &scene, counts)?,
+        SceneKind::Bodies => discs(model, &scene, counts)?,
+        SceneKind::Gripper => gripper(model, &scene, counts)?,
     };
     let took = start.elapsed();
     counts.slowest = counts.slowest.max(took);
@@ -143,8 +144,8 @@ fn kind(message: &str) -> String {
     kind.trim_end().to_string()
 }
 
-fn writer<'a>(model: Model, scene: impl Into<Simulated<'a>>) -> Writer<Vec<u8>> {
-    let info = RunInfo { scene: scene.into(), scene_file: "random.toml", model: model.name() };
+fn writer(model: Model, scene: &Scene) -> Writer<Vec<u8>> {
+    let info = RunInfo { scene, scene_file: "random.toml", model: model.name() };
     Writer::new(Vec::new(), "the log", &info).expect("a log in memory")
 }
 
@@ -174,7 +175,7 @@ fn finger(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Fai
     Ok(failure)
 }
 
-fn gripper(model: Model, scene: &GripperScene, counts: &mut Counts) -> Result<Option<Failure>, String> {
+fn gripper(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
     let mut writer = writer(model, scene);
     let (result, found) = held::judged_gripper(model, scene, &mut writer);
     let (outcome, failure) = match result {
@@ -199,7 +200,7 @@ fn gripper(model: Model, scene: &GripperScene, counts: &mut Counts) -> Result<Op
     Ok(failure)
 }
 
-fn discs(model: Model, scene: &BodiesScene, counts: &mut Counts) -> Result<Option<Failure>, String> {
+fn discs(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
     let mut writer = writer(model, scene);
     let (result, found) = held::judged_bodies(model, scene, &mut writer);
     let (outcome, failure) = match result {
@@ -272,7 +273,7 @@ impl LogSink for Last {
 }
 
 /// The last message of every disc is its last state.
-fn last_states(bytes: &[u8], scene: &BodiesScene, last: &Sample) -> Result<(), String> {
+fn last_states(bytes: &[u8], scene: &Scene, last: &Sample) -> Result<(), String> {
     let mut latest = BTreeMap::new();
     for message in mcap::MessageStream::new(bytes).map_err(|error| error.to_string())? {
         let message = message.map_err(|error| error.to_string())?;
@@ -280,7 +281,7 @@ fn last_states(bytes: &[u8], scene: &BodiesScene, last: &Sample) -> Result<(), S
             latest.insert(message.channel.topic.clone(), message);
         }
     }
-    for (disc, state) in scene.discs.iter().zip(&last.bodies) {
+    for (disc, state) in scene.system.discs.iter().zip(&last.bodies) {
         let message = latest.get(&format!("/disc/{}", disc.name)).ok_or("a disc without a message")?;
         let schema = message.channel.schema.as_ref().ok_or("a channel without a schema")?;
         let pool = DescriptorPool::decode(&schema.data[..]).map_err(|error| error.to_string())?;

@@ -1,0 +1,79 @@
+//! Systems that a program puts together: what no model takes is refused by both, and not simulated as something else.
+
+use phalanx::gripper::Circle;
+use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
+use phalanx::trace::{Model, RunError, run};
+
+const FINGER: &str = "scenes/experiment-95.toml";
+const GRIPPER: &str = "scenes/gripper/design-95.toml";
+const DISCS: &str = "scenes/laws/impact.toml";
+
+/// A shipped scene, what is changed of it, and what is said of that.
+type Case<'a> = (&'a str, &'a dyn Fn(&mut Scene), &'a str);
+
+fn load(path: &str) -> Scene {
+    load_any(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn free(inertia_kg_m2: Option<f64>) -> DiscMotion {
+    DiscMotion::Free { mass_kg: 0.05, inertia_kg_m2, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 }
+}
+
+#[test]
+fn what_no_model_takes_is_refused_by_both() {
+    let another = || Disc::object(Circle { radius_m: 0.01, centre_m: [0.1, 0.1] });
+    let driven = DiscMotion::Driven { velocity_m_s: [0.0; 2], acceleration_m_s2: [0.0; 2], spin_rad_s: 0.0 };
+    let cases: [Case<'_>; 11] = [
+        (GRIPPER, &|scene| scene.system.fingers.push(scene.finger().clone()), "more than two fingers"),
+        (FINGER, &|scene| scene.system.discs.push(another()), "grasp one disc"),
+        (GRIPPER, &|scene| scene.system.discs.push(another()), "grasp one disc"),
+        (FINGER, &|scene| scene.system.grasped_mut().motion = free(Some(1e-5)), "does not move"),
+        (GRIPPER, &|scene| scene.system.discs.clear(), "nothing to grasp"),
+        (GRIPPER, &|scene| scene.system.grasped_mut().motion = driven, "another motion"),
+        (GRIPPER, &|scene| scene.system.grasped_mut().motion = free(None), "another motion"),
+        (FINGER, &|scene| scene.system.palm_motion = Some(PalmMotion::default()), "parts of two fingers"),
+        (DISCS, &|scene| scene.system.table = scene.system.palm, "parts of two fingers"),
+        (
+            GRIPPER,
+            &|scene| {
+                scene.system.grasped_mut().motion = DiscMotion::Fixed;
+                scene.system.palm_motion = Some(PalmMotion::default());
+            },
+            "the palm moves",
+        ),
+        (DISCS, &|scene| scene.system.between_discs = None, "no law"),
+    ];
+    for (path, change, message) in cases {
+        let mut scene = load(path);
+        assert_eq!(scene.system.objection(), None, "{path}");
+        if path == DISCS && scene.system.palm.is_none() {
+            let contact = scene.system.between_discs;
+            scene.system.palm = Some(phalanx::scene::HalfPlane { level_m: -1.0, contact });
+        }
+        change(&mut scene);
+        for model in [Model::Analytic, Model::Engine] {
+            let Err(RunError::Simulation { failure, .. }) = run(model, &scene, &mut ()) else {
+                panic!("{path}, {message}: {} runs", model.name())
+            };
+            let reason = failure.reason.to_string();
+            assert!(reason.contains(message) && reason.contains(": "), "{path}: {reason}");
+            assert_eq!(failure.time_s, 0.0, "{path}");
+        }
+    }
+}
+
+/// A disc starts at its own angle in either model.
+#[test]
+fn discs_start_at_their_angle() {
+    let mut scene = load(DISCS);
+    scene.duration_s = 1e-4;
+    for (index, disc) in scene.system.discs.iter_mut().enumerate() {
+        disc.angle_rad = 0.25 + index as f64;
+    }
+    for model in [Model::Analytic, Model::Engine] {
+        let last = run(model, &scene, &mut ()).expect("a run").last;
+        for (disc, body) in scene.system.discs.iter().zip(&last.bodies) {
+            assert!((body.angle_rad - disc.angle_rad).abs() < 1e-6, "{}: {}: {body:?}", model.name(), disc.name);
+        }
+    }
+}
