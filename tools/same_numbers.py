@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """Whether two builds say the same, to the last digit: every shipped scene in both models, and every study.
 
-    tools/same_numbers.py BEFORE AFTER [--only WORD] [--jobs N]
+    tools/same_numbers.py BEFORE AFTER [--only WORD] [--jobs N] [--logs]
 
 BEFORE and AFTER are two `phalanx` programs. Both run the same commands, each in a directory of its own; what they print and what they
 write is compared byte by byte: `run --json` and the text of it, the samples of `replay --csv`, `scene show` and `check`, `statics`,
-`size`, then `scene schema`, `volume`, `sweep` and `select`, `capture`, `hold`, `optimize` and `reproduce`. Left out is what a clock says, and what names the program itself. Exit status 1 if anything differs; every difference is named.
+`size`, the pages of runs, then `scene schema`, `volume`, `sweep` and `select`, `capture`, `hold`, `optimize` and `reproduce`. Left out
+is what a clock says, and what names the program itself. Logs name the versions of what wrote them: of programs of one version --logs
+compares their bytes too. Exit status 1 if anything differs; every difference is named.
 """
 
 import argparse
 import concurrent.futures
 import difflib
+import hashlib
 import os
 import pathlib
 import re
@@ -34,7 +37,7 @@ def commands():
         for model in ("analytic", "engine"):
             log = "{}/" + f"{'-'.join(at.with_suffix('').parts)}-{model}.mcap"
             yield f"run {at} {model}", ["run", at, "--model", model, "--json", "--log", log], ["replay", log, "--csv", "-"]
-            yield f"text {at} {model}", ["run", at, "--model", model]
+            yield f"text {at} {model}", ["run", at, "--model", model, "--html", log.replace(".mcap", ".html")]
         for command in (["scene", "show"], ["scene", "check"], ["statics"], ["statics", "--json"], ["size"], ["size", "--json"]):
             yield f"{' '.join(command)} {at}", [*command[:2], at] if command[0] == "scene" else [command[0], at, *command[1:]]
     yield "schema", ["scene", "schema"]
@@ -49,8 +52,8 @@ def commands():
     yield "reproduce", ["reproduce", "--out", "{}/reproduce"]
 
 
-def said(program, steps, place):
-    """What a program prints for some commands and leaves in its directory."""
+def said(program, steps, place, logs):
+    """What a program prints for some commands and leaves in its directory; of its logs a digest, if at all."""
     answer = []
     for step in steps:
         arguments = [str(part).replace("{}", place) for part in step]
@@ -59,17 +62,19 @@ def said(program, steps, place):
         errors = done.stderr.decode().replace(pathlib.Path(program).name, "phalanx")
         answer.append(f"$ {' '.join(map(str, step))}\n{done.stdout.decode()}{errors}exit {done.returncode}\n")
     for file in sorted(path for path in pathlib.Path(place).rglob("*") if path.is_file()):
-        # Logs say which program wrote them, and their samples are compared as tables.
-        if file.suffix not in (".mcap", ".lock"):
+        if file.suffix == ".mcap":
+            if logs:
+                answer.append(f"# {file.relative_to(place)}\n{hashlib.sha256(file.read_bytes()).hexdigest()}\n")
+        elif file.suffix != ".lock":
             answer.append(f"# {file.relative_to(place)}\n{file.read_text(errors='replace')}")
     lines = "\n".join(answer).replace(place, "DIR").splitlines()
     return [CLOCK.sub("", line) for line in lines]
 
 
-def compare(before, after, name, steps):
+def compare(before, after, name, steps, logs):
     """The first lines that differ; none if all are the same."""
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
-        old, new = said(before, steps, one), said(after, steps, two)
+        old, new = said(before, steps, one, logs), said(after, steps, two, logs)
     changes = difflib.unified_diff(old, new, "before", "after", lineterm="", n=0)
     return name, len(old), [line[:240] for _, line in zip(range(12), changes)]
 
@@ -80,11 +85,12 @@ def main():
     parser.add_argument("after", type=os.path.abspath)
     parser.add_argument("--only", default="", help="commands with this word in their names")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="so many at once")
+    parser.add_argument("--logs", action="store_true", help="logs byte by byte too")
     asked = parser.parse_args()
     wanted = [(name, steps) for name, *steps in commands() if asked.only in name]
     different = lines = 0
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
-        runs = [pool.submit(compare, asked.before, asked.after, name, steps) for name, steps in wanted]
+        runs = [pool.submit(compare, asked.before, asked.after, name, steps, asked.logs) for name, steps in wanted]
         for run in runs:
             name, count, changes = run.result()
             lines += count

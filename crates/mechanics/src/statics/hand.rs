@@ -15,8 +15,13 @@ impl Side {
     pub const BOTH: [Self; 2] = [Side::Right, Side::Left];
 
     /// +1 where x of the finger's frame is that of the palm, −1 where it is its mirror image.
+    #[inline]
     pub fn mirror(self) -> f64 {
         if self == Side::Right { 1.0 } else { -1.0 }
+    }
+
+    pub fn word(self) -> &'static str {
+        if self == Side::Right { "right" } else { "left" }
     }
 }
 

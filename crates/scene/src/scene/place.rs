@@ -1,6 +1,7 @@
 //! Where something can touch in a gripper.
 
 use crate::gripper::Site;
+pub use crate::statics::Side;
 
 /// Where something can touch: three sites of either finger, the object on the palm, and on the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,26 +9,6 @@ pub enum Place {
     Finger(Side, Site),
     Palm,
     Table,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    Right,
-    Left,
-}
-
-impl Side {
-    pub const BOTH: [Self; 2] = [Side::Right, Side::Left];
-
-    /// +1 where x of the finger's frame is that of G, −1 where it is its mirror image.
-    #[inline]
-    pub fn mirror(self) -> f64 {
-        if self == Side::Right { 1.0 } else { -1.0 }
-    }
-
-    pub fn word(self) -> &'static str {
-        if self == Side::Right { "right" } else { "left" }
-    }
 }
 
 impl Place {

@@ -4,8 +4,8 @@ use super::develop::{Curve, Plan, Scale, plan};
 use crate::scene::System;
 use crate::trace::{BodyState, ContactSample, Sample};
 
-/// A quantity of a disc, by its name, and its rate.
-type OfDisc = (&'static str, fn(&BodyState) -> f64, Option<fn(&BodyState) -> f64>);
+/// A quantity of a part of a sample, by its name, and its rate.
+pub(super) type Quantity<T> = (&'static str, fn(&T) -> f64, Option<fn(&T) -> f64>);
 
 /// Energies of a scene with fingers.
 pub(super) fn energies() -> Plan<'static> {
@@ -23,21 +23,9 @@ pub(super) fn energies() -> Plan<'static> {
 
 /// Of discs.
 pub(super) fn of_discs(system: &System, contacts: &[(String, usize)]) -> Vec<Plan<'static>> {
-    let discs = |quantities: &[OfDisc]| -> Vec<Curve<'static>> {
-        let moving = system.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
-        let mut curves: Vec<Curve<'static>> = Vec::new();
-        for (index, disc) in moving {
-            for &(quantity, value, rate) in quantities {
-                let name = format!("{} {quantity}", disc.name);
-                let curve = Curve::new(name, move |sample: &Sample| value(&sample.bodies[index]));
-                curves.push(match rate {
-                    Some(rate) => curve.with_rate(move |sample| rate(&sample.bodies[index])),
-                    None => curve,
-                });
-            }
-        }
-        curves
-    };
+    let moving = system.discs.iter().enumerate().filter(|(_, disc)| disc.motion.moves());
+    let moving: Vec<(usize, String)> = moving.map(|(index, disc)| (index, disc.name.clone())).collect();
+    let discs = |quantities: &[Quantity<BodyState>]| curves(&moving, quantities, |sample| &sample.bodies);
     let friction = match system.between_discs.and_then(|law| law.friction) {
         Some(_) => of_contacts(contacts, |contact| contact.tangential_n),
         None => Vec::new(),
@@ -76,6 +64,27 @@ pub(super) fn of_discs(system: &System, contacts: &[(String, usize)]) -> Vec<Pla
             ],
         ),
     ]
+}
+
+/// The same quantities of several parts of a sample, of which each has an index and a name; one that is alone needs none.
+pub(super) fn curves<T: 'static>(
+    parts: &[(usize, String)],
+    quantities: &[Quantity<T>],
+    of: fn(&Sample) -> &[T],
+) -> Vec<Curve<'static>> {
+    let mut curves = Vec::with_capacity(parts.len() * quantities.len());
+    for (index, part) in parts {
+        let index = *index;
+        for &(quantity, value, rate) in quantities {
+            let name = if part.is_empty() { quantity.to_string() } else { format!("{part} {quantity}") };
+            let curve = Curve::new(name, move |sample: &Sample| value(&of(sample)[index]));
+            curves.push(match rate {
+                Some(rate) => curve.with_rate(move |sample| rate(&of(sample)[index])),
+                None => curve,
+            });
+        }
+    }
+    curves
 }
 
 fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {

@@ -1,13 +1,10 @@
 //! The plots of fingers and what they grasp.
 
 use super::develop::{Curve, Plan, Scale, plan};
-use super::panels::{energies, gaps, of_contacts};
+use super::panels::{Quantity, curves, energies, gaps, of_contacts};
 use crate::numeric::plane::turned;
 use crate::scene::{DrivenFinger, Place, Side, System};
 use crate::trace::{BodyState, FingerState, Sample, Site};
-
-/// A quantity of a finger, by its name.
-type OfFinger = (&'static str, fn(&FingerState) -> f64, Option<fn(&FingerState) -> f64>);
 
 /// Of fingers and what they grasp; `contacts` are those that are shown, by their names and indices.
 pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<Plan<'static>> {
@@ -16,7 +13,8 @@ pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<P
         true => of_contacts(contacts, |contact| contact.tangential_n),
         false => Vec::new(),
     };
-    let joints = |quantities: &[OfFinger]| joints(system, quantities);
+    let fingers: Vec<(usize, String)> = sides(system).map(|(side, _)| (side as usize, prefix(system, side))).collect();
+    let joints = |quantities: &[Quantity<FingerState>]| curves(&fingers, quantities, |sample| &sample.fingers);
     let mut angles = joints(&[
         ("q11", |finger| turned(finger.q11_rad), Some(|finger| finger.qd11_rad_s)),
         ("q21", |finger| turned(finger.q21_rad), Some(|finger| finger.qd21_rad_s)),
@@ -30,7 +28,7 @@ pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<P
             angles.push(to_limit.with_rate(move |sample| sample.contacts[index].gap_rate_m_s));
         }
         let limit = move |sample: &Sample| sample.contacts[index].normal_n;
-        torques.push(Curve::new(named(system, side, "limit"), limit));
+        torques.push(Curve::new(format!("{} limit", prefix(system, side)).trim_start(), limit));
     }
     let object = |curves: Vec<Curve<'static>>| match system.moving_object() {
         Some(_) => curves,
@@ -77,29 +75,13 @@ pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<P
     ]
 }
 
-/// The same quantities of every finger.
-fn joints(system: &System, quantities: &[OfFinger]) -> Vec<Curve<'static>> {
-    let mut curves = Vec::new();
-    for (side, _) in sides(system) {
-        for &(quantity, value, rate) in quantities {
-            let index = side as usize;
-            let curve = Curve::new(named(system, side, quantity), move |sample: &Sample| value(&sample.fingers[index]));
-            curves.push(match rate {
-                Some(rate) => curve.with_rate(move |sample| rate(&sample.fingers[index])),
-                None => curve,
-            });
-        }
-    }
-    curves
-}
-
 fn sides(system: &System) -> impl Iterator<Item = (Side, &DrivenFinger)> {
     Side::BOTH.into_iter().zip(&system.fingers)
 }
 
-/// A quantity of a finger; one that is alone needs no side.
-fn named(system: &System, side: Side, quantity: &str) -> String {
-    if system.fingers.len() == 1 { quantity.to_string() } else { format!("{} {quantity}", side.word()) }
+/// What stands before quantities of a finger; one that is alone needs no side.
+fn prefix(system: &System, side: Side) -> String {
+    if system.fingers.len() == 1 { String::new() } else { side.word().to_string() }
 }
 
 fn body(name: &str, value: fn(&BodyState) -> f64) -> Curve<'static> {
