@@ -87,7 +87,7 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
         (StudyError::Simulation { .. }, Some(signal)) => {
             interrupt::broken_off("the study", signal, reached, args.out.is_some())
         }
-        (error @ StudyError::NoImpact, _) => Failure::bad_input(error),
+        (error @ (StudyError::NoImpact | StudyError::Kind(_)), _) => Failure::bad_input(error),
         (error @ StudyError::Simulation { .. }, None) => Failure::incomplete(error),
     })?;
     if let Some(folder) = folder {

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::gripper::contact_angle_proximal;
-use crate::scene::{Actuation, Scene, SpringKind};
+use crate::scene::words::SceneKind;
+use crate::scene::{Actuation, Scene, SpringKind, WrongKind};
 use crate::sizing::{CLOSING_S, Profile, Rule, SizingError, Task, profile};
 
 /// Samples of the profile.
@@ -40,6 +41,8 @@ pub struct Sized {
 /// Why a finger cannot be sized.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SizeError {
+    #[error(transparent)]
+    Kind(#[from] WrongKind),
     #[error(
         "{scene} has no object to close on, so nothing says how far its finger goes; give a scene without [object] present = false"
     )]
@@ -51,9 +54,10 @@ pub enum SizeError {
 /// Sizes the finger of a scene for its object, from where it starts.
 ///
 /// # Errors
-/// A scene without an object, or a finger that does not close on it.
+/// A scene of another kind or without an object, or a finger that does not close on it.
 pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
-    let object = scene.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
+    let object =
+        scene.only(SceneKind::Finger)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
     let disc = object.circle();
     let contact_rad =
         contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, disc).map_err(SizingError::from)?;

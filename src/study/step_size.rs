@@ -10,7 +10,8 @@ use serde::Serialize;
 
 use crate::integrator::Failure;
 use crate::numeric::elementary::{ln, pow};
-use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::scene::words::SceneKind;
+use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping, WrongKind};
 use crate::trace::{Event, EventKind, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
@@ -96,6 +97,8 @@ pub struct StepSize {
 /// Why there is nothing to study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
+    #[error(transparent)]
+    Kind(#[from] WrongKind),
     #[error("the {model} model stopped {failure}")]
     Simulation { model: &'static str, failure: Failure },
     #[error("nothing touches and parts again in this scene: give one with an impact that rebounds before its end")]
@@ -161,7 +164,7 @@ pub fn step_size(
     show: &mut dyn FnMut(usize, usize, &str),
     go_on: &dyn Fn() -> bool,
 ) -> Result<StepSize, StudyError> {
-    let mut fine = scene.clone();
+    let mut fine = scene.only(SceneKind::Bodies)?.clone();
     fine.integrator = scene.integrator.with_preset(Preset::Reference);
     fine.log.numeric_hz = GRID / scene.duration_s;
     let pair = hit(&fine, go_on)?;

@@ -201,3 +201,13 @@ fn directions_are_counted_from_the_palm_s_x() {
     );
     assert!(held.held.iter().all(|held| held.slips.held == Some(5.0) && held.slips.failed.is_none()));
 }
+
+#[test]
+fn a_scene_without_two_fingers_holds_nothing() {
+    for path in ["scenes/experiment-95.toml", "scenes/laws/impact.toml"] {
+        let scene = scene::load_any(path).unwrap_or_else(|error| panic!("{error}"));
+        let error = refused(&scene, plan(Loads::Move));
+        assert!(matches!(&error, HoldError::Kind(_)), "{error}");
+        assert!(error.to_string().contains("only one of kind \"gripper\""), "{error}");
+    }
+}

@@ -1,7 +1,12 @@
 //! Systems that a program puts together: what no model takes is refused by both, and not simulated as something else.
 
+use phalanx::grasp::finger::{Instead, grasp};
+use phalanx::grasp::gripper::{Asked, PostureOf, gripper_grasp};
 use phalanx::gripper::Circle;
 use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
+use phalanx::study::size::{Asked as Sizing, size};
+use phalanx::study::stability::{Grid, stability};
+use phalanx::study::step_size::step_size;
 use phalanx::trace::{Model, RunError, run};
 
 const FINGER: &str = "scenes/experiment-95.toml";
@@ -75,5 +80,33 @@ fn discs_start_at_their_angle() {
         for (disc, body) in scene.system.discs.iter().zip(&last.bodies) {
             assert!((body.angle_rad - disc.angle_rad).abs() < 1e-6, "{}: {}: {body:?}", model.name(), disc.name);
         }
+    }
+}
+
+/// What is for one kind of scene does not answer for another.
+#[test]
+fn another_kind_than_is_wanted_is_refused() {
+    let said = |found: Result<(), String>, message: &str| {
+        let error = found.expect_err(message);
+        assert!(error.contains("is a scene of kind") && error.contains(message), "{error}");
+    };
+    let [finger, gripper, discs] = [FINGER, GRIPPER, DISCS].map(load);
+    let go_on = &|| true;
+    for other in [&gripper, &discs] {
+        let only = "only one of kind \"finger\"";
+        said(grasp(other, &Instead::default()).map(drop).map_err(|error| error.to_string()), only);
+        said(size(other, Sizing::default()).map(drop).map_err(|error| error.to_string()), only);
+        let grid = Grid { steps_s: vec![1e-5], stiffness_factors: vec![1.0], damping_factors: vec![1.0] };
+        let map = stability(other, &grid, 1e-3, &mut |_, _, _| {}, go_on);
+        said(map.map(drop).map_err(|error| error.to_string()), only);
+    }
+    for other in [&finger, &discs] {
+        let only = "only one of kind \"gripper\"";
+        let asked = Asked { posture: PostureOf::Geometric, mu_static: Vec::new(), motor_n_m: None, directions: 8 };
+        said(gripper_grasp(other, &asked, go_on).map(drop).map_err(|error| error.to_string()), only);
+    }
+    for other in [&finger, &gripper] {
+        let found = step_size(other, true, &mut |_, _, _| {}, go_on);
+        said(found.map(drop).map_err(|error| error.to_string()), "only one of kind \"bodies\"");
     }
 }

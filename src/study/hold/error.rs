@@ -2,10 +2,13 @@
 
 use super::attempt::Found;
 use crate::criteria::Fate;
+use crate::scene::WrongKind;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum HoldError {
+    #[error(transparent)]
+    Kind(#[from] WrongKind),
     #[error(
         "the object is fixed in the world, so that nothing carries it; let it move: object.motion = \"free\", or leave that key out"
     )]

@@ -9,6 +9,7 @@ use super::rest::Rest;
 use crate::criteria::{Fate, GraspTracker};
 use crate::grasp::run;
 use crate::numeric::elementary::hypot;
+use crate::scene::words::SceneKind;
 use crate::scene::{Actuation, Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Scene, torque};
 
 /// The standard cycle of pick-and-place robots, 25/305/25 mm, as scenes/gripper/cycle.toml goes it.
@@ -24,7 +25,7 @@ pub(super) fn prepare(
     plan: &Plan,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Prepared>, HoldError> {
-    if scene.system.grasped().motion == DiscMotion::Fixed {
+    if scene.only(SceneKind::Gripper)?.system.grasped().motion == DiscMotion::Fixed {
         return Err(HoldError::Fixed);
     }
     let cycle = scene.cycle();

@@ -1,5 +1,6 @@
 //! What is gone through, and what is found: plain data.
 
+use crate::scene::WrongKind;
 use serde::Serialize;
 
 /// What is gone through: steps from long to short, factors from small to large.
@@ -134,6 +135,8 @@ impl Stability {
 /// Why there is no map.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
+    #[error(transparent)]
+    Kind(#[from] WrongKind),
     #[error(
         "nothing can touch in this scene, and factors of contact stiffness and damping would change nothing; give it an \
          object: [object] radius and centre"

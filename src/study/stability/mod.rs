@@ -24,6 +24,7 @@ use std::time::Instant;
 
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
+use crate::scene::words::SceneKind;
 use crate::scene::{Response, Scene, Stepping};
 use crate::study::pool;
 use crate::trace::While;
@@ -88,7 +89,7 @@ pub fn stability(
 }
 
 fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
-    if scene.object().is_none() {
+    if scene.only(SceneKind::Finger)?.object().is_none() {
         return Err(StudyError::NoObject);
     }
     if scene.engine.response != Response::Laws {

@@ -5,7 +5,8 @@ use serde::Serialize;
 use crate::fivebar::spring::gradient;
 use crate::gripper::{Circle, FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
-use crate::scene::{Scene, torque};
+use crate::scene::words::SceneKind;
+use crate::scene::{Scene, WrongKind, torque};
 use crate::statics::{
     AtRest, Birglen, Equilibrium, FormClosure, Hand, StaticsError, at_rest, birglen, decide, drive_loads,
     equilibrium_each, unilateral,
@@ -111,6 +112,8 @@ pub struct Instead {
 /// Why a scene has no grasp at rest.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GraspStudyError {
+    #[error(transparent)]
+    Kind(#[from] WrongKind),
     #[error(
         "the scene \"{scene}\" has no object, and statics is about a grasp: take out [object] present = false, or give \
          another scene"
@@ -128,10 +131,10 @@ pub enum GraspStudyError {
 /// the palm if the object rests on it.
 ///
 /// # Errors
-/// A scene without an object, a finger that does not grasp it, a singular posture.
+/// A scene of another kind or without an object, a finger that does not grasp it, a singular posture.
 pub fn grasp(scene: &Scene, instead: &Instead) -> Result<Grasp, GraspStudyError> {
     let name = || scene.name.clone();
-    let Some(object) = scene.object() else {
+    let Some(object) = scene.only(SceneKind::Finger)?.object() else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };
     let disc = object.circle();

@@ -7,7 +7,8 @@ use super::geometric::geometric;
 use super::simulate::run;
 use crate::criteria::{Driven, Fate, GraspTracker, Pressed, friction, hand_at_rest, pressed};
 use crate::gripper::{GraspError, Site, close};
-use crate::scene::{DiscMotion, Place, Scene, Side};
+use crate::scene::words::SceneKind;
+use crate::scene::{DiscMotion, Place, Scene, Side, WrongKind};
 use crate::statics::{
     Balance, Blocked, Drive, ForceClosure, FormClosure, GripperRow, HandAtRest, Holding, MetAt, PerContact, Stance,
     StaticsError, balance_polar, force_closure, gripper_closure,
@@ -98,6 +99,8 @@ pub struct Holds {
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GripperGraspError {
+    #[error(transparent)]
+    Kind(#[from] WrongKind),
     #[error(
         "the object of \"{scene}\" is fixed, so nothing need hold it: take out [object] motion = \"fixed\", or give another scene"
     )]
@@ -137,7 +140,7 @@ pub fn gripper_grasp(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<GripperGrasp, GripperGraspError> {
     let name = || scene.name.clone();
-    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else {
+    let DiscMotion::Free { mass_kg, .. } = scene.only(SceneKind::Gripper)?.system.grasped().motion else {
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let refused = |error| GripperGraspError::Statics { scene: name(), error };

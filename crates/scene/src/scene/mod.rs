@@ -17,7 +17,7 @@
 //! | `system` | what is simulated: [`System`], the description that both models read |
 //! | `finger`, `disc` | its parts: fingers, discs and planes |
 //! | `place`, `pairs` | where they touch |
-//! | `sound` | which systems neither model takes |
+//! | `sound`, `wrong_kind` | which systems neither model takes; a scene of another kind than is wanted |
 //! | `palm_motion`, `cycle` | how a gripper's palm moves, and brakes; when it carries |
 
 pub mod any;
@@ -52,6 +52,7 @@ mod template;
 pub mod text;
 mod torque;
 pub mod words;
+mod wrong_kind;
 
 pub use compose::{Layer, extended, parse_layers};
 pub use cycle::Cycle;
@@ -76,6 +77,7 @@ pub use template::Template;
 pub use text::{parse, parse_any, parse_template};
 pub use torque::{Actuation, Interpolation, next_corner, scaled, torque};
 use words::SceneKind;
+pub use wrong_kind::WrongKind;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
 
