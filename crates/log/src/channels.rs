@@ -50,7 +50,7 @@ impl Channels {
         let system = &scene.system;
         let alone = system.fingers.len() == 1;
         let mut fingers = Vec::new();
-        for side in Side::BOTH.iter().take(system.fingers.len()) {
+        for (side, _) in system.sided() {
             fingers.push(match alone {
                 true => core.channel::<State>("/state")?,
                 false => core.channel::<State>(&format!("/state/{}", side.word()))?,
@@ -183,12 +183,6 @@ fn surfaces(system: &System) -> Vec<Option<Surface>> {
 }
 
 fn surface(system: &System, place: Place) -> Option<Surface> {
-    let is_there = match place {
-        Place::Finger(side, Site::Limit) => system.finger(side).limit.is_some(),
-        Place::Finger(..) => system.object().is_some(),
-        Place::Palm => system.palm.is_some(),
-        Place::Table => system.table.is_some(),
-    };
     let name = system.place_name(place);
     let of_side = |side: Side| if system.fingers.len() == 1 { String::new() } else { format!("{} ", side.word()) };
     let called = match place {
@@ -202,5 +196,11 @@ fn surface(system: &System, place: Place) -> Option<Surface> {
         Place::Finger(_, Site::Limit) => "/limit".to_string(),
         _ => format!("/contact/{name}"),
     };
-    is_there.then(|| Surface { name, called, topic, angular: place.is_stop(), bristle: system.bristle(place) })
+    system.is_there(place).then(|| Surface {
+        name,
+        called,
+        topic,
+        angular: place.is_stop(),
+        bristle: system.bristle(place),
+    })
 }

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 pub use parts::{Body, Drawing, Part, Pose, Shape};
 
-use crate::gripper::{Circle, Posture, Site, close, final_posture};
+use crate::gripper::{Circle, Posture, close, final_posture};
 use crate::scene::{Disc, DrivenFinger, Place, Scene, Side, System};
 use crate::trace::{BodyState, FingerState, Sample};
 use arrows::arrows;
@@ -37,7 +37,7 @@ impl Drawing {
             fixed: !disc.motion.moves(),
             shapes: vec![Shape::Disc { radius_m: disc.radius_m }],
         }));
-        for (side, finger) in fingers(system) {
+        for (side, finger) in system.sided() {
             bodies.extend(links(&finger.linkage.lengths).map(|body| Body {
                 name: if system.fingers.len() == 1 { body.name } else { format!("{}_{}", side.word(), body.name) },
                 shapes: body.shapes.into_iter().map(|shape| mirrored(shape, side)).collect(),
@@ -65,16 +65,8 @@ fn contacts(system: &System) -> Vec<String> {
     if system.fingers.is_empty() {
         return system.pairs().into_iter().map(|pair| system.pair_name(pair)).collect();
     }
-    let is_there = |place: &&Place| match place {
-        Place::Finger(_, site) => *site != Site::Limit && system.object().is_some(),
-        Place::Palm => system.palm.is_some(),
-        Place::Table => system.table.is_some(),
-    };
+    let is_there = |place: &&Place| !place.is_stop() && system.is_there(**place);
     system.places().iter().filter(is_there).map(|place| system.place_name(*place)).collect()
-}
-
-fn fingers(system: &System) -> impl Iterator<Item = (Side, &DrivenFinger)> {
-    Side::BOTH.into_iter().zip(&system.fingers)
 }
 
 /// Where the bodies of a scene's [`Drawing`] are, in their order.
@@ -93,7 +85,7 @@ pub fn poses_in(scene: &Scene, postures: &[Posture]) -> Vec<Pose> {
 fn poses_at(system: &System, time_s: f64, told: impl Iterator<Item = Pose>, postures: &[Posture]) -> Vec<Pose> {
     let mut poses: Vec<Pose> = plane_poses(system, time_s).map(|(pose, _)| pose).collect();
     poses.extend(untold(system).map(start).chain(told));
-    for ((side, finger), posture) in fingers(system).zip(postures) {
+    for ((side, finger), posture) in system.sided().zip(postures) {
         let half_palm_m = 0.5 * system.palm_width_m;
         poses.extend(link_poses(&finger.linkage.lengths, posture).map(|pose| {
             let [x, y] = pose.position_m;
@@ -115,7 +107,7 @@ pub fn motions(scene: &Scene, sample: &Sample) -> Vec<Pose> {
             angle_rad: *spin_rad_s,
         }),
     );
-    for ((side, finger), state) in fingers(system).zip(&sample.fingers) {
+    for ((side, finger), state) in system.sided().zip(&sample.fingers) {
         motions.extend(link_motions(&finger.linkage.lengths, state).map(|motion| {
             let [x, y] = motion.position_m;
             Pose { position_m: [side.mirror() * x, y], angle_rad: side.mirror() * motion.angle_rad }
@@ -142,7 +134,7 @@ fn posture_of(finger: &FingerState) -> Posture {
 fn view(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
     // A start that does not close is the end of a run before its first step: the straight finger shows what was meant.
     let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * PI, q12_rad: 0.0, q22_rad: 0.0 };
-    let postures = fingers(system).map(|(side, DrivenFinger { linkage, initial, .. })| {
+    let postures = system.sided().map(|(side, DrivenFinger { linkage, initial, .. })| {
         let start = close(&linkage.lengths, linkage.assembly, initial.q11_rad, initial.q21_rad).unwrap_or(upright);
         let grasp = system.object().and_then(|object| {
             let [x, y] = object.centre_m;

@@ -21,7 +21,7 @@ pub fn plan(system: &System) -> Result<Plan, Side> {
     // The material points of one finger and of discs are each surface's own, as in the thesis; of a gripper both models count them on
     // what is not the object.
     let meet = if system.fingers.len() == 1 { Meet::Each } else { Meet::Body };
-    for (side, finger) in Side::BOTH.into_iter().zip(&system.fingers) {
+    for (side, finger) in system.sided() {
         let mirror = side.mirror();
         let on = palm.map(|(body, _)| body);
         let mount = Mount { on, ground_m: [mirror * 0.5 * system.palm_width_m, 0.0], mirror };

@@ -35,11 +35,11 @@ fn places(system: &System) -> Vec<Place> {
         let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
         Some(Place { name, law, friction: None, depth: Invariant::JointLimit, reach_m })
     };
-    let of_fingers = system.places().iter().copied().filter_map(|place| match place {
-        scene::Place::Finger(side, Site::Limit) => stop(system.place_name(place), side),
-        scene::Place::Finger(..) if system.object().is_none() => None,
-        _ => Some(surface(system.place_name(place), system.law(place)?)),
-    });
+    let of_fingers =
+        system.places().iter().copied().filter(|place| system.is_there(*place)).filter_map(|place| match place {
+            scene::Place::Finger(side, Site::Limit) => stop(system.place_name(place), side),
+            _ => Some(surface(system.place_name(place), system.law(place)?)),
+        });
     let pairs = system.pairs().into_iter().filter(|_| system.fingers.is_empty());
     let of_discs = pairs.filter_map(|pair| Some(surface(system.pair_name(pair), system.between_discs?)));
     of_fingers.chain(of_discs).collect()

@@ -2,7 +2,7 @@
 
 use super::{Actuation, Brake};
 use crate::gripper::{Finger, Site, Spring};
-use crate::law::{Bristle, ContactLaw, NormalLaw};
+use crate::law::{ContactLaw, NormalLaw};
 
 /// A finger in its own frame: ground joint at the origin, what it grasps to its left.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,12 +67,12 @@ pub struct Initial {
 }
 
 impl DrivenFinger {
-    /// What holds at a contact of it; the joint limit has no friction.
+    /// The law of a contact of it; the joint limit is none of two surfaces.
     #[inline]
-    pub fn bristle(&self, site: Site) -> Option<Bristle> {
+    pub fn law(&self, site: Site) -> Option<ContactLaw> {
         match site {
-            Site::Proximal => self.contact.proximal.bristle(),
-            Site::Distal => self.contact.distal.bristle(),
+            Site::Proximal => Some(self.contact.proximal),
+            Site::Distal => Some(self.contact.distal),
             Site::Limit => None,
         }
     }

@@ -52,6 +52,11 @@ impl System {
         &self.fingers[side as usize]
     }
 
+    /// The fingers, each with its side.
+    pub fn sided(&self) -> impl Iterator<Item = (Side, &DrivenFinger)> {
+        Side::BOTH.into_iter().zip(&self.fingers)
+    }
+
     /// What fingers grasp.
     #[inline]
     pub fn object(&self) -> Option<&Disc> {
@@ -72,10 +77,28 @@ impl System {
         self.object().expect("something to grasp")
     }
 
+    /// The same, to be changed.
+    ///
+    /// # Panics
+    /// Where nothing is there.
+    pub fn grasped_mut(&mut self) -> &mut Disc {
+        self.discs.first_mut().expect("something to grasp")
+    }
+
     /// Where fingers and what they grasp can touch, in the order of samples.
     #[inline]
     pub fn places(&self) -> &'static [Place] {
         Place::of_fingers(self.fingers.len())
+    }
+
+    /// Whether there is something to touch, or a stop, at one of them.
+    pub fn is_there(&self, place: Place) -> bool {
+        match place {
+            Place::Finger(side, Site::Limit) => self.finger(side).limit.is_some(),
+            Place::Finger(..) => self.object().is_some(),
+            Place::Palm => self.palm.is_some(),
+            Place::Table => self.table.is_some(),
+        }
     }
 
     /// Name of a place in reports, keys and topics.
@@ -88,21 +111,11 @@ impl System {
         if self.fingers.len() == 1 { &[] } else { &self.discs }
     }
 
-    /// The same, to be changed.
-    ///
-    /// # Panics
-    /// Where nothing is there.
-    pub fn grasped_mut(&mut self) -> &mut Disc {
-        self.discs.first_mut().expect("something to grasp")
-    }
-
     /// The law of a place; a joint limit has none of two surfaces.
     #[inline]
     pub fn law(&self, place: Place) -> Option<ContactLaw> {
         match place {
-            Place::Finger(side, Site::Proximal) => Some(self.finger(side).contact.proximal),
-            Place::Finger(side, Site::Distal) => Some(self.finger(side).contact.distal),
-            Place::Finger(_, Site::Limit) => None,
+            Place::Finger(side, site) => self.finger(side).law(site),
             Place::Palm => self.palm.and_then(|palm| palm.contact),
             Place::Table => self.table.and_then(|table| table.contact),
         }
@@ -117,12 +130,13 @@ impl System {
     /// Whether friction holds anywhere: in a contact or in a brake.
     #[inline]
     pub fn holds(&self) -> bool {
-        let sites = |finger: &DrivenFinger| Site::ALL.into_iter().any(|site| finger.bristle(site).is_some());
+        let phalanges = self.fingers.iter().filter(|_| self.object().is_some());
+        let sites = phalanges.flat_map(|finger| Site::ALL.into_iter().filter_map(|site| finger.law(site)));
         let planes = self.palm.iter().chain(&self.table).filter_map(|plane| plane.contact);
-        let laws = planes.chain(self.between_discs).any(|law| law.bristle().is_some());
+        let mut laws = sites.chain(planes).chain(self.between_discs);
         let input = self.differential.iter().map(|differential| &differential.motor);
         let mut motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
-        laws || self.object().is_some() && self.fingers.iter().any(sites)
+        laws.any(|law| law.bristle().is_some())
             || motors.any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))
     }
 }

@@ -76,8 +76,7 @@ pub(super) fn curves<T: 'static>(
     for (index, part) in parts {
         let index = *index;
         for &(quantity, value, rate) in quantities {
-            let name = if part.is_empty() { quantity.to_string() } else { format!("{part} {quantity}") };
-            let curve = Curve::new(name, move |sample: &Sample| value(&of(sample)[index]));
+            let curve = Curve::new(named(part, quantity), move |sample: &Sample| value(&of(sample)[index]));
             curves.push(match rate {
                 Some(rate) => curve.with_rate(move |sample| rate(&of(sample)[index])),
                 None => curve,
@@ -85,6 +84,11 @@ pub(super) fn curves<T: 'static>(
         }
     }
     curves
+}
+
+/// A quantity of a part of a sample; one without a name needs none.
+pub(super) fn named(part: &str, quantity: &str) -> String {
+    if part.is_empty() { quantity.to_string() } else { format!("{part} {quantity}") }
 }
 
 fn curve(name: &str, value: fn(&Sample) -> f64) -> Curve<'static> {

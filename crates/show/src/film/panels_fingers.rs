@@ -1,9 +1,9 @@
 //! The plots of fingers and what they grasp.
 
 use super::develop::{Curve, Plan, Scale, plan};
-use super::panels::{Quantity, curves, energies, gaps, of_contacts};
+use super::panels::{Quantity, curves, energies, gaps, named, of_contacts};
 use crate::numeric::plane::turned;
-use crate::scene::{DrivenFinger, Place, Side, System};
+use crate::scene::{Place, Side, System};
 use crate::trace::{BodyState, FingerState, Sample, Site};
 
 /// Of fingers and what they grasp; `contacts` are those that are shown, by their names and indices.
@@ -13,7 +13,7 @@ pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<P
         true => of_contacts(contacts, |contact| contact.tangential_n),
         false => Vec::new(),
     };
-    let fingers: Vec<(usize, String)> = sides(system).map(|(side, _)| (side as usize, prefix(system, side))).collect();
+    let fingers: Vec<(usize, String)> = system.sided().map(|(side, _)| (side as usize, prefix(system, side))).collect();
     let joints = |quantities: &[Quantity<FingerState>]| curves(&fingers, quantities, |sample| &sample.fingers);
     let mut angles = joints(&[
         ("q11", |finger| turned(finger.q11_rad), Some(|finger| finger.qd11_rad_s)),
@@ -21,14 +21,14 @@ pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<P
         ("q22", |finger| turned(finger.q22_rad), Some(|finger| finger.qd22_rad_s)),
     ]);
     let mut torques = joints(&[("motor", |finger| finger.motor_torque_n_m, None)]);
-    for (side, _) in sides(system).filter(|(_, finger)| finger.limit.is_some()) {
+    for (side, _) in system.sided().filter(|(_, finger)| finger.limit.is_some()) {
         let index = Place::Finger(side, Site::Limit).index();
         if system.fingers.len() == 1 {
             let to_limit = Curve::new("to limit", move |sample: &Sample| sample.contacts[index].gap_m);
             angles.push(to_limit.with_rate(move |sample| sample.contacts[index].gap_rate_m_s));
         }
         let limit = move |sample: &Sample| sample.contacts[index].normal_n;
-        torques.push(Curve::new(format!("{} limit", prefix(system, side)).trim_start(), limit));
+        torques.push(Curve::new(named(&prefix(system, side), "limit"), limit));
     }
     let object = |curves: Vec<Curve<'static>>| match system.moving_object() {
         Some(_) => curves,
@@ -73,10 +73,6 @@ pub(super) fn of_fingers(system: &System, contacts: &[(String, usize)]) -> Vec<P
         energies(),
         plan("Torque", "N·m", Scale::Linear, torques),
     ]
-}
-
-fn sides(system: &System) -> impl Iterator<Item = (Side, &DrivenFinger)> {
-    Side::BOTH.into_iter().zip(&system.fingers)
 }
 
 /// What stands before quantities of a finger; one that is alone needs no side.

@@ -12,7 +12,7 @@ use links::Links;
 pub(super) fn read(system: &System, motion: &Motion, sample: &mut Sample) {
     let frame = Frame::at(motion.plan, motion.clock.now());
     sample.fingers.clear();
-    sample.fingers.extend(Side::BOTH.into_iter().zip(&system.fingers).map(|(side, finger)| {
+    sample.fingers.extend(system.sided().map(|(side, finger)| {
         let rate = |body: usize| motion.velocities[body][2];
         let torque = motion.plan.motor_torque(base(side) + L11, motion.clock.now(), rate);
         let brakes = brake_torque(motion.plan, side, |hold| motion.hold_torque(hold));
