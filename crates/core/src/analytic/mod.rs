@@ -1,16 +1,17 @@
-//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, in [`discs`]
-//! Newton's equations of discs, and in [`gripper`] two fingers with what they grasp.
+//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in [`multibody`] those of any
+//! list of fingers and discs.
+//!
+//! One finger that closes on what does not move has a kernel of its own, [`FingerMotion`]: that is what studies run by the thousand.
 //!
 //! Independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing else.
 
 pub mod contact;
-pub mod discs;
 mod finger;
-pub mod gripper;
+pub mod multibody;
 mod mode;
 mod model;
 mod modes;
 
 pub use finger::Passive;
-pub use mode::SiteState;
-pub use model::{Energies, FingerMotion, GUARDS, HoldingModel, Mode, Model, QUADRATURES, SiteReading, Snapshot};
+pub use mode::{Mode, SiteState};
+pub use model::{Energies, FingerMotion, GUARDS, FingerMode, HoldingModel, Model, QUADRATURES, SiteReading, Snapshot};

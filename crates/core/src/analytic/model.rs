@@ -26,7 +26,7 @@ pub const QUADRATURES: usize = 5;
 pub const GUARDS: usize = 9;
 
 /// Branches of all sites, in the order of [`Site::ALL`].
-pub type Mode = super::mode::Mode<3>;
+pub type FingerMode = super::mode::Mode<3>;
 
 /// Coordinates of a finger.
 pub(super) const OWN: usize = 2;
@@ -155,7 +155,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         motor_torque: T,
         terms: &Terms<T>,
         geometry: impl Fn(Site) -> Option<Geometry<T>>,
-        mode: &Mode,
+        mode: &FingerMode,
         v: [T; N],
     ) -> ([T; N], [T; QUADRATURES]) {
         let own = own(&v);
@@ -220,7 +220,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     }
 
     /// Passive joints, contacts and energies of a state, all from one evaluation of the model.
-    pub fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &Mode) -> Snapshot {
+    pub fn snapshot(&self, q: [f64; N], v: [f64; N], mode: &FingerMode) -> Snapshot {
         self.snapshot_of(q, v, mode, (true, true))
     }
 
@@ -229,7 +229,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         &self,
         q: [f64; N],
         v: [f64; N],
-        mode: &Mode,
+        mode: &FingerMode,
         (passive, energies): (bool, bool),
     ) -> Snapshot {
         let (pose, rates) = self.finger.place(own(&q));
@@ -286,10 +286,10 @@ pub(super) fn branch(law: &NormalLaw, state: SiteState, delta: f64, rate: f64) -
 }
 
 impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, W> {
-    type Mode = Mode;
+    type Mode = FingerMode;
 
     #[inline(always)]
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Rates<N, QUADRATURES> {
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Rates<N, QUADRATURES> {
         let terms = self.finger.terms(own(q));
         let torque = torque(&self.actuation, t).0;
         let geometry = |site| self.geometry(&terms.pose, &terms.rates, site);
@@ -298,7 +298,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
     }
 
     #[inline(always)]
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Linearised<N, QUADRATURES> {
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Linearised<N, QUADRATURES> {
         // Positions first, with two derivatives; rates only then, with all.
         let narrow = self.finger.terms([Dual::<OWN>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let wide = narrow.widen();

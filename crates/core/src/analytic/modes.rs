@@ -1,7 +1,7 @@
 //! Where the branches of the finger's contacts change.
 
 use super::mode::{Contact, Landing, Press, SiteState, is_kinked};
-use super::model::{FingerMotion, GUARDS, Mode, QUADRATURES, own, spread};
+use super::model::{FingerMotion, FingerMode, GUARDS, QUADRATURES, own, spread};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
@@ -52,7 +52,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         pose: &Directions<f64>,
         rates: &PassiveRates<f64>,
         v: &[f64; N],
-        mode: &Mode,
+        mode: &FingerMode,
     ) -> [Guard<N>; GUARDS] {
         const SITES: usize = Site::ALL.len();
         let mut guards = [Guard::QUIET; GUARDS];
@@ -76,7 +76,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 
     /// One guard without its strain.
     #[inline(always)]
-    fn guard(&self, place: &(Directions<f64>, PassiveRates<f64>), v: &[f64; N], mode: &Mode, guard: usize) -> Guard<N> {
+    fn guard(&self, place: &(Directions<f64>, PassiveRates<f64>), v: &[f64; N], mode: &FingerMode, guard: usize) -> Guard<N> {
         let (site, (pose, rates)) = (site_of(guard), place);
         let at = self.contact(pose, rates, v, site).zip(self.finger.normal_law(site));
         at.map_or(Guard::QUIET, |(at, law)| mode.guard(guard, (law, self.finger.friction_law(site)), &LANDING, &at))
@@ -98,7 +98,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         &self,
         t: f64,
         (q, v): (&[f64; N], &[f64; N]),
-        mode: &Mode,
+        mode: &FingerMode,
         site: Site,
         fastest: f64,
     ) -> Option<Settled<N>> {
@@ -151,7 +151,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMo
     }
 
     #[inline(always)]
-    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Watch<N, GUARDS> {
+    fn watch(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Watch<N, GUARDS> {
         let (pose, rates) = self.finger.place(own(q));
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(&rates, own(v));
@@ -164,12 +164,12 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMo
     }
 
     #[inline(always)]
-    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &Mode, guard: usize) -> Guard<N> {
+    fn glance(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, guard: usize) -> Guard<N> {
         self.guard(&self.finger.place(own(q)), v, mode, guard)
     }
 
     #[inline(always)]
-    fn values(&self, q: &[f64; N], v: &[f64; N], mode: &Mode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
+    fn values(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, wanted: &[bool; GUARDS]) -> [f64; GUARDS] {
         const SITES: usize = Site::ALL.len();
         let (pose, rates) = self.finger.place(own(q));
         let mut values = [f64::NAN; GUARDS];
@@ -188,13 +188,13 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMo
         values
     }
 
-    fn landing_tolerance(&self, guard: usize, mode: &Mode) -> f64 {
+    fn landing_tolerance(&self, guard: usize, mode: &FingerMode) -> f64 {
         let site = site_of(guard);
         let friction = self.finger.friction_law(site);
         self.finger.normal_law(site).map_or(0.0, |law| mode.landing_tolerance(guard, law, friction, &LANDING))
     }
 
-    fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Mode {
+    fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> FingerMode {
         let site = site_of(guard);
         let (pose, rates) = self.finger.place(own(q));
         let at = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site));
@@ -205,25 +205,25 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMo
         guard < Site::ALL.len()
     }
 
-    fn relax(&self, guards: &[Guard<N>; GUARDS], mode: &Mode) -> Option<Mode> {
+    fn relax(&self, guards: &[Guard<N>; GUARDS], mode: &FingerMode) -> Option<FingerMode> {
         mode.relaxed(guards)
     }
 
-    fn with_natural(&self, guard: usize, mode: &Mode) -> Mode {
+    fn with_natural(&self, guard: usize, mode: &FingerMode) -> FingerMode {
         mode.with_natural(guard)
     }
 
-    fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Mode {
+    fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> FingerMode {
         let (pose, rates) = self.finger.place(own(q));
         let at = |index: usize| {
             let site = Site::ALL[index];
             let (at, law) = self.contact(&pose, &rates, v, site).zip(self.finger.normal_law(site))?;
             Some((at, law, self.finger.friction_law(site)))
         };
-        Mode::read(&LANDING, at, |mode| self.rates(t, q, v, mode).a)
+        FingerMode::read(&LANDING, at, |mode| self.rates(t, q, v, mode).a)
     }
 
-    fn restart_step(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &Mode) -> Option<f64> {
+    fn restart_step(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Option<f64> {
         let which = site_of(guard);
         if mode[which as usize] != SiteState::Active {
             return None;
@@ -240,7 +240,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, GUARDS> for FingerMo
         &self,
         t: f64,
         (q, v): (&[f64; N], &[f64; N]),
-        mode: &Mode,
+        mode: &FingerMode,
         tolerances: &Tolerances,
     ) -> Option<Settled<N>> {
         let mut all = Settled { q: *q, v: *v, decay: f64::INFINITY };

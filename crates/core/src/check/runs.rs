@@ -1,7 +1,7 @@
 //! The runs that a check compares.
 
 use super::path::{Heard, Keep, POINTS, Path, coordinates, units};
-use crate::analytic::discs::moving_discs;
+use crate::analytic::multibody::of_discs;
 use crate::scene::words::SceneKind;
 use crate::scene::{DiscMotion, Engine, Integrator, Method, Scene, Stepping, System, Words, scaled};
 use crate::trace::{self, Layout, Model, Outcome, RunError, Sink};
@@ -88,7 +88,7 @@ pub fn words(scene: &Scene, judge: Model) -> String {
 
 /// Whether both models answer contact by the same laws, and the analytic one takes the scene.
 pub fn is_comparable(scene: &Scene) -> bool {
-    let taken = scene.kind() != SceneKind::Bodies || moving_discs(&scene.system).is_ok();
+    let taken = scene.kind() != SceneKind::Bodies || of_discs(&scene.system).is_ok();
     scene.engine.uses_laws() && taken
 }
 

@@ -2,14 +2,12 @@
 
 use super::ejection::up_to_ejection;
 use super::grid::Span;
-#[cfg(feature = "discs")]
-use super::reading::DiscsReader;
-use super::reading::Reader;
+use super::reading::{Reader, SystemReader};
 use super::recorder::Recorder;
 use super::{Outcome, RunError, Sink, Work};
-#[cfg(feature = "discs")]
-use crate::analytic::discs::{self, Discs, HOLDING, moving_discs};
-use crate::analytic::gripper::{self as grasp, GripperModel};
+#[cfg(feature = "lists")]
+use crate::analytic::multibody::{ROOM, TooMany, of_discs};
+use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
 use crate::integrator::{
     self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
@@ -29,31 +27,49 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     if let Some(why) = system.objection() {
         return Err(none_at_all(why.to_string()));
     }
-    match scene.kind() {
-        SceneKind::Finger if system.holds() => finger::<4, 6>(scene, span, sink),
-        SceneKind::Finger => finger::<2, 4>(scene, span, sink),
-        #[cfg(feature = "discs")]
-        SceneKind::Bodies => match moving_discs(system) {
-            Ok(1) if system.holds() => some_discs::<{ 3 + HOLDING[1] }, { 6 + 2 * HOLDING[1] }>(scene, span, sink),
-            Ok(2) if system.holds() => some_discs::<{ 6 + HOLDING[2] }, { 12 + 2 * HOLDING[2] }>(scene, span, sink),
-            Ok(3) if system.holds() => some_discs::<{ 9 + HOLDING[3] }, { 18 + 2 * HOLDING[3] }>(scene, span, sink),
-            Ok(1) => some_discs::<3, 6>(scene, span, sink),
-            Ok(2) => some_discs::<6, 12>(scene, span, sink),
-            Ok(3) => some_discs::<9, 18>(scene, span, sink),
-            Ok(_) => Ok(Outcome::default()),
-            Err(too_many) => {
-                Err(none_at_all(format!("{too_many}, or simulate with `--model engine`, which takes any number")))
-            }
+    let holds = system.holds();
+    match (scene.kind(), system.discs.len()) {
+        (SceneKind::Finger, _) if system.moving_object().is_none() && system.discs.len() < 2 => match holds {
+            true => finger::<4, 6>(scene, span, sink),
+            false => finger::<2, 4>(scene, span, sink),
         },
-        #[cfg(not(feature = "discs"))]
-        SceneKind::Bodies => Err(none_at_all("this build has no analytic model of discs".to_string())),
-        SceneKind::Gripper => up_to_ejection(system, sink, |sink| match system.moving_object() {
-            _ if system.holds() => gripper::<{ grasp::HELD }>(scene, span, sink),
-            Some(_) if system.palm_motion.is_some() => gripper::<8>(scene, span, sink),
-            Some(_) => gripper::<7>(scene, span, sink),
-            None => gripper::<4>(scene, span, sink),
+        // Both of six places, palm and table; of 4, 7 or 8 coordinates, and of up to 16 with the memories of bristles.
+        (SceneKind::Gripper, 0 | 1) => up_to_ejection(system, sink, |sink| match Size::of(system).coordinates {
+            _ if holds => parts::<16, 8, 10, 24>(scene, span, sink),
+            4 => parts::<4, 8, 10, 24>(scene, span, sink),
+            7 => parts::<7, 8, 10, 24>(scene, span, sink),
+            _ => parts::<8, 8, 10, 24>(scene, span, sink),
         }),
+        #[cfg(feature = "lists")]
+        (SceneKind::Bodies, _) => match of_discs(system).map(|moving| (moving, holds)) {
+            Ok((0, _)) => Ok(Outcome::default()),
+            Ok((1, true)) => parts::<7, 12, 14, 36>(scene, span, sink),
+            Ok((2, true)) => parts::<12, 12, 14, 36>(scene, span, sink),
+            Ok((_, true)) => parts::<18, 12, 14, 36>(scene, span, sink),
+            Ok((1, false)) => parts::<3, 12, 14, 36>(scene, span, sink),
+            Ok((2, false)) => parts::<6, 12, 14, 36>(scene, span, sink),
+            Ok((_, false)) => parts::<9, 12, 14, 36>(scene, span, sink),
+            Err(too_many) => Err(too_large(&too_many)),
+        },
+        #[cfg(feature = "lists")]
+        _ => {
+            let (of, most) = (Size::of(system), ROOM[usize::from(holds)]);
+            // Coordinates that are not there have no errors: the tolerances make up for their part in the mean of all.
+            let part = (of.coordinates as f64 / most.coordinates as f64).sqrt();
+            match (of.fits(&most), holds) {
+                (false, _) => Err(too_large(&TooMany::Parts { of, most })),
+                (true, false) => parts_within::<{ ROOM[0].coordinates }, 24, 26, 72>(scene, part, span, sink),
+                (true, true) => parts_within::<{ ROOM[1].coordinates }, 24, 26, 72>(scene, part, span, sink),
+            }
+        }
+        #[cfg(not(feature = "lists"))]
+        _ => Err(none_at_all("this build has no analytic model but of a finger and of a gripper with one object".to_string())),
     }
+}
+
+#[cfg(feature = "lists")]
+fn too_large(too_many: &TooMany) -> RunError {
+    none_at_all(format!("{too_many}, or simulate with `--model engine`, which takes any number"))
 }
 
 /// A run that ends before it begins.
@@ -68,29 +84,33 @@ fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut 
     simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
 }
 
-#[cfg(feature = "discs")]
-fn some_discs<const N: usize, const M: usize>(
+/// Of a system that has room in N coordinates and C contacts, with as many quadratures and guards.
+fn parts<const N: usize, const C: usize, const Z: usize, const G: usize>(
     scene: &Scene,
     span: Span,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError> {
-    let model = Discs::<N, M>::new(&scene.system);
-    let reader = DiscsReader { model: &model, system: &scene.system };
-    let start = Discs::<N, M>::start(&scene.system);
-    simulate::<_, _, N, { discs::QUADRATURES }, { discs::GUARDS }>(
-        &model,
-        &reader,
-        start,
-        &scene.integrator,
-        span,
-        sink,
-    )
+    parts_within::<N, C, Z, G>(scene, 1.0, span, sink)
 }
 
-fn gripper<const N: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let model = GripperModel::<N>::new(&scene.system);
-    let start = grasp::start::<N>(&scene.system);
-    simulate::<_, _, N, { grasp::QUADRATURES }, { grasp::GUARDS }>(&model, &model, start, &scene.integrator, span, sink)
+/// The same, with a part of all tolerances.
+fn parts_within<const N: usize, const C: usize, const Z: usize, const G: usize>(
+    scene: &Scene,
+    part: f64,
+    span: Span,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, RunError> {
+    let asked = &scene.integrator;
+    let settings = Integrator {
+        atol_angle_rad: part * asked.atol_angle_rad,
+        atol_rate_rad_s: part * asked.atol_rate_rad_s,
+        rtol: part * asked.rtol,
+        ..*asked
+    };
+    let model = Multibody::<N, C>::new(&scene.system);
+    let reader = SystemReader { model: &model, system: &scene.system };
+    let start = model.start::<Z>(&scene.system);
+    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, span, sink)
 }
 
 /// Integrates a model from `start` on, and shows what `reader` makes of it.

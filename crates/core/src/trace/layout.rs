@@ -21,15 +21,14 @@ pub struct Place {
 }
 
 impl Layout {
-    /// Of what is simulated: contacts in the order of [`System::places`] or, without fingers, of [`System::pairs`].
+    /// Of what is simulated: contacts in the order of [`System::touching`].
     pub fn of(system: &System) -> Self {
-        let mut layout = Self::of_fingers(system.fingers.len());
-        layout.bodies = system.told_discs().iter().map(|disc| disc.name.clone()).collect();
-        if system.fingers.is_empty() {
-            let surface = |name: String| Place { name, angular: false };
-            layout.contacts = system.pairs().into_iter().map(|pair| surface(system.pair_name(pair))).collect();
+        let place = |of| Place { name: system.touching_name(of), angular: of.is_stop() };
+        Self {
+            bodies: system.told_discs().iter().map(|disc| disc.name.clone()).collect(),
+            contacts: system.touching().into_iter().map(place).collect(),
+            ..Self::of_fingers(system.fingers.len())
         }
-        layout
     }
 
     /// Of a kind of scene, as far as that alone says it: not of discs, which have names.

@@ -16,7 +16,7 @@
 //! | `torque` | the motor torque of an actuation over time |
 //! | `system` | what is simulated: [`System`], the description that both models read |
 //! | `finger`, `disc` | its parts: fingers, discs and planes |
-//! | `place`, `pairs` | where they touch |
+//! | `place`, `pairs`, `touching` | where they touch |
 //! | `sound`, `wrong_kind` | which systems neither model takes; a scene of another kind than is wanted |
 //! | `palm_motion`, `cycle` | how a gripper's palm moves, and brakes; when it carries |
 
@@ -51,6 +51,7 @@ pub mod table;
 mod template;
 pub mod text;
 mod torque;
+mod touching;
 pub mod words;
 mod wrong_kind;
 
@@ -64,6 +65,7 @@ pub use locate::{Located, located};
 pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use place::{Place, Side};
+pub use touching::Touching;
 pub use schema::schema;
 pub use setting::{setting, setting_of};
 pub use show::{show, show_written};

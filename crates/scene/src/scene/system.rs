@@ -106,9 +106,10 @@ impl System {
         place.name_among(self.fingers.len())
     }
 
-    /// The discs that samples tell of: what one finger grasps does not move, and is none of them.
+    /// The discs that samples tell of: what one finger closes on is none of them, if it is alone and does not move.
     pub fn told_discs(&self) -> &[Disc] {
-        if self.fingers.len() == 1 { &[] } else { &self.discs }
+        let is_still = self.fingers.len() == 1 && self.discs.len() < 2 && self.moving_object().is_none();
+        if is_still { &[] } else { &self.discs }
     }
 
     /// The law of a place; a joint limit has none of two surfaces.

@@ -1,18 +1,18 @@
 //! A finger in a state of the analytic model.
 
 use super::{Reader, contact_sample, refill, stored};
-use crate::analytic::{FingerMotion, Mode, QUADRATURES};
+use crate::analytic::{FingerMotion, FingerMode, QUADRATURES};
 use crate::integrator::State;
 use crate::trace::{ContactSample, Energy, FingerState, Sample, Site, Wants};
 
 impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, W> {
-    type Mode = Mode;
+    type Mode = FingerMode;
 
     fn read(
         &self,
         t: f64,
         state: &State<N, QUADRATURES>,
-        mode: &Mode,
+        mode: &FingerMode,
         start: &Energy,
         wants: Wants,
         sample: &mut Sample,
@@ -40,11 +40,11 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             if wants.energies { stored(energies).since(start, contact_work, motor_work) } else { Energy::default() };
     }
 
-    fn slips(&self, index: usize, mode: &Mode) -> Option<bool> {
+    fn slips(&self, index: usize, mode: &FingerMode) -> Option<bool> {
         mode.slips_at(index).filter(|_| self.bristle(Site::ALL[index]).is_some())
     }
 
-    fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &Mode) -> ContactSample {
+    fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &FingerMode) -> ContactSample {
         contact_sample(self.reading(state.q, state.v, Site::ALL[index], mode[index]), state.z[index])
     }
 }

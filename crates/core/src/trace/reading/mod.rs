@@ -1,14 +1,11 @@
-//! Turns a state of the analytic model into a sample: what that is differs between kinds of scene, and nothing else does.
+//! Turns a state of the analytic model into a sample: what that is differs between its two kernels, and nothing else does.
 
-#[cfg(feature = "discs")]
-mod discs;
 mod finger;
-mod gripper;
+mod multibody;
 
 use std::ops::Index;
 
-#[cfg(feature = "discs")]
-pub(super) use discs::DiscsReader;
+pub(super) use multibody::SystemReader;
 
 use super::{ContactSample, Energy, Sample, Wants};
 use crate::analytic::{Energies, SiteReading, SiteState};

@@ -1,7 +1,7 @@
 //! A palm that moves: what everything in its frame feels beyond the world's gravity, and the table, which rests in the world.
 
-use super::TIME;
-use super::model::{GripperModel, Plane};
+use super::model::Multibody;
+use super::parts::{DiscPart, Plane};
 use super::touch::Touch;
 use crate::fivebar::carried::Field;
 use crate::numeric::Real;
@@ -42,10 +42,10 @@ pub fn felt(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> Felt {
     }
 }
 
-/// The object on a table that rests in the world, on (x, y, t, θ): of a place that depends on the first three.
+/// A disc on a table that rests in the world, on (x, y, t, θ): of a place that depends on the first three.
 ///
 /// The table's surface is at height h of the world, its normal (0, −1) there; in the palm's frame n = R(−Φ) (0, −1), and the rates of gap
-/// and slip beyond those of the object are −(Ẏ + Ω n⊥·ρ) and Ẋ − Ω (h − Y).
+/// and slip beyond those of the disc are −(Ẏ + Ω n⊥·ρ) and Ẋ − Ω (h − Y).
 #[inline(always)]
 pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, centre: Vector<T>, radius: f64) -> Touch<T, 4> {
     let Pose { place, rate, acceleration, .. } = *pose;
@@ -69,44 +69,34 @@ pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, centre: Vector<T>, r
     }
 }
 
-impl<const N: usize> GripperModel<N> {
-    /// Whether time is among the coordinates.
-    pub(super) const MOVES: bool = N > TIME;
-
+impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     pub(super) fn felt(&self, t: f64) -> Felt {
-        match (&self.palm_motion, Self::MOVES) {
-            (Some(motion), true) => felt(motion, self.object.gravity, t),
-            _ => Felt::default(),
-        }
+        self.palm_motion.as_ref().map_or_else(Felt::default, |motion| felt(motion, self.gravity, t))
     }
 
     /// The palm's pose at the time that a state is of.
     #[inline(always)]
     pub(super) fn pose(&self, q: &[f64; N]) -> Pose {
-        match (&self.palm_motion, Self::MOVES) {
-            (Some(motion), true) => motion.pose(q[TIME]),
-            _ => Pose::default(),
-        }
+        self.palm_motion.as_ref().zip(self.time).map_or_else(Pose::default, |(motion, time)| motion.pose(q[time]))
     }
+}
 
-    /// Force and moment of a field on the object, and how they grow with its velocity.
-    #[inline(always)]
-    pub(super) fn object_feels(&self, field: &Field, [x, y, _]: [f64; 3], [vx, vy, _]: [f64; 3]) -> [f64; 3] {
-        let Field { uniform: [ex, ey], centrifugal, coriolis, euler } = *field;
-        let (mass, inertia) = (self.object.mass, self.object.inertia);
-        [
-            mass * (ex + euler * y + centrifugal * x + 2.0 * coriolis * vy),
-            mass * (ey - euler * x + centrifugal * y - 2.0 * coriolis * vx),
-            -inertia * euler,
-        ]
-    }
+/// Force and moment of a field on a disc, and how they grow with its velocity.
+#[inline(always)]
+pub fn disc_feels(disc: &DiscPart, field: &Field, [x, y, _]: [f64; 3], [vx, vy, _]: [f64; 3]) -> [f64; 3] {
+    let Field { uniform: [ex, ey], centrifugal, coriolis, euler } = *field;
+    let (mass, inertia) = (disc.mass, disc.inertia);
+    [
+        mass * (ex + euler * y + centrifugal * x + 2.0 * coriolis * vy),
+        mass * (ey - euler * x + centrifugal * y - 2.0 * coriolis * vx),
+        -inertia * euler,
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::{ContactLaw, NormalLaw};
     use crate::numeric::Dual;
     use crate::scene::{Axis, Move};
 
@@ -161,10 +151,7 @@ mod tests {
     #[test]
     fn a_table_at_rest_is_seen_to_move() {
         let (motion, radius, h) = (motion(), 0.02, 1e-6);
-        let normal =
-            NormalLaw { stiffness_n_per_m_e: 1e8, exponent: 2.2, damping_max_n_s_per_m: 1e6, transition_m: 1e-5 };
-        let law = ContactLaw { normal, friction: None };
-        let plane = Plane { normal: [0.0, -1.0], offset: 0.04, law };
+        let plane = Plane::at(0.04, -1.0);
         let at = |t: f64, centre: [f64; 2]| table(&plane, &motion.pose(t), 0.0, centre, radius);
         for t in [0.03, 0.06] {
             let centre = [0.004, 0.019];

@@ -1,9 +1,9 @@
-//! What answers at one place.
+//! What answers in one contact.
 
 use crate::analytic::SiteState;
 use crate::law::{FrictionLaw, NormalLaw};
 
-/// Laws of one place, and the branch they are on.
+/// Laws of one contact, and the branch they are on.
 #[derive(Clone, Copy)]
 pub struct Laws<'a> {
     pub normal: &'a NormalLaw,

@@ -1,30 +1,31 @@
-//! A phalanx or a plane against the object: gap, and the rows that give its rate and the slip.
+//! A phalanx, a plane or a disc against a disc: gap, and the rows that give its rate and the slip.
 //!
-//! The contact point is on the surface of the phalanx or plane, so the object's lever arm is r − δ, and both sides feel opposite forces at
-//! one point: momentum and angular momentum are exchanged exactly.
+//! Where there are fingers, phalanges and planes are touched on their own surfaces, so the disc's lever arm is r − δ, and both sides feel
+//! opposite forces at one point: momentum and angular momentum are exchanged exactly. Discs touch one another each on its own surface, and
+//! so they do a plane where they are alone, as in the thesis.
 
-use super::model::Plane;
 use crate::analytic::contact::Geometry;
 use crate::analytic::mode::along;
 use crate::law::{friction_with_memory, normal_over_gap};
-use crate::numeric::plane::{Vector, add, dot, perp, scale};
+use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real};
 
 use super::branch;
 use super::laws::Laws;
+use super::parts::Plane;
 
-/// One contact, on K coordinates: a finger's two and the object's three in its frame, the object's three, or a finger's two (limit).
+/// One contact, on K coordinates: a finger's two and a disc's three in its frame, one or two discs', or a finger's two (limit).
 #[derive(Clone, Copy, Debug)]
 pub struct Touch<T, const K: usize> {
     pub gap: T,
     pub normal_row: [T; K],
     pub tangent_row: [T; K],
-    /// From the second surface to the first: object to phalanx, plane to object.
+    /// From the second surface to the first: disc to phalanx, plane or other disc to disc.
     pub normal: Vector<T>,
     pub point: Vector<T>,
 }
 
-/// A phalanx against the object, which moves too: on (q11, q21, x, y, θ) as the finger's frame has them.
+/// A phalanx against a disc, which moves too: on (q11, q21, x, y, θ) as the finger's frame has them.
 #[inline(always)]
 pub fn phalanx<T: Real>(geometry: &Geometry<T>, radius: f64) -> Touch<T, 5> {
     let Geometry { gap, normal_row, tangent_row, normal, point } = *geometry;
@@ -38,19 +39,36 @@ pub fn phalanx<T: Real>(geometry: &Geometry<T>, radius: f64) -> Touch<T, 5> {
     }
 }
 
-/// The object on a plane: on (x, y, θ).
+/// A disc on a plane: on (x, y, θ). `on_plane` is whether the plane's surface is where they meet.
 #[inline(always)]
-pub fn plane<T: Real>(plane: &Plane, centre: Vector<T>, radius: f64) -> Touch<T, 3> {
+pub fn plane<T: Real>(plane: &Plane, centre: Vector<T>, radius: f64, on_plane: bool) -> Touch<T, 3> {
     let normal: Vector<T> = plane.normal.map(T::constant);
     let tangent = perp(normal);
     let gap = dot(normal, centre) + (plane.offset - radius);
-    let lever = gap + radius;
+    let lever = if on_plane { gap + radius } else { T::constant(radius) };
     Touch {
         gap,
         normal_row: [normal[0], normal[1], T::zero()],
         tangent_row: [tangent[0], tangent[1], -lever],
         normal,
         point: add(centre, scale(normal, -lever)),
+    }
+}
+
+/// A disc against another one: on (x, y) of it and of the other, then the angles of both.
+#[inline(always)]
+pub fn discs<T: Real>([centre, other]: [Vector<T>; 2], [radius, others]: [f64; 2]) -> Touch<T, 6> {
+    let away = sub(centre, other);
+    let distance = dot(away, away).sqrt();
+    let normal = scale(away, distance.recip());
+    let ([nx, ny], [tx, ty]) = (normal, perp(normal));
+    Touch {
+        gap: distance - (radius + others),
+        normal_row: [nx, ny, -nx, -ny, T::zero(), T::zero()],
+        // Either surface point lies so that friction turns its disc against its sense.
+        tangent_row: [tx, ty, -tx, -ty, T::constant(-radius), T::constant(-others)],
+        normal,
+        point: add(centre, scale(normal, T::constant(-radius))),
     }
 }
 

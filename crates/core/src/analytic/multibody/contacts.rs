@@ -1,0 +1,80 @@
+//! Contacts in one state, with plain numbers.
+
+use super::FINGERS;
+use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, of_phalanx, scatter};
+use super::frame;
+use super::model::Multibody;
+use super::parts::{Joined, Meet};
+use super::touch::{self, Touch};
+use crate::fivebar::kinematics::{Directions, PassiveRates};
+
+/// Pose of a finger with its passive rates.
+pub type Posture = (Directions<f64>, PassiveRates<f64>);
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Pose of a finger with its passive rates.
+    #[inline(always)]
+    pub(super) fn posture(&self, finger: usize, q: &[f64; N]) -> Posture {
+        self.fingers[finger].model.place(Self::own(finger, q))
+    }
+
+    /// Those of all that there are.
+    #[inline(always)]
+    pub(super) fn postures(&self, q: &[f64; N]) -> [Option<Posture>; FINGERS] {
+        std::array::from_fn(|finger| (finger < self.fingers.len()).then(|| self.posture(finger, q)))
+    }
+
+    /// A contact, its rows among all coordinates.
+    #[inline(always)]
+    pub(super) fn touch(
+        &self,
+        q: &[f64; N],
+        posture: impl FnOnce(usize) -> Posture,
+        contact: &Joined,
+    ) -> Touch<f64, N> {
+        let centre = |disc: usize| {
+            let [x, y, _] = self.place_of(disc, q);
+            [x, y]
+        };
+        match contact.meet {
+            Meet::Phalanx { finger, site, disc } => {
+                let (part, disc_part) = (&self.fingers[finger], &self.discs[disc]);
+                let ((pose, rates), mirror) = (posture(finger), part.side.mirror());
+                let centre = self.in_finger(part.side, centre(disc));
+                let geometry = part.model.phalanx(&pose, &rates, site, (centre, disc_part.radius));
+                spread(&touch::phalanx(&geometry, disc_part.radius), &of_phalanx(finger, disc_part.first, mirror))
+            }
+            Meet::Stop { finger } => {
+                let (pose, rates) = posture(finger);
+                spread(&touch::limit(&self.fingers[finger].model.limit_geometry(&pose, &rates)), &of_finger(finger))
+            }
+            Meet::Discs { disc, other } => {
+                let parts = [disc, other].map(|disc| &self.discs[disc]);
+                let touch = touch::discs([centre(disc), centre(other)], parts.map(|disc| disc.radius));
+                spread(&touch, &of_discs(parts.map(|disc| disc.first)))
+            }
+            Meet::Plane { disc, plane } => {
+                let part = &self.discs[disc];
+                let touch = touch::plane(&plane, centre(disc), part.radius, self.meets_in_one_point());
+                spread(&touch, &of_disc(part.first))
+            }
+            Meet::PassingPlane { disc, plane } => {
+                let part = &self.discs[disc];
+                let touch = frame::table(&plane, &self.pose(q), 0.0, centre(disc), part.radius);
+                spread(&touch, &of_disc_in_time(part.first, self.time.unwrap_or(N)))
+            }
+        }
+    }
+}
+
+/// Rows of a part as rows of all coordinates.
+#[inline(always)]
+fn spread<const N: usize, const K: usize>(touch: &Touch<f64, K>, at: &[Where; K]) -> Touch<f64, N> {
+    let row = |part: &[f64; K]| {
+        let mut row = [0.0; N];
+        scatter(&mut row, at, part);
+        row
+    };
+    let (normal_row, tangent_row) = (row(&touch.normal_row), row(&touch.tangent_row));
+    Touch { gap: touch.gap, normal_row, tangent_row, normal: touch.normal, point: touch.point }
+}

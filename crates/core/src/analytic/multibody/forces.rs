@@ -1,0 +1,200 @@
+//! Accelerations: every finger and every contact in the few coordinates it depends on, put together.
+
+use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, of_phalanx};
+use super::frame::{self, disc_feels};
+use super::inertia::Inertia;
+use super::model::Multibody;
+use super::parts::{FingerPart, Joined, Meet};
+use super::touch::{self, Press};
+use super::{FINGERS, mode, quadratures};
+use crate::fivebar::carried::Field;
+use crate::fivebar::dynamics::{Terms, absolute_rates};
+use crate::integrator::{Linearised, Rates, System};
+
+/// Loads on all coordinates, and rates of all quadratures.
+struct Sums<const N: usize, const Z: usize> {
+    load: [f64; N],
+    g: [f64; Z],
+}
+
+impl<const N: usize, const Z: usize> Sums<N, Z> {
+    #[inline(always)]
+    fn add<const K: usize>(&mut self, (index, contact): (usize, &Joined), press: &Press<f64, K>, at: &[Where; K]) {
+        for (part, (row, sign)) in press.load.iter().zip(at) {
+            if *row < N {
+                self.load[*row] += sign * part;
+            }
+        }
+        self.g[index] += press.normal;
+        self.g[Z - 2] += press.power;
+        if let Some(memory) = contact.memory {
+            self.load[memory] += press.driven;
+        }
+    }
+}
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Where the work of all contacts is among the quadratures, and that of what moves motors, palm and driven discs.
+    pub(super) const LOST: usize = C;
+    pub(super) const WORK: usize = C + 1;
+
+    /// Adds what acts on a finger, and gives its mass matrix.
+    #[inline(always)]
+    fn add_finger<const Z: usize>(
+        &self,
+        (finger, part): (usize, &FingerPart),
+        (q, v): (&[f64; N], &[f64; N]),
+        (mode, field): (&mode::Mode<C>, &Field),
+        sums: &mut Sums<N, Z>,
+    ) -> [f64; 3] {
+        let own = Self::own(finger, v);
+        let terms = part.model.terms(Self::own(finger, q));
+        let load = part.model.load(0.0, &terms, own);
+        (0..2).for_each(|i| sums.load[2 * finger + i] += load[i]);
+        if self.time.is_some() {
+            let rates = absolute_rates(&terms.rates, own);
+            let field = field.mirrored(part.side.mirror());
+            let felt = part.carried.forces(&terms.pose, &terms.rates, rates, &field);
+            (0..2).for_each(|i| sums.load[2 * finger + i] += felt[i]);
+            sums.g[Self::WORK] += felt[0] * own[0] + felt[1] * own[1];
+        }
+        for index in &part.contacts {
+            self.add_to_finger(*index, (finger, part, &terms), (q, v), mode, sums);
+        }
+        terms.mass
+    }
+
+    /// Adds a contact of a finger.
+    #[inline(always)]
+    fn add_to_finger<const Z: usize>(
+        &self,
+        index: usize,
+        (finger, part, terms): (usize, &FingerPart, &Terms<f64>),
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+        sums: &mut Sums<N, Z>,
+    ) {
+        let Some(contact) = &self.contacts[index] else { return };
+        let Some(laws) = contact.laws(mode[index]) else { return };
+        let ([first, second], mirror) = (Self::own(finger, v), part.side.mirror());
+        match contact.meet {
+            Meet::Phalanx { site, disc, .. } => {
+                let of = &self.discs[disc];
+                let ([x, y, _], [vx, vy, spin]) = (self.place_of(disc, q), self.rates_of(disc, v));
+                let centre = self.in_finger(part.side, [x, y]);
+                let geometry = part.model.phalanx(&terms.pose, &terms.rates, site, (centre, of.radius));
+                let rates = [first, second, mirror * vx, vy, mirror * spin];
+                let touch = touch::phalanx(&geometry, of.radius);
+                let press = touch::press(&touch, &rates, contact.remembers(v), laws);
+                sums.add((index, contact), &press, &of_phalanx(finger, of.first, mirror));
+            }
+            _ => {
+                let touch = touch::limit(&part.model.limit_geometry(&terms.pose, &terms.rates));
+                sums.add((index, contact), &touch::press(&touch, &[first, second], None, laws), &of_finger(finger));
+            }
+        }
+    }
+
+    /// Adds a contact that no finger has.
+    #[inline(always)]
+    fn add_between<const Z: usize>(
+        &self,
+        index: usize,
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+        sums: &mut Sums<N, Z>,
+    ) {
+        let Some(contact) = &self.contacts[index] else { return };
+        let Some(laws) = contact.laws(mode[index]) else { return };
+        let memory = contact.remembers(v);
+        let at = |disc: usize| {
+            let ([x, y, _], rates) = (self.place_of(disc, q), self.rates_of(disc, v));
+            (&self.discs[disc], [x, y], rates)
+        };
+        match contact.meet {
+            Meet::Discs { disc, other } => {
+                let ((one, centre, [vx, vy, spin]), (two, others, [wx, wy, turn])) = (at(disc), at(other));
+                let touch = touch::discs([centre, others], [one.radius, two.radius]);
+                let press = touch::press(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
+                sums.add((index, contact), &press, &of_discs([one.first, two.first]));
+            }
+            Meet::PassingPlane { disc, plane } => {
+                let ((one, centre, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
+                let touch = frame::table(&plane, &self.pose(q), 0.0, centre, one.radius);
+                let press = touch::press(&touch, &[vx, vy, v[time], spin], memory, laws);
+                sums.add((index, contact), &press, &of_disc_in_time(one.first, time));
+            }
+            Meet::Plane { disc, plane } => {
+                let (one, centre, rates) = at(disc);
+                let touch = touch::plane(&plane, centre, one.radius, self.meets_in_one_point());
+                sums.add((index, contact), &touch::press(&touch, &rates, memory, laws), &of_disc(one.first));
+            }
+            Meet::Phalanx { .. } | Meet::Stop { .. } => {}
+        }
+    }
+}
+
+impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<N, C> {
+    type Mode = mode::Mode<C>;
+
+    #[inline(always)]
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Rates<N, Z> {
+        const { assert!(Z == quadratures(C)) };
+        let mut sums = Sums { load: [0.0; N], g: [0.0; Z] };
+        let field = self.felt(t).field;
+        let mut masses = [[0.0; 3]; FINGERS];
+        for (index, part) in self.fingers.iter().enumerate() {
+            masses[index] = self.add_finger((index, part), (q, v), (mode, &field), &mut sums);
+        }
+        let driven = self.driven(v);
+        for (drive, memory) in self.drives.iter().zip(&self.brakes) {
+            let pull = drive.pull(t, driven);
+            (0..self.fingers.len()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * pull.torque);
+            sums.g[Self::WORK] += pull.torque * pull.rate;
+            let Some(hold) = drive.hold(t, driven, memory.map(|memory| v[memory])) else { continue };
+            let turned = hold.pull.torque;
+            (0..self.fingers.len()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * turned);
+            sums.g[Self::LOST] += hold.pull.torque * hold.pull.rate;
+            memory.iter().for_each(|memory| sums.load[*memory] += hold.driven);
+        }
+        self.between.iter().for_each(|index| self.add_between(*index, (q, v), mode, &mut sums));
+        if let Some(time) = self.time {
+            // What the table does to all in the frame, by coming along.
+            sums.g[Self::WORK] -= sums.load[time];
+        }
+        for (memory, bristle) in self.bristles() {
+            sums.load[memory] -= bristle.rate() * v[memory];
+        }
+        for (index, disc) in self.discs.iter().enumerate().filter(|(_, disc)| disc.first < N) {
+            let (first, rates) = (disc.first, self.rates_of(index, v));
+            if disc.driven.is_some() {
+                // Against all contacts, of which nothing else is felt.
+                (0..3).for_each(|i| sums.g[Self::WORK] -= sums.load[first + i] * rates[i]);
+                continue;
+            }
+            (0..2).for_each(|i| sums.load[first + i] += disc.mass * self.gravity[i]);
+            if self.time.is_some() {
+                let felt = disc_feels(disc, &field, self.place_of(index, q), rates);
+                (0..3).for_each(|i| sums.load[first + i] += felt[i]);
+                sums.g[Self::WORK] += (0..3).map(|i| felt[i] * rates[i]).sum::<f64>();
+            }
+        }
+        let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
+        self.drive_discs(&mut a);
+        Rates { a, g: sums.g }
+    }
+
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Linearised<N, Z> {
+        self.with_slopes(t, (q, v), mode)
+    }
+}
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Accelerations of discs that move as told.
+    #[inline(always)]
+    pub(super) fn drive_discs(&self, a: &mut [f64; N]) {
+        for (first, told) in self.discs.iter().filter_map(|disc| Some((disc.first, disc.driven?))) {
+            a[first..first + 2].copy_from_slice(&told);
+        }
+    }
+}

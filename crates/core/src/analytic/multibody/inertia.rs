@@ -1,0 +1,100 @@
+//! The mass matrix: a block for each finger, a diagonal one for each disc, and with a differential one number that couples both driven links.
+
+use super::FINGERS;
+use super::model::Multibody;
+
+/// (M₁₁, M₁₂, M₂₂) of each finger with what turns with its driven link; the discs' are in the model.
+#[derive(Clone, Copy, Debug)]
+pub struct Inertia<'a, const N: usize, const C: usize> {
+    model: &'a Multibody<N, C>,
+    fingers: [[f64; 3]; FINGERS],
+}
+
+/// What solves M a = load.
+#[derive(Clone, Copy, Debug)]
+pub struct Inverse<'a, const N: usize, const C: usize> {
+    model: &'a Multibody<N, C>,
+    fingers: [[f64; 3]; FINGERS],
+    /// 1 − c² (A⁻¹)₁₁ (B⁻¹)₁₁, of M₁₂ = c between the driven links.
+    remainder: f64,
+}
+
+impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
+    /// Of the fingers' own mass matrices; those of fingers that are not there do not matter.
+    #[inline(always)]
+    pub fn new(model: &'a Multibody<N, C>, mut fingers: [[f64; 3]; FINGERS]) -> Self {
+        (0..FINGERS).for_each(|finger| fingers[finger][0] += model.rotor_inertia[finger]);
+        Self { model, fingers }
+    }
+
+    #[inline(always)]
+    pub fn inverse(&self) -> Inverse<'a, N, C> {
+        let fingers = self.fingers.map(|[a, b, d]| {
+            let inverse = 1.0 / (a * d - b * b);
+            [d * inverse, -b * inverse, a * inverse]
+        });
+        let coupling = self.model.coupling;
+        let remainder = 1.0 - coupling * coupling * fingers[0][0] * fingers[1][0];
+        Inverse { model: self.model, fingers, remainder }
+    }
+
+    /// ½ vᵀ M v, J.
+    pub fn kinetic(&self, v: &[f64; N]) -> f64 {
+        let mut energy = 0.0;
+        for ([a, b, d], v) in self.fingers.iter().take(self.model.fingers.len()).zip(v.chunks_exact(2)) {
+            energy += 0.5 * (a * v[0] * v[0] + d * v[1] * v[1]) + b * v[0] * v[1];
+        }
+        if self.model.fingers.len() == FINGERS {
+            energy += self.model.coupling * v[0] * v[2];
+        }
+        for (index, disc) in self.model.discs.iter().enumerate() {
+            let [vx, vy, spin] = self.model.rates_of(index, v);
+            energy += 0.5 * (disc.mass * (vx * vx + vy * vy) + disc.inertia * spin * spin);
+        }
+        energy
+    }
+}
+
+impl<const N: usize, const C: usize> Inverse<'_, N, C> {
+    /// M⁻¹ load.
+    #[inline(always)]
+    pub fn solve(&self, load: &[f64; N]) -> [f64; N] {
+        self.solve_columns(&load.map(|load| [load])).map(|[a]| a)
+    }
+
+    /// M⁻¹ of a matrix of loads: row by row, so that its columns are worked on side by side.
+    #[inline(always)]
+    pub fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
+        let mut a = [[0.0; K]; N];
+        for finger in 0..self.model.fingers.len() {
+            let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
+            for j in 0..K {
+                let [f, g] = [loads[first][j], loads[second][j]];
+                (a[first][j], a[second][j]) = (m * f + c * g, c * f + n * g);
+            }
+        }
+        if self.model.coupling != 0.0 {
+            // Each finger also feels −c times the other one's q̈11 on its own.
+            let (c, [right, left]) = (self.model.coupling, [a[0], a[2]]);
+            let alone = c * self.fingers[1][0];
+            let second: [f64; K] = std::array::from_fn(|j| (left[j] - alone * right[j]) / self.remainder);
+            let first: [f64; K] = std::array::from_fn(|j| right[j] - c * self.fingers[0][0] * second[j]);
+            for (finger, other) in [second, first].into_iter().enumerate() {
+                let [m, n] = [c * self.fingers[finger][0], c * self.fingers[finger][1]];
+                for j in 0..K {
+                    a[2 * finger][j] -= m * other[j];
+                    a[2 * finger + 1][j] -= n * other[j];
+                }
+            }
+        }
+        for disc in self.model.discs.iter().filter(|disc| disc.first < N) {
+            let first = disc.first;
+            a[first] = loads[first].map(|load| load * disc.inverse_mass);
+            a[first + 1] = loads[first + 1].map(|load| load * disc.inverse_mass);
+            a[first + 2] = loads[first + 2].map(|load| load * disc.inverse_inertia);
+        }
+        // Memories are no coordinates of masses.
+        a.iter_mut().zip(loads).skip(self.model.memories).for_each(|(a, load)| *a = *load);
+        a
+    }
+}

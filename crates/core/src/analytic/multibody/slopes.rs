@@ -1,0 +1,344 @@
+//! Accelerations with their exact Jacobian: that of every finger and every contact in the few coordinates it depends on, put together.
+
+use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, of_phalanx, scatter};
+use super::drive::Pull;
+use super::frame::{self, Felt, disc_feels};
+use super::inertia::Inertia;
+use super::model::{Multibody, variables};
+use super::parts::{FingerPart, Joined, Meet};
+use super::touch::{self, Press, Slope};
+use super::{FINGERS, mode};
+use crate::fivebar::carried::Field;
+use crate::fivebar::dynamics::{Terms, absolute_rates};
+use crate::integrator::{Linearised, Rates};
+use crate::numeric::{Dual, Real};
+
+/// Loads on all coordinates and rates of all quadratures, with their derivatives.
+struct Sums<const N: usize, const Z: usize> {
+    load: [f64; N],
+    load_q: [[f64; N]; N],
+    load_v: [[f64; N]; N],
+    load_t: [f64; N],
+    g: [f64; Z],
+    g_q: [[f64; N]; Z],
+    g_v: [[f64; N]; Z],
+    g_t: [f64; Z],
+}
+
+impl<const N: usize, const Z: usize> Sums<N, Z> {
+    const ZERO: Self = Self {
+        load: [0.0; N],
+        load_q: [[0.0; N]; N],
+        load_v: [[0.0; N]; N],
+        load_t: [0.0; N],
+        g: [0.0; Z],
+        g_q: [[0.0; N]; Z],
+        g_v: [[0.0; N]; Z],
+        g_t: [0.0; Z],
+    };
+
+    /// Adds a contact whose rates are those of `at`, and whose place depends on the first P of them.
+    #[inline(always)]
+    fn add<const P: usize, const K: usize>(
+        &mut self,
+        (index, contact): (usize, &Joined),
+        press: &Press<Slope<P, K>, K>,
+        at: &[Where; K],
+    ) {
+        let (memory, lost) = (contact.memory, Z - 2);
+        for (part, (row, sign)) in press.load.iter().zip(at) {
+            if *row < N {
+                self.load[*row] += sign * part.value;
+                scatter(&mut self.load_q[*row], at, &part.by_q.map(|slope| sign * slope));
+                scatter(&mut self.load_v[*row], at, &part.by_v.map(|slope| sign * slope));
+                memory.into_iter().for_each(|memory| self.load_v[*row][memory] += sign * part.by_memory);
+            }
+        }
+        if let Some(memory) = memory {
+            self.load[memory] += press.driven.value;
+            scatter(&mut self.load_q[memory], at, &press.driven.by_q);
+            scatter(&mut self.load_v[memory], at, &press.driven.by_v);
+            self.load_v[memory][memory] += press.driven.by_memory;
+            self.g_v[lost][memory] += press.power.by_memory;
+        }
+        for (index, part) in [(index, &press.normal), (lost, &press.power)] {
+            self.g[index] += part.value;
+            scatter(&mut self.g_q[index], at, &part.by_q);
+            scatter(&mut self.g_v[index], at, &part.by_v);
+        }
+    }
+
+    /// Adds what turns the driven links of so many fingers by these parts of it.
+    #[inline(always)]
+    fn add_pull(&mut self, pull: &Pull, (weights, fingers): ([f64; FINGERS], usize), work: usize) {
+        self.g[work] += pull.torque * pull.rate;
+        self.g_t[work] += pull.by_time * pull.rate;
+        for (i, weight) in weights.into_iter().enumerate().take(fingers) {
+            self.load[2 * i] += weight * pull.torque;
+            self.load_t[2 * i] += weight * pull.by_time;
+            self.g_v[work][2 * i] += weight * (pull.torque + pull.by_rate * pull.rate);
+            (0..fingers).for_each(|j| self.load_v[2 * i][2 * j] += weight * weights[j] * pull.by_rate);
+        }
+    }
+
+    /// What has to work against all loads on a coordinate that nothing else moves: as a table does that comes along with time.
+    fn let_work(&mut self, row: usize, rate: f64) {
+        let work = Z - 1;
+        self.g[work] -= self.load[row] * rate;
+        for j in 0..N {
+            self.g_q[work][j] -= self.load_q[row][j] * rate;
+            self.g_v[work][j] -= self.load_v[row][j] * rate;
+        }
+    }
+}
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Accelerations, and their derivatives by coordinates, rates and time.
+    pub(super) fn with_slopes<const Z: usize>(
+        &self,
+        t: f64,
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+    ) -> Linearised<N, Z> {
+        let mut sums = Sums::<N, Z>::ZERO;
+        let felt = self.felt(t);
+        let mut masses = [[Dual::zero(); 3]; FINGERS];
+        for (index, part) in self.fingers.iter().enumerate() {
+            masses[index] = self.add_finger_slopes((index, part), (q, v), (mode, &felt), &mut sums);
+        }
+        self.add_drive_slopes(t, v, &mut sums);
+        self.between.iter().for_each(|index| self.add_slopes_between(*index, (q, v), mode, &mut sums));
+        self.time.into_iter().for_each(|time| sums.let_work(time, 1.0));
+        for (memory, bristle) in self.bristles() {
+            sums.load[memory] -= bristle.rate() * v[memory];
+            sums.load_v[memory][memory] -= bristle.rate();
+        }
+        for (index, disc) in self.discs.iter().enumerate().filter(|(_, disc)| disc.first < N) {
+            if disc.driven.is_some() {
+                for (i, rate) in self.rates_of(index, v).into_iter().enumerate() {
+                    sums.let_work(disc.first + i, rate);
+                    sums.g_v[Self::WORK][disc.first + i] -= sums.load[disc.first + i];
+                }
+                continue;
+            }
+            (0..2).for_each(|i| sums.load[disc.first + i] += disc.mass * self.gravity[i]);
+            if self.time.is_some() {
+                self.add_disc_slopes(index, (q, v), &felt, &mut sums);
+            }
+        }
+        let inverse = Inertia::new(self, masses.map(|mass| mass.map(|m| m.value))).inverse();
+        let mut a = inverse.solve(&sums.load);
+        // M a = load: where an angle changes M too, M ∂a = ∂load − ∂M a.
+        for (finger, mass) in masses.iter().enumerate().take(self.fingers.len()) {
+            let (first, second) = (2 * finger, 2 * finger + 1);
+            for (k, j) in [first, second].into_iter().enumerate() {
+                let [m, c, n] = mass.map(|m| m.grad[k]);
+                sums.load_q[first][j] -= m * a[first] + c * a[second];
+                sums.load_q[second][j] -= c * a[first] + n * a[second];
+            }
+        }
+        self.drive_discs(&mut a);
+        Linearised {
+            rates: Rates { a, g: sums.g },
+            a_q: inverse.solve_columns(&sums.load_q),
+            a_v: inverse.solve_columns(&sums.load_v),
+            a_t: inverse.solve(&sums.load_t),
+            g_q: sums.g_q,
+            g_v: sums.g_v,
+            g_t: sums.g_t,
+        }
+    }
+
+    /// Adds what acts on a finger, and gives its mass matrix, with derivatives.
+    #[inline(always)]
+    fn add_finger_slopes<const Z: usize>(
+        &self,
+        (index, part): (usize, &FingerPart),
+        (q, v): (&[f64; N], &[f64; N]),
+        (mode, felt): (&mode::Mode<C>, &Felt),
+        sums: &mut Sums<N, Z>,
+    ) -> [Dual<2>; 3] {
+        let own = Self::own(index, v);
+        let terms = part.model.terms(variables(Self::own(index, q)));
+        let (load, by_rates) = part.model.load_with_slopes(&terms, own);
+        for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
+            let row = 2 * index + i;
+            sums.load[row] += load.value;
+            scatter(&mut sums.load_q[row], &of_finger(index), &load.grad);
+            scatter(&mut sums.load_v[row], &of_finger(index), &by_rates);
+        }
+        if self.time.is_some() {
+            self.add_felt_slopes((index, part), own, &terms, felt, sums);
+        }
+        for contact in &part.contacts {
+            self.add_slopes_to_finger(*contact, (index, part, &terms), (q, v), mode, sums);
+        }
+        terms.mass
+    }
+
+    /// Adds a contact of a finger.
+    #[inline(always)]
+    fn add_slopes_to_finger<const Z: usize>(
+        &self,
+        index: usize,
+        (finger, part, terms): (usize, &FingerPart, &Terms<Dual<2>>),
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+        sums: &mut Sums<N, Z>,
+    ) {
+        let Some(contact) = &self.contacts[index] else { return };
+        let Some(laws) = contact.laws(mode[index]) else { return };
+        let (own, mirror) = (Self::own(finger, v), part.side.mirror());
+        match contact.meet {
+            Meet::Phalanx { site, disc, .. } => {
+                // Where surfaces are depends on the finger's angles and the centre, not on how the disc is turned.
+                let of = &self.discs[disc];
+                let ([x, y, _], [vx, vy, spin]) = (self.place_of(disc, q), self.rates_of(disc, v));
+                let [x, y] = self.in_finger(part.side, [x, y]);
+                let centre = [Dual::<4>::variable(x, 2), Dual::variable(y, 3)];
+                let (pose, rates) = (terms.pose.widen(), terms.rates.widen());
+                let touch = touch::phalanx(&part.model.phalanx(&pose, &rates, site, (centre, of.radius)), of.radius);
+                let rates = [own[0], own[1], mirror * vx, vy, mirror * spin];
+                let press = touch::press_with_slopes(&touch, &rates, contact.remembers(v), laws);
+                sums.add((index, contact), &press, &of_phalanx(finger, of.first, mirror));
+            }
+            _ => {
+                let touch = touch::limit(&part.model.limit_geometry(&terms.pose, &terms.rates));
+                let press = touch::press_with_slopes(&touch, &own, None, laws);
+                sums.add((index, contact), &press, &of_finger(finger));
+            }
+        }
+    }
+
+    /// Adds a contact that no finger has.
+    #[inline(always)]
+    fn add_slopes_between<const Z: usize>(
+        &self,
+        index: usize,
+        (q, v): (&[f64; N], &[f64; N]),
+        mode: &mode::Mode<C>,
+        sums: &mut Sums<N, Z>,
+    ) {
+        let Some(contact) = &self.contacts[index] else { return };
+        let Some(laws) = contact.laws(mode[index]) else { return };
+        let memory = contact.remembers(v);
+        let at = |disc: usize| {
+            let ([x, y, _], rates) = (self.place_of(disc, q), self.rates_of(disc, v));
+            (&self.discs[disc], [x, y], rates)
+        };
+        match contact.meet {
+            Meet::Discs { disc, other } => {
+                let ((one, [x, y], [vx, vy, spin]), (two, [z, w], [wx, wy, turn])) = (at(disc), at(other));
+                let centres = [[(x, 0), (y, 1)], [(z, 2), (w, 3)]];
+                let centres = centres.map(|centre| centre.map(|(value, index)| Dual::<4>::variable(value, index)));
+                let touch = touch::discs(centres, [one.radius, two.radius]);
+                let press = touch::press_with_slopes(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
+                sums.add((index, contact), &press, &of_discs([one.first, two.first]));
+            }
+            Meet::PassingPlane { disc, plane } => {
+                let ((one, [x, y], [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
+                let centre = [Dual::<3>::variable(x, 0), Dual::variable(y, 1)];
+                let touch = frame::table(&plane, &self.pose(q), Dual::variable(0.0, 2), centre, one.radius);
+                let press = touch::press_with_slopes(&touch, &[vx, vy, v[time], spin], memory, laws);
+                sums.add((index, contact), &press, &of_disc_in_time(one.first, time));
+            }
+            Meet::Plane { disc, plane } => {
+                let (one, centre, rates) = at(disc);
+                let touch = touch::plane(&plane, variables(centre), one.radius, self.meets_in_one_point());
+                let press = touch::press_with_slopes(&touch, &rates, memory, laws);
+                sums.add((index, contact), &press, &of_disc(one.first));
+            }
+            Meet::Phalanx { .. } | Meet::Stop { .. } => {}
+        }
+    }
+
+    /// What a finger's links feel in a frame that moves.
+    fn add_felt_slopes<const Z: usize>(
+        &self,
+        (finger, part): (usize, &FingerPart),
+        own: [f64; 2],
+        terms: &Terms<Dual<2>>,
+        felt: &Felt,
+        sums: &mut Sums<N, Z>,
+    ) {
+        let (carried, first) = (&part.carried, 2 * finger);
+        let [field, rate] = [felt.field, felt.rate].map(|field| field.mirrored(part.side.mirror()));
+        let forces = |v: [f64; 2], field: &Field| {
+            let rates = absolute_rates(&terms.rates, v.map(Dual::constant));
+            carried.forces(&terms.pose, &terms.rates, rates, field)
+        };
+        let (now, soon) = (forces(own, &field), forces(own, &rate));
+        let swept = Field { coriolis: field.coriolis, ..Field::default() };
+        let by_rates = [[1.0, 0.0], [0.0, 1.0]].map(|unit| forces(unit, &swept).map(|force| force.value));
+        for i in 0..2 {
+            let row = first + i;
+            sums.load[row] += now[i].value;
+            sums.load_t[row] += soon[i].value;
+            sums.g[Self::WORK] += now[i].value * own[i];
+            sums.g_t[Self::WORK] += soon[i].value * own[i];
+            sums.g_v[Self::WORK][row] += now[i].value;
+            for (j, by_rate) in by_rates.iter().enumerate() {
+                sums.load_q[row][first + j] += now[i].grad[j];
+                sums.load_v[row][first + j] += by_rate[i];
+                sums.g_q[Self::WORK][first + j] += now[i].grad[j] * own[i];
+                sums.g_v[Self::WORK][first + j] += by_rate[i] * own[i];
+            }
+        }
+    }
+
+    /// What a disc feels there: linear in where it is and how it moves.
+    fn add_disc_slopes<const Z: usize>(
+        &self,
+        index: usize,
+        (q, v): (&[f64; N], &[f64; N]),
+        felt: &Felt,
+        sums: &mut Sums<N, Z>,
+    ) {
+        let (disc, place, rates) = (&self.discs[index], self.place_of(index, q), self.rates_of(index, v));
+        let first = disc.first;
+        let now = disc_feels(disc, &felt.field, place, rates);
+        let soon = disc_feels(disc, &felt.rate, place, rates);
+        let linear = Field { uniform: [0.0; 2], euler: felt.field.euler, ..felt.field };
+        let unit = |j: usize| std::array::from_fn(|k| if k == j { 1.0 } else { 0.0 });
+        let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        for j in 0..2 {
+            by_q[j] = disc_feels(disc, &linear, unit(j), [0.0; 3]);
+            by_v[j] = disc_feels(disc, &linear, [0.0; 3], unit(j));
+            // The couple depends on neither.
+            (by_q[j][2], by_v[j][2]) = (0.0, 0.0);
+        }
+        for i in 0..3 {
+            let row = first + i;
+            sums.load[row] += now[i];
+            sums.load_t[row] += soon[i];
+            sums.g[Self::WORK] += now[i] * rates[i];
+            sums.g_t[Self::WORK] += soon[i] * rates[i];
+            sums.g_v[Self::WORK][row] += now[i];
+            for j in 0..3 {
+                sums.load_q[row][first + j] += by_q[j][i];
+                sums.load_v[row][first + j] += by_v[j][i];
+                sums.g_q[Self::WORK][first + j] += by_q[j][i] * rates[i];
+                sums.g_v[Self::WORK][first + j] += by_v[j][i] * rates[i];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_drive_slopes<const Z: usize>(&self, t: f64, v: &[f64; N], sums: &mut Sums<N, Z>) {
+        let (driven, fingers) = (self.driven(v), self.fingers.len());
+        for (drive, memory) in self.drives.iter().zip(&self.brakes) {
+            sums.add_pull(&drive.pull(t, driven), (drive.weights, fingers), Self::WORK);
+            let Some(hold) = drive.hold(t, driven, memory.map(|memory| v[memory])) else { continue };
+            sums.add_pull(&hold.pull, (drive.weights, fingers), Self::LOST);
+            let Some(memory) = *memory else { continue };
+            sums.load[memory] += hold.driven;
+            sums.load_t[memory] += hold.gain * hold.pull.by_time;
+            sums.load_v[memory][memory] += hold.gain * hold.by_memory;
+            sums.g_v[Self::LOST][memory] += hold.by_memory * hold.pull.rate;
+            for (i, weight) in drive.weights.into_iter().enumerate().take(fingers) {
+                sums.load_v[2 * i][memory] += weight * hold.by_memory;
+                sums.load_v[memory][2 * i] += weight * hold.gain * hold.pull.by_rate;
+            }
+        }
+    }
+}
