@@ -1,6 +1,6 @@
 //! The integrators of this crate.
 
-use phalanx::analytic::{GUARDS, Mode, Model, QUADRATURES, SiteState};
+use phalanx::analytic::{FingerMode, GUARDS, Model, QUADRATURES, SiteState};
 use phalanx::integrator::{
     Counters, End, Method as Stepper, Observer, Options, RadauOrRodas, Reason, Rodas5p, State, Step, StepTools,
     Tolerances, integrate,
@@ -44,7 +44,11 @@ impl Ours {
         Self { preset: Some(name), ..plain }
     }
 
-    fn integrate<O: Observer<2, QUADRATURES, Mode>>(&self, problem: &Problem, observer: &mut O) -> End<2, QUADRATURES> {
+    fn integrate<O: Observer<2, QUADRATURES, FingerMode>>(
+        &self,
+        problem: &Problem,
+        observer: &mut O,
+    ) -> End<2, QUADRATURES> {
         match self.method {
             Method::Rodas5p => self.with::<Rodas5p<2, QUADRATURES>, O>(problem, observer),
             Method::RadauIIa5 => self.with::<RadauOrRodas<2, QUADRATURES>, O>(problem, observer),
@@ -54,7 +58,7 @@ impl Ours {
     fn with<K, O>(&self, problem: &Problem, observer: &mut O) -> End<2, QUADRATURES>
     where
         K: Stepper<2, QUADRATURES>,
-        O: Observer<2, QUADRATURES, Mode>,
+        O: Observer<2, QUADRATURES, FingerMode>,
     {
         let options = Options { tolerances: self.tolerances, max_steps: MAX_STEPS };
         let Problem { model, start, .. } = problem;
@@ -118,8 +122,8 @@ struct Eye {
     touch_s: [Option<f64>; 2],
 }
 
-impl Observer<2, QUADRATURES, Mode> for Eye {
-    fn step(&mut self, step: &Step<2, QUADRATURES>, _: &Mode, tools: &mut dyn StepTools<2, QUADRATURES>) -> bool {
+impl Observer<2, QUADRATURES, FingerMode> for Eye {
+    fn step(&mut self, step: &Step<2, QUADRATURES>, _: &FingerMode, tools: &mut dyn StepTools<2, QUADRATURES>) -> bool {
         loop {
             let t = self.grid.len() as f64 * GRID_S;
             if t > step.t1 + 1e-15 {
@@ -129,7 +133,7 @@ impl Observer<2, QUADRATURES, Mode> for Eye {
         }
     }
 
-    fn event(&mut self, t: f64, _: &State<2, QUADRATURES>, site: usize, mode: &Mode) {
+    fn event(&mut self, t: f64, _: &State<2, QUADRATURES>, site: usize, mode: &FingerMode) {
         if site < 2 && mode[site] == SiteState::Active {
             self.touch_s[site].get_or_insert(t);
         }

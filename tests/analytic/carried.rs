@@ -1,11 +1,12 @@
 //! Grippers whose motors are blocked and whose palm moves, against an independent program.
 
 use phalanx::analytic::SiteState;
-use phalanx::analytic::gripper::{GripperMode, GripperModel, PLACES, QUADRATURES, start};
-use phalanx::integrator::System;
+use phalanx::integrator::{Linearised, Rates, System};
 use phalanx::scene::{Axis, Move};
 
-use super::gripper::{assert_impulses, everyday, off, reference, times};
+use super::gripper::{
+    GripperMode, GripperModel, PLACES, QUADRATURES, assert_impulses, everyday, off, reference, start, times,
+};
 use crate::support::grippers::{anchor, carried};
 
 #[test]
@@ -63,9 +64,9 @@ fn the_jacobian_is_that_of_the_accelerations() {
     let model = GripperModel::<8>::new(&scene.system);
     let mut mode = GripperMode::FREE;
     mode.sites = [SiteState::Active; PLACES];
-    let exact = model.linearise(t, &q, &v, &mode);
+    let exact: Linearised<8, QUADRATURES> = model.linearise(t, &q, &v, &mode);
     let outputs = |t: f64, q: &[f64; 8], v: &[f64; 8]| {
-        let rates = model.rates(t, q, v, &mode);
+        let rates: Rates<8, QUADRATURES> = model.rates(t, q, v, &mode);
         let mut all = [0.0; 8 + QUADRATURES];
         all[..8].copy_from_slice(&rates.a);
         all[8..].copy_from_slice(&rates.g);

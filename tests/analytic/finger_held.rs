@@ -1,6 +1,6 @@
 //! One finger whose friction holds: against a gripper on a disc that is held, which is other code; its Jacobian; what rests and what it stores.
 
-use phalanx::analytic::{GUARDS, HoldingModel, Mode, Model, QUADRATURES, SiteState};
+use phalanx::analytic::{FingerMode, GUARDS, HoldingModel, Model, QUADRATURES, SiteState};
 use phalanx::gripper::Site;
 use phalanx::integrator::{Options, RadauOrRodas, State, System, Tolerances, integrate};
 use phalanx::law::bristle_pull;
@@ -81,7 +81,7 @@ fn apart_from_regularised(path: &[&Sample]) -> f64 {
 }
 
 /// The state of a finger after so long.
-fn after(scene: &Scene, time_s: f64) -> (HoldingModel, State<4, QUADRATURES>, Mode) {
+fn after(scene: &Scene, time_s: f64) -> (HoldingModel, State<4, QUADRATURES>, FingerMode) {
     let settings = reference();
     let tolerances =
         Tolerances { atol_q: settings.atol_angle_rad, atol_v: settings.atol_rate_rad_s, rtol_v: settings.rtol };
@@ -181,7 +181,7 @@ fn the_jacobian_is_that_of_the_rates() {
     let q = touching(&plain, [0.036456, 1.134813], [2e-6; 2]);
     let rows = PHALANGES.map(|site| plain.reading(q, [0.0; 2], site, SiteState::Active).expect("a contact"));
     let [a, b] = rates_with(rows.map(|row| row.geometry.normal_row), [-1e-3; 2]);
-    let mode: Mode = [SiteState::Active, SiteState::Active, SiteState::Free].into();
+    let mode: FingerMode = [SiteState::Active, SiteState::Active, SiteState::Free].into();
     let slips = rows.map(|row| row.geometry.tangent_row[0] * a + row.geometry.tangent_row[1] * b);
     let mut clamped = 0;
     for beyond in [[1e-5, -2e-5], [1.0, 1e-5], [2e-5, -1.0], [1.0, 1.0]] {

@@ -1,14 +1,27 @@
 //! The analytic model of a gripper against an independent program, against its own finger, and against what must hold.
 
-use phalanx::analytic::gripper::{GUARDS, GripperMode, GripperModel, PLACES, QUADRATURES, start};
+use phalanx::analytic::multibody::{Multibody, guards, quadratures};
 use phalanx::analytic::{self, SiteState};
 use phalanx::gripper::{Circle, Site};
 use phalanx::integrator::{
-    End, Method, Observer, Options, RadauOrRodas, Rodas5p, State, Step, StepTools, System, Tolerances, integrate,
+    End, Linearised, Method, Observer, Options, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools,
+    System as Equations, Tolerances, integrate,
 };
-use phalanx::scene::{Disc, DiscMotion, Integrator, Place, Preset, Scene};
+use phalanx::scene::{Disc, DiscMotion, Integrator, Place, Preset, Scene, System};
 
 use crate::support::grippers::{Anchor, anchor, anchors};
+
+/// The model of a gripper: of two fingers and an object.
+pub type GripperModel<const N: usize> = Multibody<N, PLACES>;
+pub type GripperMode = analytic::Mode<PLACES>;
+
+pub const PLACES: usize = Place::ALL.len();
+pub const QUADRATURES: usize = quadratures(PLACES);
+const GUARDS: usize = guards(PLACES);
+
+pub fn start<const N: usize>(system: &System) -> State<N, QUADRATURES> {
+    GripperModel::<N>::new(system).start(system)
+}
 
 /// States at given times, and every event: time, place, whether it presses from then on.
 pub struct Watcher<const N: usize> {
@@ -198,7 +211,7 @@ fn energy_balances() {
 fn on_object(model: &GripperModel<7>, state: &State<7, QUADRATURES>, mode: &GripperMode) -> ([f64; 3], f64) {
     let (mut sum, mut sizes) = ([0.0; 3], 0.0);
     for (index, place) in Place::ALL.into_iter().enumerate().filter(|(_, place)| !place.is_stop()) {
-        let Some(reading) = model.reading(&state.q, &state.v, place, mode[index]) else { continue };
+        let Some(reading) = model.reading(&state.q, &state.v, index, mode[index]) else { continue };
         let ([nx, ny], [px, py]) = (reading.geometry.normal, reading.geometry.point);
         let force = [-reading.normal * nx + reading.tangential * ny, -reading.normal * ny - reading.tangential * nx];
         let lever = [px - state.q[4], py - state.q[5]];
@@ -238,7 +251,7 @@ impl Observer<7, QUADRATURES, GripperMode> for Books<'_> {
                 part => tools.resolve(part),
             };
             let (force, sizes) = on_object(self.model, &state, mode);
-            let rates = self.model.rates(step.t0 + part * step.h, &state.q, &state.v, mode);
+            let rates: Rates<7, QUADRATURES> = self.model.rates(step.t0 + part * step.h, &state.q, &state.v, mode);
             self.size += weight * step.h * sizes;
             self.largest = self.largest.max(sizes);
             for (i, force) in force.into_iter().enumerate() {
@@ -304,16 +317,15 @@ fn the_jacobian_is_that_of_the_accelerations() {
         // Both fingers close on the object without its centre in the middle; the surfaces press where gaps are negative.
         let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
         let v = [12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0];
-        let exact = model.linearise(1e-3, &q, &v, &mode);
+        let exact: Linearised<7, QUADRATURES> = model.linearise(1e-3, &q, &v, &mode);
         let outputs = |q: &[f64; 7], v: &[f64; 7]| {
-            let rates = model.rates(1e-3, q, v, &mode);
+            let rates: Rates<7, QUADRATURES> = model.rates(1e-3, q, v, &mode);
             let mut all = [0.0; 7 + QUADRATURES];
             all[..7].copy_from_slice(&rates.a);
             all[7..].copy_from_slice(&rates.g);
             all
         };
-        let pressing =
-            (0..PLACES).filter(|place| model.reading(&q, &v, Place::ALL[*place], SiteState::Active).is_some());
+        let pressing = (0..PLACES).filter(|place| model.reading(&q, &v, *place, SiteState::Active).is_some());
         assert!(pressing.count() >= 7);
         for j in 0..7 {
             for (rows, by_rate) in [((&exact.a_q, &exact.g_q), false), ((&exact.a_v, &exact.g_v), true)] {
@@ -352,7 +364,7 @@ fn contacts_are_read_in_the_palms_frame() {
     let model = GripperModel::<7>::new(&anchor.scene.system);
     let (_, end) = reference::<7>(&anchor.scene, Vec::new());
     let read = |side, site| {
-        let place = Place::Finger(side, site);
+        let place = Place::Finger(side, site).index();
         model.reading(&end.state.q, &end.state.v, place, analytic::SiteState::Active).expect("a contact")
     };
     for site in [Site::Proximal, Site::Distal] {

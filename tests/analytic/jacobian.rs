@@ -2,7 +2,7 @@
 //! every branch of every law.
 
 use crate::support::runs::anchor;
-use phalanx::analytic::{Mode, Model, QUADRATURES, SiteState};
+use phalanx::analytic::{FingerMode, Model, QUADRATURES, SiteState};
 use phalanx::gripper::{self, Site};
 use phalanx::integrator::{Rates, System};
 use phalanx::law::unclamped_normal_force;
@@ -16,7 +16,7 @@ type Outputs = [f64; 2 + QUADRATURES];
 struct Case {
     name: &'static str,
     scene: Scene,
-    mode: Mode,
+    mode: FingerMode,
     t: f64,
     q: [f64; 2],
     v: [f64; 2],
@@ -202,7 +202,7 @@ fn one_and_two_contacts_on_every_branch_of_friction() {
                 for states in
                     [[Active, Active, Free], [Active, Free, Free], [Free, Active, Free], [Natural, Natural, Free]]
                 {
-                    let mode = Mode::from(states);
+                    let mode = FingerMode::from(states);
                     if mode[0] == Natural && Site::ALL[..2].iter().any(|s| near_the_clamp(&model, q, v, *s)) {
                         continue;
                     }
@@ -217,7 +217,7 @@ fn one_and_two_contacts_on_every_branch_of_friction() {
     frictionless.finger_mut().contact.proximal.friction = None;
     frictionless.finger_mut().contact.distal.friction = None;
     let q = touching(&model, GRASP, [5e-6, 4e-6]);
-    let mode = Mode::from([Active; 3]);
+    let mode = FingerMode::from([Active; 3]);
     cases.push(Case { name: "frictionless", scene: frictionless, mode, t: 0.0, q, v: [3.0, -1.0], steps: CONTACT });
     check("contacts", &cases);
 }
@@ -244,7 +244,7 @@ fn tip_contact_on_its_end() {
         assert!((end.delta - 4e-6).abs() < 1e-12, "{:e}", end.delta);
         assert!((end.geometry.tangent_row[0] - face[0]).abs() > 1e-5);
         for v in [[2.0, 1.0], [-30.0, 5.0], [0.1, -0.1]] {
-            let mode = Mode::from([Free, Active, Free]);
+            let mode = FingerMode::from([Free, Active, Free]);
             cases.push(Case { name: "end", scene: scene.clone(), mode, t: 0.0, q: GRASP, v, steps: CONTACT });
         }
     }
@@ -271,7 +271,8 @@ fn torque_profiles_with_a_slope() {
         }
     }
     // The slope is there at all.
-    let sloped = Model::new(&cases[3].scene.system).linearise(1e-3, &cases[3].q, &cases[3].v, &Mode::from([Free; 3]));
+    let sloped =
+        Model::new(&cases[3].scene.system).linearise(1e-3, &cases[3].q, &cases[3].v, &FingerMode::from([Free; 3]));
     assert!(sloped.a_t[0].abs() > 1e5 && (sloped.g_t[4] - 200.0 * 120.0).abs() < 1e-9, "{sloped:?}");
     check("profiles", &cases);
 }

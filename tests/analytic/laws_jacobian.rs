@@ -1,10 +1,13 @@
 //! The exact Jacobian of the discs' equations against central differences of the equations themselves.
 
 use crate::support::laws::{FRICTION, THESIS, disc, on_plane, scene};
-use phalanx::analytic::SiteState;
-use phalanx::analytic::discs::{DiscMode, Discs, PAIRS};
-use phalanx::integrator::System;
+use phalanx::analytic::multibody::{Multibody, quadratures};
+use phalanx::analytic::{Mode, SiteState};
+use phalanx::integrator::{Linearised, Rates, State, System};
 use phalanx::scene::DiscMotion;
+
+const PAIRS: usize = 12;
+const QUADRATURES: usize = quadratures(PAIRS);
 
 /// Three discs, one of them driven, all overlapping each other or what is fixed, turning and sliding.
 #[test]
@@ -20,17 +23,18 @@ fn linearisation_matches_central_differences() {
     ];
     let mut scene = on_plane(scene(discs, THESIS, Some(FRICTION), 1e-3));
     scene.system.gravity_m_s2 = [0.0, -9.81];
-    let model = Discs::<9, 18>::new(&scene.system);
-    let start = Discs::<9, 18>::start(&scene.system);
-    let overlapping = (0..model.pairs())
-        .filter(|pair| model.reading(&start.q, &start.v, *pair, SiteState::Natural).delta > 1e-7)
+    let model = Multibody::<9, PAIRS>::new(&scene.system);
+    let start: State<9, QUADRATURES> = model.start(&scene.system);
+    let overlapping = (0..model.contacts())
+        .filter_map(|pair| model.reading(&start.q, &start.v, pair, SiteState::Natural))
+        .filter(|reading| reading.delta > 1e-7)
         .count();
     assert!(overlapping >= 3, "{overlapping} pairs overlap");
-    let mode = DiscMode::from([SiteState::Active; PAIRS]);
-    let exact = model.linearise(0.0, &start.q, &start.v, &mode);
+    let mode = Mode::from([SiteState::Active; PAIRS]);
+    let exact: Linearised<9, QUADRATURES> = model.linearise(0.0, &start.q, &start.v, &mode);
     for column in 0..18 {
         let h = if column < 9 { 1e-10 } else { 1e-6 };
-        let shifted = |sign: f64| {
+        let shifted = |sign: f64| -> Rates<9, QUADRATURES> {
             let (mut q, mut v) = (start.q, start.v);
             match column {
                 0..9 => q[column] += sign * h,
@@ -48,7 +52,7 @@ fn linearisation_matches_central_differences() {
                 "a {row} {column}: {found} {slope}"
             );
         }
-        for row in 0..PAIRS + 2 {
+        for row in 0..QUADRATURES {
             let slope = (up.g[row] - down.g[row]) / (2.0 * h);
             let found = if column < 9 { exact.g_q[row][column] } else { exact.g_v[row][column - 9] };
             let scale = exact.rates.g[row].abs() / if column < 9 { 1e-6 } else { 1.0 };

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use phalanx::analytic::{Mode, Model, SiteState};
+use phalanx::analytic::{FingerMode, Model, SiteState};
 use phalanx::gripper::Site;
 use phalanx::integrator::System;
 
@@ -32,7 +32,7 @@ impl<'a> Field<'a> {
     pub fn rates(&self, t: f64, y: &Vector) -> Vector {
         self.rhs.set(self.rhs.get() + 1);
         let [q11, q21, v11, v21] = *y;
-        let a = self.model.rates(t, &[q11, q21], &[v11, v21], &Mode::NATURAL).a;
+        let a = self.model.rates(t, &[q11, q21], &[v11, v21], &FingerMode::NATURAL).a;
         [v11, v21, a[0], a[1]]
     }
 
@@ -40,7 +40,7 @@ impl<'a> Field<'a> {
     pub fn jacobian(&self, t: f64, y: &Vector) -> [Vector; 4] {
         self.jacobians.set(self.jacobians.get() + 1);
         let [q11, q21, v11, v21] = *y;
-        let at = self.model.linearise(t, &[q11, q21], &[v11, v21], &Mode::NATURAL);
+        let at = self.model.linearise(t, &[q11, q21], &[v11, v21], &FingerMode::NATURAL);
         let row = |i: usize| [at.a_q[i][0], at.a_q[i][1], at.a_v[i][0], at.a_v[i][1]];
         [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], row(0), row(1)]
     }

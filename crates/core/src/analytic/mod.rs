@@ -7,11 +7,11 @@
 
 pub mod contact;
 mod finger;
-pub mod multibody;
 mod mode;
 mod model;
 mod modes;
+pub mod multibody;
 
 pub use finger::Passive;
 pub use mode::{Mode, SiteState};
-pub use model::{Energies, FingerMotion, GUARDS, FingerMode, HoldingModel, Model, QUADRATURES, SiteReading, Snapshot};
+pub use model::{Energies, FingerMode, FingerMotion, GUARDS, HoldingModel, Model, QUADRATURES, SiteReading, Snapshot};

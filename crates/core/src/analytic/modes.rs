@@ -1,7 +1,7 @@
 //! Where the branches of the finger's contacts change.
 
 use super::mode::{Contact, Landing, Press, SiteState, is_kinked};
-use super::model::{FingerMotion, FingerMode, GUARDS, QUADRATURES, own, spread};
+use super::model::{FingerMode, FingerMotion, GUARDS, QUADRATURES, own, spread};
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, nearest_singularity};
 use crate::gripper::Site;
@@ -76,7 +76,13 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 
     /// One guard without its strain.
     #[inline(always)]
-    fn guard(&self, place: &(Directions<f64>, PassiveRates<f64>), v: &[f64; N], mode: &FingerMode, guard: usize) -> Guard<N> {
+    fn guard(
+        &self,
+        place: &(Directions<f64>, PassiveRates<f64>),
+        v: &[f64; N],
+        mode: &FingerMode,
+        guard: usize,
+    ) -> Guard<N> {
         let (site, (pose, rates)) = (site_of(guard), place);
         let at = self.contact(pose, rates, v, site).zip(self.finger.normal_law(site));
         at.map_or(Guard::QUIET, |(at, law)| mode.guard(guard, (law, self.finger.friction_law(site)), &LANDING, &at))

@@ -5,9 +5,9 @@ use super::grid::Span;
 use super::reading::{Reader, SystemReader};
 use super::recorder::Recorder;
 use super::{Outcome, RunError, Sink, Work};
+use crate::analytic::multibody::{Multibody, Size};
 #[cfg(feature = "lists")]
 use crate::analytic::multibody::{ROOM, TooMany, of_discs};
-use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{FingerMotion, GUARDS, QUADRATURES};
 use crate::integrator::{
     self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
@@ -63,7 +63,9 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
             }
         }
         #[cfg(not(feature = "lists"))]
-        _ => Err(none_at_all("this build has no analytic model but of a finger and of a gripper with one object".to_string())),
+        _ => Err(none_at_all(
+            "this build has no analytic model but of a finger and of a gripper with one object".to_string(),
+        )),
     }
 }
 

@@ -65,7 +65,6 @@ pub use locate::{Located, located};
 pub use pairs::{Pair, Partner};
 pub use palm_motion::{Axis, Brake, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use place::{Place, Side};
-pub use touching::Touching;
 pub use schema::schema;
 pub use setting::{setting, setting_of};
 pub use show::{show, show_written};
@@ -78,6 +77,7 @@ pub use table::log::{LogExcess, LogRates};
 pub use template::Template;
 pub use text::{parse, parse_any, parse_template};
 pub use torque::{Actuation, Interpolation, next_corner, scaled, torque};
+pub use touching::Touching;
 use words::SceneKind;
 pub use wrong_kind::WrongKind;
 

@@ -11,6 +11,12 @@ use crate::fivebar::kinematics::{Directions, PassiveRates};
 /// Pose of a finger with its passive rates.
 pub type Posture = (Directions<f64>, PassiveRates<f64>);
 
+/// That of a finger which is not there.
+const NONE: Posture = {
+    let none = [0.0; 2];
+    (Directions { e1: none, e2: none, e3: none, e4: none }, PassiveRates { a3: none, a4: none, inverse_sine: 0.0 })
+};
+
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Pose of a finger with its passive rates.
     #[inline(always)]
@@ -18,10 +24,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.fingers[finger].model.place(Self::own(finger, q))
     }
 
-    /// Those of all that there are.
+    /// Those of all that there are, of others anything.
     #[inline(always)]
-    pub(super) fn postures(&self, q: &[f64; N]) -> [Option<Posture>; FINGERS] {
-        std::array::from_fn(|finger| (finger < self.fingers.len()).then(|| self.posture(finger, q)))
+    pub(super) fn postures(&self, q: &[f64; N]) -> [Posture; FINGERS] {
+        std::array::from_fn(|finger| if finger < self.count() { self.posture(finger, q) } else { NONE })
     }
 
     /// A contact, its rows among all coordinates.
@@ -42,7 +48,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 let ((pose, rates), mirror) = (posture(finger), part.side.mirror());
                 let centre = self.in_finger(part.side, centre(disc));
                 let geometry = part.model.phalanx(&pose, &rates, site, (centre, disc_part.radius));
-                spread(&touch::phalanx(&geometry, disc_part.radius), &of_phalanx(finger, disc_part.first, mirror))
+                spread(&touch::phalanx(&geometry, disc_part.radius), &of_phalanx(finger, self.first_of(disc), mirror))
             }
             Meet::Stop { finger } => {
                 let (pose, rates) = posture(finger);
@@ -56,12 +62,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             Meet::Plane { disc, plane } => {
                 let part = &self.discs[disc];
                 let touch = touch::plane(&plane, centre(disc), part.radius, self.meets_in_one_point());
-                spread(&touch, &of_disc(part.first))
+                spread(&touch, &of_disc(self.first_of(disc)))
             }
             Meet::PassingPlane { disc, plane } => {
                 let part = &self.discs[disc];
                 let touch = frame::table(&plane, &self.pose(q), 0.0, centre(disc), part.radius);
-                spread(&touch, &of_disc_in_time(part.first, self.time.unwrap_or(N)))
+                spread(&touch, &of_disc_in_time(self.first_of(disc), self.time.unwrap_or(N)))
             }
         }
     }

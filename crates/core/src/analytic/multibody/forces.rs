@@ -9,7 +9,9 @@ use super::touch::{self, Press};
 use super::{FINGERS, mode, quadratures};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
+use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates, System};
+use crate::scene::Place;
 
 /// Loads on all coordinates, and rates of all quadratures.
 struct Sums<const N: usize, const Z: usize> {
@@ -51,15 +53,22 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let terms = part.model.terms(Self::own(finger, q));
         let load = part.model.load(0.0, &terms, own);
         (0..2).for_each(|i| sums.load[2 * finger + i] += load[i]);
-        if self.time.is_some() {
+        if self.moves() {
             let rates = absolute_rates(&terms.rates, own);
             let field = field.mirrored(part.side.mirror());
             let felt = part.carried.forces(&terms.pose, &terms.rates, rates, &field);
             (0..2).for_each(|i| sums.load[2 * finger + i] += felt[i]);
             sums.g[Self::WORK] += felt[0] * own[0] + felt[1] * own[1];
         }
-        for index in &part.contacts {
-            self.add_to_finger(*index, (finger, part, &terms), (q, v), mode, sums);
+        if Self::GRASP {
+            let first = Site::ALL.len() * finger;
+            self.add_to_finger(first, (finger, part, &terms), (q, v), mode, sums);
+            self.add_to_finger(first + 1, (finger, part, &terms), (q, v), mode, sums);
+            self.add_to_finger(first + 2, (finger, part, &terms), (q, v), mode, sums);
+        } else {
+            for index in &part.contacts {
+                self.add_to_finger(*index, (finger, part, &terms), (q, v), mode, sums);
+            }
         }
         terms.mass
     }
@@ -77,7 +86,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
         let ([first, second], mirror) = (Self::own(finger, v), part.side.mirror());
-        match contact.meet {
+        match self.meet_of(finger, index, contact) {
             Meet::Phalanx { site, disc, .. } => {
                 let of = &self.discs[disc];
                 let ([x, y, _], [vx, vy, spin]) = (self.place_of(disc, q), self.rates_of(disc, v));
@@ -85,8 +94,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 let geometry = part.model.phalanx(&terms.pose, &terms.rates, site, (centre, of.radius));
                 let rates = [first, second, mirror * vx, vy, mirror * spin];
                 let touch = touch::phalanx(&geometry, of.radius);
-                let press = touch::press(&touch, &rates, contact.remembers(v), laws);
-                sums.add((index, contact), &press, &of_phalanx(finger, of.first, mirror));
+                let press = touch::press(&touch, &rates, self.remembered(contact, v), laws);
+                sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
             }
             _ => {
                 let touch = touch::limit(&part.model.limit_geometry(&terms.pose, &terms.rates));
@@ -106,30 +115,30 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     ) {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        let memory = contact.remembers(v);
+        let memory = self.remembered(contact, v);
         let at = |disc: usize| {
             let ([x, y, _], rates) = (self.place_of(disc, q), self.rates_of(disc, v));
             (&self.discs[disc], [x, y], rates)
         };
         match contact.meet {
-            Meet::Discs { disc, other } => {
+            Meet::Discs { disc, other } if !Self::GRASP => {
                 let ((one, centre, [vx, vy, spin]), (two, others, [wx, wy, turn])) = (at(disc), at(other));
                 let touch = touch::discs([centre, others], [one.radius, two.radius]);
                 let press = touch::press(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
                 sums.add((index, contact), &press, &of_discs([one.first, two.first]));
             }
-            Meet::PassingPlane { disc, plane } => {
+            Meet::PassingPlane { disc, plane } if self.moves() => {
                 let ((one, centre, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
                 let touch = frame::table(&plane, &self.pose(q), 0.0, centre, one.radius);
                 let press = touch::press(&touch, &[vx, vy, v[time], spin], memory, laws);
-                sums.add((index, contact), &press, &of_disc_in_time(one.first, time));
+                sums.add((index, contact), &press, &of_disc_in_time(self.first_of(disc), time));
             }
             Meet::Plane { disc, plane } => {
                 let (one, centre, rates) = at(disc);
                 let touch = touch::plane(&plane, centre, one.radius, self.meets_in_one_point());
-                sums.add((index, contact), &touch::press(&touch, &rates, memory, laws), &of_disc(one.first));
+                sums.add((index, contact), &touch::press(&touch, &rates, memory, laws), &of_disc(self.first_of(disc)));
             }
-            Meet::Phalanx { .. } | Meet::Stop { .. } => {}
+            _ => {}
         }
     }
 }
@@ -143,37 +152,48 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
         let mut sums = Sums { load: [0.0; N], g: [0.0; Z] };
         let field = self.felt(t).field;
         let mut masses = [[0.0; 3]; FINGERS];
-        for (index, part) in self.fingers.iter().enumerate() {
-            masses[index] = self.add_finger((index, part), (q, v), (mode, &field), &mut sums);
+        // Written out for both fingers, every index is a constant.
+        if let Some(right) = self.fingers.first() {
+            masses[0] = self.add_finger((0, right), (q, v), (mode, &field), &mut sums);
+        }
+        if let Some(left) = self.fingers.get(1) {
+            masses[1] = self.add_finger((1, left), (q, v), (mode, &field), &mut sums);
         }
         let driven = self.driven(v);
-        for (drive, memory) in self.drives.iter().zip(&self.brakes) {
-            let pull = drive.pull(t, driven);
-            (0..self.fingers.len()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * pull.torque);
+        for (index, drive) in self.drives.iter().enumerate() {
+            let (pull, memory) = (drive.pull(t, driven), self.brake_of(index));
+            (0..self.count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * pull.torque);
             sums.g[Self::WORK] += pull.torque * pull.rate;
             let Some(hold) = drive.hold(t, driven, memory.map(|memory| v[memory])) else { continue };
             let turned = hold.pull.torque;
-            (0..self.fingers.len()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * turned);
+            (0..self.count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * turned);
             sums.g[Self::LOST] += hold.pull.torque * hold.pull.rate;
             memory.iter().for_each(|memory| sums.load[*memory] += hold.driven);
         }
-        self.between.iter().for_each(|index| self.add_between(*index, (q, v), mode, &mut sums));
-        if let Some(time) = self.time {
+        if Self::GRASP {
+            self.add_between(Place::Palm.index(), (q, v), mode, &mut sums);
+            self.add_between(Place::Table.index(), (q, v), mode, &mut sums);
+        } else {
+            for index in &self.between {
+                self.add_between(*index, (q, v), mode, &mut sums);
+            }
+        }
+        if let Some(time) = self.time.filter(|_| self.moves()) {
             // What the table does to all in the frame, by coming along.
             sums.g[Self::WORK] -= sums.load[time];
         }
-        for (memory, bristle) in self.bristles() {
+        for &(memory, bristle) in &self.bristles {
             sums.load[memory] -= bristle.rate() * v[memory];
         }
-        for (index, disc) in self.discs.iter().enumerate().filter(|(_, disc)| disc.first < N) {
-            let (first, rates) = (disc.first, self.rates_of(index, v));
+        for index in (0..self.count_of_discs()).filter(|index| self.first_of(*index) < N) {
+            let (disc, first, rates) = (&self.discs[index], self.first_of(index), self.rates_of(index, v));
             if disc.driven.is_some() {
                 // Against all contacts, of which nothing else is felt.
                 (0..3).for_each(|i| sums.g[Self::WORK] -= sums.load[first + i] * rates[i]);
                 continue;
             }
             (0..2).for_each(|i| sums.load[first + i] += disc.mass * self.gravity[i]);
-            if self.time.is_some() {
+            if self.moves() {
                 let felt = disc_feels(disc, &field, self.place_of(index, q), rates);
                 (0..3).for_each(|i| sums.load[first + i] += felt[i]);
                 sums.g[Self::WORK] += (0..3).map(|i| felt[i] * rates[i]).sum::<f64>();
@@ -193,6 +213,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations of discs that move as told.
     #[inline(always)]
     pub(super) fn drive_discs(&self, a: &mut [f64; N]) {
+        if Self::GRASP {
+            return;
+        }
         for (first, told) in self.discs.iter().filter_map(|disc| Some((disc.first, disc.driven?))) {
             a[first..first + 2].copy_from_slice(&told);
         }

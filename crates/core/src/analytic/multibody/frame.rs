@@ -72,7 +72,10 @@ pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, centre: Vector<T>, r
 impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     pub(super) fn felt(&self, t: f64) -> Felt {
-        self.palm_motion.as_ref().map_or_else(Felt::default, |motion| felt(motion, self.gravity, t))
+        match (&self.palm_motion, self.moves()) {
+            (Some(motion), true) => felt(motion, self.gravity, t),
+            _ => Felt::default(),
+        }
     }
 
     /// The palm's pose at the time that a state is of.

@@ -66,7 +66,7 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     #[inline(always)]
     pub fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
         let mut a = [[0.0; K]; N];
-        for finger in 0..self.model.fingers.len() {
+        for finger in 0..self.model.count() {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
             for j in 0..K {
                 let [f, g] = [loads[first][j], loads[second][j]];
@@ -87,14 +87,20 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
                 }
             }
         }
-        for disc in self.model.discs.iter().filter(|disc| disc.first < N) {
-            let first = disc.first;
+        for index in 0..self.model.count_of_discs() {
+            let first = self.model.first_of(index);
+            if first >= N {
+                continue;
+            }
+            let disc = &self.model.discs[index];
             a[first] = loads[first].map(|load| load * disc.inverse_mass);
             a[first + 1] = loads[first + 1].map(|load| load * disc.inverse_mass);
             a[first + 2] = loads[first + 2].map(|load| load * disc.inverse_inertia);
         }
         // Memories are no coordinates of masses.
-        a.iter_mut().zip(loads).skip(self.model.memories).for_each(|(a, load)| *a = *load);
+        if !Multibody::<N, C>::GRASP {
+            a.iter_mut().zip(loads).skip(self.model.memories).for_each(|(a, load)| *a = *load);
+        }
         a
     }
 }

@@ -6,11 +6,12 @@ use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::Landing;
 use crate::fivebar::carried::Carried;
+use crate::gripper::Site;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::Dual;
 use crate::numeric::plane::Vector;
-use crate::scene::{DiscMotion, DrivenFinger, PalmMotion, Side, System, Touching};
+use crate::scene::{DiscMotion, DrivenFinger, PalmMotion, Place, Side, System, Touching};
 
 /// The model of a system with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct Multibody<const N: usize, const C: usize> {
     pub(super) drives: Vec<Drive>,
     /// Where the memories of their brakes are.
     pub(super) brakes: Vec<Option<usize>>,
+    /// All bristles, with the places of their memories.
+    pub(super) bristles: Vec<(usize, Bristle)>,
     /// Beside the fingers' own mass matrices: inertias on (q11, q11), and what couples both driven links.
     pub(super) rotor_inertia: [f64; FINGERS],
     pub(super) coupling: f64,
@@ -75,17 +78,18 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub fn new(system: &System) -> Self {
         let size = Size::of(system);
         assert!(size.fits(&Size { coordinates: N, contacts: C }), "{size:?} in {N}, {C}");
+        let is_grasp = system.fingers.len() == FINGERS && system.discs.len() < 2 && size.coordinates == N;
+        assert!(is_grasp || !Self::GRASP, "two fingers and at most one disc, of {N} coordinates");
         let [x, y] = system.gravity_m_s2;
         let half_palm = 0.5 * system.palm_width_m;
         let (discs, time) = discs(system, 2 * system.fingers.len(), N);
         let memories = time + usize::from(system.palm_motion.is_some());
         let mut contacts: Vec<_> = system.touching().into_iter().map(|touching| joined(system, touching)).collect();
-        let mut next = memories;
+        let mut bristles = Vec::new();
         let mut remembered = |bristle: Option<Bristle>| {
-            bristle.map(|_| {
-                next += 1;
-                next - 1
-            })
+            let memory = memories + bristles.len();
+            bristles.extend(bristle.map(|bristle| (memory, bristle)));
+            bristle.map(|_| memory)
         };
         for contact in contacts.iter_mut().flatten() {
             contact.memory = remembered(contact.law().bristle());
@@ -130,6 +134,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             contacts,
             between,
             brakes,
+            bristles,
             drives,
             rotor_inertia,
             coupling,
@@ -176,34 +181,37 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.contacts.len()
     }
 
-    /// Whether friction holds in a contact.
-    pub(crate) fn holds(&self, contact: usize) -> bool {
-        self.contacts[contact].is_some_and(|contact| contact.memory.is_some())
+    /// Where the memory of a contact's bristle is among the rates, if it has one.
+    pub fn memory(&self, contact: usize) -> Option<usize> {
+        self.contacts[contact].and_then(|contact| contact.memory)
     }
 
-    /// All bristles, with the places of their memories.
-    pub(super) fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
-        let contacts = self.contacts.iter().flatten().map(|contact| (contact.memory, contact.law().bristle()));
-        let brakes = self.brakes.iter().zip(&self.drives).map(|(memory, drive)| (*memory, drive.bristle()));
-        contacts.chain(brakes).filter_map(|(memory, bristle)| memory.zip(bristle))
+    /// Where that of a drive's brake is: of each finger's in their order, then of what drives both.
+    pub fn memory_of_brake(&self, drive: usize) -> Option<usize> {
+        self.brakes[drive]
+    }
+
+    /// Whether friction holds in a contact.
+    pub(crate) fn holds(&self, contact: usize) -> bool {
+        self.memory(contact).is_some()
     }
 
     /// Energy in bristles, J.
     pub(super) fn bristle_energy(&self, v: &[f64; N]) -> f64 {
-        self.bristles().map(|(memory, bristle)| bristle.energy(v[memory])).sum()
+        self.bristles.iter().map(|(memory, bristle)| bristle.energy(v[*memory])).sum()
     }
 
     /// Rates of the driven links: of both fingers, 0 of one that is not there.
     #[inline(always)]
     pub(super) fn driven(&self, v: &[f64; N]) -> [f64; FINGERS] {
-        std::array::from_fn(|finger| if finger < self.fingers.len() { v[2 * finger] } else { 0.0 })
+        std::array::from_fn(|finger| if finger < self.count() { v[2 * finger] } else { 0.0 })
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.
     pub fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; FINGERS] {
         let (mut torques, driven) = ([0.0; FINGERS], self.driven(v));
-        for (drive, memory) in self.drives.iter().zip(&self.brakes) {
-            let hold = drive.hold(t, driven, memory.map(|memory| v[memory]));
+        for (index, drive) in self.drives.iter().enumerate() {
+            let hold = drive.hold(t, driven, self.brake_of(index).map(|memory| v[memory]));
             let torque = drive.pull(t, driven).torque + hold.map_or(0.0, |hold| hold.pull.torque);
             (0..FINGERS).for_each(|i| torques[i] += drive.weights[i] * torque);
         }
@@ -217,17 +225,68 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         drives.chain(palm).fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether two fingers and one object are all that there is, without bristles. Then the compiler knows where everything is: it takes
+    /// a tenth of the instructions of a closing.
+    pub(super) const GRASP: bool = C == Place::ALL.len() && N <= 2 * FINGERS + 4;
+
+    /// How many fingers there are.
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        if Self::GRASP { FINGERS } else { self.fingers.len() }
+    }
+
+    /// How many discs.
+    #[inline(always)]
+    pub(super) fn count_of_discs(&self) -> usize {
+        if Self::GRASP { 1 } else { self.discs.len() }
+    }
+
+    /// The memory of a drive's brake.
+    #[inline(always)]
+    pub(super) fn brake_of(&self, drive: usize) -> Option<usize> {
+        if Self::GRASP { None } else { self.brakes[drive] }
+    }
+
+    /// The first coordinate of a disc, beyond the last if it is fixed.
+    #[inline(always)]
+    pub(super) fn first_of(&self, disc: usize) -> usize {
+        if Self::GRASP { 2 * FINGERS } else { self.discs[disc].first }
+    }
+
+    /// Whether the palm moves, and with it the frame.
+    #[inline(always)]
+    pub(super) fn moves(&self) -> bool {
+        if Self::GRASP { N > 2 * FINGERS + 3 } else { self.time.is_some() }
+    }
+
+    /// The memory of a contact's bristle.
+    #[inline(always)]
+    pub(super) fn remembered(&self, contact: &Joined, v: &[f64; N]) -> Option<f64> {
+        if Self::GRASP { None } else { contact.memory.map(|memory| v[memory]) }
+    }
+
+    /// What meets in a contact of a finger.
+    #[inline(always)]
+    pub(super) fn meet_of(&self, finger: usize, index: usize, contact: &Joined) -> Meet {
+        match index.wrapping_sub(Site::ALL.len() * finger) {
+            0 if Self::GRASP => Meet::Phalanx { finger, site: Site::Proximal, disc: 0 },
+            1 if Self::GRASP => Meet::Phalanx { finger, site: Site::Distal, disc: 0 },
+            2 if Self::GRASP => Meet::Stop { finger },
+            _ => contact.meet,
+        }
+    }
+
     /// (x, y, θ) of a disc.
     #[inline(always)]
     pub fn place_of(&self, disc: usize, q: &[f64; N]) -> [f64; 3] {
-        let DiscPart { first, pose, .. } = &self.discs[disc];
-        if *first < N { [q[*first], q[first + 1], q[first + 2]] } else { *pose }
+        let first = self.first_of(disc);
+        if first < N { [q[first], q[first + 1], q[first + 2]] } else { self.discs[disc].pose }
     }
 
     /// Its rates.
     #[inline(always)]
     pub fn rates_of(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
-        let first = self.discs[disc].first;
+        let first = self.first_of(disc);
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
     }
 

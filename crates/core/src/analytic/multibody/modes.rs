@@ -37,7 +37,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         // Nothing moves time.
         self.time.into_iter().for_each(|time| (row[time], tangent[time]) = (0.0, 0.0));
         contact.memory.into_iter().for_each(|memory| tangent[memory] = 1.0);
-        let memory = contact.remembers(v).unwrap_or(0.0);
+        let memory = self.remembered(contact, v).unwrap_or(0.0);
         let at = Contact { delta: -touch.gap, rate, slip, memory, row, tangent };
         Some((at, &contact.normal, contact.friction.as_ref()))
     }
@@ -72,9 +72,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// How far the loops of each finger are from folding, and how fast they come near it.
     #[inline(always)]
-    fn clearance(&self, postures: &[Option<Posture>; FINGERS], v: &[f64; N]) -> (f64, f64) {
+    fn clearance(&self, postures: &[Posture; FINGERS], v: &[f64; N]) -> (f64, f64) {
         let mut least = (f64::INFINITY, 0.0);
-        for (finger, (pose, rates)) in postures.iter().flatten().enumerate() {
+        for (finger, (pose, rates)) in postures.iter().enumerate().take(self.count()) {
             let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
             let [_, _, rate3, rate4] = absolute_rates(rates, Self::own(finger, v));
             let fold = (sine.abs() - SINGULAR_SINE, sine.signum() * cosine * (rate4 - rate3));
@@ -94,6 +94,9 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
 
     fn longest_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> f64 {
         let mut longest = f64::INFINITY;
+        if Self::GRASP {
+            return longest;
+        }
         for index in &self.between {
             let is_felt = |contact: &Option<Joined>| !contact.is_some_and(|contact| self.is_driven(&contact));
             if mode[*index] != SiteState::Active || is_felt(&self.contacts[*index]) {
@@ -119,8 +122,8 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
             if mode.is_left_alone(index) {
                 continue;
             }
-            let posture = |finger: usize| postures[finger].unwrap_or_else(|| self.posture(finger, q));
-            let Some((at, law, friction)) = self.asked((q, v), posture, index) else { continue };
+            let asked = self.asked((q, v), |finger| postures[finger], index);
+            let Some((at, law, friction)) = asked else { continue };
             let press = Press::of(law, &at);
             guards[index] = mode.normal_guard(index, law, &self.landing, &at, &press);
             guards[index + 2 * C] = mode.damper_guard(index, law, &at);
@@ -186,10 +189,10 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     fn obstacle(&self, q: &[f64; N]) -> String {
-        let folds = self.postures(q).map(|posture| posture.map(|(pose, _)| cross(pose.e3, pose.e4).abs()));
-        let finger = match folds {
-            [None, _] => return "two discs have the same centre".to_string(),
-            [Some(right), Some(left)] if right > left || left.is_nan() => 1,
+        let [right, left] = self.postures(q).map(|(pose, _)| cross(pose.e3, pose.e4).abs());
+        let finger = match self.fingers.len() {
+            0 => return "two discs have the same centre".to_string(),
+            FINGERS if right > left || left.is_nan() => 1,
             _ => 0,
         };
         let part = &self.fingers[finger];

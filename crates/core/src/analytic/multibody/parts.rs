@@ -44,12 +44,27 @@ pub struct Plane {
 /// What meets what: fingers and discs by their indices.
 #[derive(Clone, Copy, Debug)]
 pub enum Meet {
-    Phalanx { finger: usize, site: Site, disc: usize },
-    Stop { finger: usize },
-    Discs { disc: usize, other: usize },
-    Plane { disc: usize, plane: Plane },
+    Phalanx {
+        finger: usize,
+        site: Site,
+        disc: usize,
+    },
+    Stop {
+        finger: usize,
+    },
+    Discs {
+        disc: usize,
+        other: usize,
+    },
+    Plane {
+        disc: usize,
+        plane: Plane,
+    },
     /// On a table that is at rest in the world while the frame is not.
-    PassingPlane { disc: usize, plane: Plane },
+    PassingPlane {
+        disc: usize,
+        plane: Plane,
+    },
 }
 
 /// A contact with its laws.
@@ -105,12 +120,6 @@ impl Joined {
     #[inline(always)]
     pub fn laws(&self, state: SiteState) -> Option<Laws<'_>> {
         state.presses().then(|| Laws { normal: &self.normal, friction: self.friction.as_ref(), state })
-    }
-
-    /// The memory of its bristle.
-    #[inline(always)]
-    pub fn remembers(&self, v: &[f64]) -> Option<f64> {
-        self.memory.map(|memory| v[memory])
     }
 
     /// The laws as one.

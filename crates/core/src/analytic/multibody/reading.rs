@@ -37,7 +37,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let touch = self.touch(q, |finger| self.posture(finger, q), contact);
         let (delta, delta_rate, slip) = (-touch.gap, -along(&touch.normal_row, v), along(&touch.tangent_row, v));
         let normal = branch(&contact.normal, state, delta, delta_rate).force.max(0.0);
-        let friction = |law| friction_with_memory(law, slip, contact.remembers(v), normal);
+        let friction = |law| friction_with_memory(law, slip, self.remembered(contact, v), normal);
         let tangential = contact.friction.as_ref().map_or(0.0, friction);
         let none = [0.0; 2];
         let (mut turned, [x, y]) = (1.0, touch.normal);

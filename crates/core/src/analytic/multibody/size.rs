@@ -39,10 +39,7 @@ impl Size {
         let motors = system.fingers.iter().map(|finger| &finger.motor).chain(input);
         let brakes = motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count();
         let time = usize::from(system.palm_motion.is_some());
-        Self {
-            coordinates: 2 * system.fingers.len() + 3 * moving + time + holding + brakes,
-            contacts: touching.len(),
-        }
+        Self { coordinates: 2 * system.fingers.len() + 3 * moving + time + holding + brakes, contacts: touching.len() }
     }
 
     /// Whether it is no larger than there is room for.

@@ -10,6 +10,7 @@ use super::touch::{self, Press, Slope};
 use super::{FINGERS, mode};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
+use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates};
 use crate::numeric::{Dual, Real};
 
@@ -103,26 +104,34 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let mut sums = Sums::<N, Z>::ZERO;
         let felt = self.felt(t);
         let mut masses = [[Dual::zero(); 3]; FINGERS];
-        for (index, part) in self.fingers.iter().enumerate() {
-            masses[index] = self.add_finger_slopes((index, part), (q, v), (mode, &felt), &mut sums);
+        if let Some(right) = self.fingers.first() {
+            masses[0] = self.add_finger_slopes((0, right), (q, v), (mode, &felt), &mut sums);
+        }
+        if let Some(left) = self.fingers.get(1) {
+            masses[1] = self.add_finger_slopes((1, left), (q, v), (mode, &felt), &mut sums);
         }
         self.add_drive_slopes(t, v, &mut sums);
-        self.between.iter().for_each(|index| self.add_slopes_between(*index, (q, v), mode, &mut sums));
-        self.time.into_iter().for_each(|time| sums.let_work(time, 1.0));
-        for (memory, bristle) in self.bristles() {
+        for index in &self.between {
+            self.add_slopes_between(*index, (q, v), mode, &mut sums);
+        }
+        if let Some(time) = self.time.filter(|_| self.moves()) {
+            sums.let_work(time, 1.0);
+        }
+        for &(memory, bristle) in &self.bristles {
             sums.load[memory] -= bristle.rate() * v[memory];
             sums.load_v[memory][memory] -= bristle.rate();
         }
-        for (index, disc) in self.discs.iter().enumerate().filter(|(_, disc)| disc.first < N) {
+        for index in (0..self.count_of_discs()).filter(|index| self.first_of(*index) < N) {
+            let (disc, first) = (&self.discs[index], self.first_of(index));
             if disc.driven.is_some() {
                 for (i, rate) in self.rates_of(index, v).into_iter().enumerate() {
-                    sums.let_work(disc.first + i, rate);
-                    sums.g_v[Self::WORK][disc.first + i] -= sums.load[disc.first + i];
+                    sums.let_work(first + i, rate);
+                    sums.g_v[Self::WORK][first + i] -= sums.load[first + i];
                 }
                 continue;
             }
-            (0..2).for_each(|i| sums.load[disc.first + i] += disc.mass * self.gravity[i]);
-            if self.time.is_some() {
+            (0..2).for_each(|i| sums.load[first + i] += disc.mass * self.gravity[i]);
+            if self.moves() {
                 self.add_disc_slopes(index, (q, v), &felt, &mut sums);
             }
         }
@@ -167,11 +176,18 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             scatter(&mut sums.load_q[row], &of_finger(index), &load.grad);
             scatter(&mut sums.load_v[row], &of_finger(index), &by_rates);
         }
-        if self.time.is_some() {
+        if self.moves() {
             self.add_felt_slopes((index, part), own, &terms, felt, sums);
         }
-        for contact in &part.contacts {
-            self.add_slopes_to_finger(*contact, (index, part, &terms), (q, v), mode, sums);
+        if Self::GRASP {
+            let first = Site::ALL.len() * index;
+            self.add_slopes_to_finger(first, (index, part, &terms), (q, v), mode, sums);
+            self.add_slopes_to_finger(first + 1, (index, part, &terms), (q, v), mode, sums);
+            self.add_slopes_to_finger(first + 2, (index, part, &terms), (q, v), mode, sums);
+        } else {
+            for contact in &part.contacts {
+                self.add_slopes_to_finger(*contact, (index, part, &terms), (q, v), mode, sums);
+            }
         }
         terms.mass
     }
@@ -189,7 +205,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
         let (own, mirror) = (Self::own(finger, v), part.side.mirror());
-        match contact.meet {
+        match self.meet_of(finger, index, contact) {
             Meet::Phalanx { site, disc, .. } => {
                 // Where surfaces are depends on the finger's angles and the centre, not on how the disc is turned.
                 let of = &self.discs[disc];
@@ -199,8 +215,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 let (pose, rates) = (terms.pose.widen(), terms.rates.widen());
                 let touch = touch::phalanx(&part.model.phalanx(&pose, &rates, site, (centre, of.radius)), of.radius);
                 let rates = [own[0], own[1], mirror * vx, vy, mirror * spin];
-                let press = touch::press_with_slopes(&touch, &rates, contact.remembers(v), laws);
-                sums.add((index, contact), &press, &of_phalanx(finger, of.first, mirror));
+                let press = touch::press_with_slopes(&touch, &rates, self.remembered(contact, v), laws);
+                sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
             }
             _ => {
                 let touch = touch::limit(&part.model.limit_geometry(&terms.pose, &terms.rates));
@@ -221,13 +237,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     ) {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
-        let memory = contact.remembers(v);
+        let memory = self.remembered(contact, v);
         let at = |disc: usize| {
             let ([x, y, _], rates) = (self.place_of(disc, q), self.rates_of(disc, v));
             (&self.discs[disc], [x, y], rates)
         };
         match contact.meet {
-            Meet::Discs { disc, other } => {
+            Meet::Discs { disc, other } if !Self::GRASP => {
                 let ((one, [x, y], [vx, vy, spin]), (two, [z, w], [wx, wy, turn])) = (at(disc), at(other));
                 let centres = [[(x, 0), (y, 1)], [(z, 2), (w, 3)]];
                 let centres = centres.map(|centre| centre.map(|(value, index)| Dual::<4>::variable(value, index)));
@@ -235,20 +251,20 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 let press = touch::press_with_slopes(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
                 sums.add((index, contact), &press, &of_discs([one.first, two.first]));
             }
-            Meet::PassingPlane { disc, plane } => {
+            Meet::PassingPlane { disc, plane } if self.moves() => {
                 let ((one, [x, y], [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
                 let centre = [Dual::<3>::variable(x, 0), Dual::variable(y, 1)];
                 let touch = frame::table(&plane, &self.pose(q), Dual::variable(0.0, 2), centre, one.radius);
                 let press = touch::press_with_slopes(&touch, &[vx, vy, v[time], spin], memory, laws);
-                sums.add((index, contact), &press, &of_disc_in_time(one.first, time));
+                sums.add((index, contact), &press, &of_disc_in_time(self.first_of(disc), time));
             }
             Meet::Plane { disc, plane } => {
                 let (one, centre, rates) = at(disc);
                 let touch = touch::plane(&plane, variables(centre), one.radius, self.meets_in_one_point());
                 let press = touch::press_with_slopes(&touch, &rates, memory, laws);
-                sums.add((index, contact), &press, &of_disc(one.first));
+                sums.add((index, contact), &press, &of_disc(self.first_of(disc)));
             }
-            Meet::Phalanx { .. } | Meet::Stop { .. } => {}
+            _ => {}
         }
     }
 
@@ -295,7 +311,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         sums: &mut Sums<N, Z>,
     ) {
         let (disc, place, rates) = (&self.discs[index], self.place_of(index, q), self.rates_of(index, v));
-        let first = disc.first;
+        let first = self.first_of(index);
         let now = disc_feels(disc, &felt.field, place, rates);
         let soon = disc_feels(disc, &felt.rate, place, rates);
         let linear = Field { uniform: [0.0; 2], euler: felt.field.euler, ..felt.field };
@@ -325,12 +341,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     #[inline(always)]
     fn add_drive_slopes<const Z: usize>(&self, t: f64, v: &[f64; N], sums: &mut Sums<N, Z>) {
-        let (driven, fingers) = (self.driven(v), self.fingers.len());
-        for (drive, memory) in self.drives.iter().zip(&self.brakes) {
+        let (driven, fingers) = (self.driven(v), self.count());
+        for (index, drive) in self.drives.iter().enumerate() {
+            let memory = self.brake_of(index);
             sums.add_pull(&drive.pull(t, driven), (drive.weights, fingers), Self::WORK);
             let Some(hold) = drive.hold(t, driven, memory.map(|memory| v[memory])) else { continue };
             sums.add_pull(&hold.pull, (drive.weights, fingers), Self::LOST);
-            let Some(memory) = *memory else { continue };
+            let Some(memory) = memory else { continue };
             sums.load[memory] += hold.driven;
             sums.load_t[memory] += hold.gain * hold.pull.by_time;
             sums.load_v[memory][memory] += hold.gain * hold.by_memory;

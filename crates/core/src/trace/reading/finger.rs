@@ -1,7 +1,7 @@
 //! A finger in a state of the analytic model.
 
 use super::{Reader, contact_sample, refill, stored};
-use crate::analytic::{FingerMotion, FingerMode, QUADRATURES};
+use crate::analytic::{FingerMode, FingerMotion, QUADRATURES};
 use crate::integrator::State;
 use crate::trace::{ContactSample, Energy, FingerState, Sample, Site, Wants};
 
