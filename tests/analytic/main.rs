@@ -27,6 +27,7 @@ mod laws_driven;
 mod laws_impact;
 mod laws_jacobian;
 mod laws_scenes;
+mod lists;
 mod singularity;
 mod stepping;
 mod time_reversal;

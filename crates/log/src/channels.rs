@@ -170,16 +170,15 @@ impl Surface {
 
 /// In the order of a sample's contacts; `None` where there is nothing to touch.
 fn surfaces(system: &System) -> Vec<Option<Surface>> {
-    if !system.fingers.is_empty() {
-        return system.places().iter().map(|place| surface(system, *place)).collect();
-    }
-    let bristle = system.between_discs.and_then(|law| law.bristle());
-    let pair = |pair| {
-        let name = system.pair_name(pair);
+    let places = system.places().iter().map(|place| surface(system, *place));
+    let others = system.touching().into_iter().skip(system.places().len()).map(|touching| {
+        let (_, friction) = system.laws(touching)?;
+        let name = system.touching_name(touching);
         let topic = format!("/contact/{name}");
+        let bristle = friction.and_then(|friction| friction.bristle);
         Some(Surface { called: name.clone(), name, topic, angular: false, bristle })
-    };
-    system.pairs().into_iter().map(pair).collect()
+    });
+    places.chain(others).collect()
 }
 
 fn surface(system: &System, place: Place) -> Option<Surface> {

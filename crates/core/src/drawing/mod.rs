@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 pub use parts::{Body, Drawing, Part, Pose, Shape};
 
 use crate::gripper::{Circle, Posture, close, final_posture};
-use crate::scene::{Disc, DrivenFinger, Place, Scene, Side, System};
+use crate::scene::{Disc, DrivenFinger, Scene, Side, System, Touching};
 use crate::trace::{BodyState, FingerState, Sample};
 use arrows::arrows;
 use links::{link_motions, link_poses, links, mirrored};
@@ -62,11 +62,8 @@ impl Drawing {
 
 /// Names of the contacts between surfaces that are there.
 fn contacts(system: &System) -> Vec<String> {
-    if system.fingers.is_empty() {
-        return system.pairs().into_iter().map(|pair| system.pair_name(pair)).collect();
-    }
-    let is_there = |place: &&Place| !place.is_stop() && system.is_there(**place);
-    system.places().iter().filter(is_there).map(|place| system.place_name(*place)).collect()
+    let is_there = |touching: &Touching| !touching.is_stop() && system.laws(*touching).is_some();
+    system.touching().into_iter().filter(is_there).map(|touching| system.touching_name(touching)).collect()
 }
 
 /// Where the bodies of a scene's [`Drawing`] are, in their order.

@@ -24,10 +24,10 @@ pub fn base(side: Side) -> usize {
     LINKS * side as usize
 }
 
-/// What the phalanges of a finger may touch.
+/// What the phalanges of a finger may touch: all discs.
 #[derive(Clone, Copy)]
-pub(super) struct Reach {
-    pub object: Option<Against>,
+pub(super) struct Reach<'a> {
+    pub discs: &'a [Against],
     pub meet: Meet,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Mount {
 }
 
 /// Adds the four links, pins, spring, stop and contacts of a finger, but no motor; `None` where its angles do not close the loop.
-pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach, mount: Mount) -> Option<()> {
+pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach<'_>, mount: Mount) -> Option<()> {
     let DrivenFinger { linkage: finger, initial: start, .. } = driven;
     let (lengths, Mount { mirror, ground_m, .. }) = (&finger.lengths, mount);
     let base = plan.bodies.len();
@@ -66,7 +66,7 @@ pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach, mount: M
         angle_rad: if mirror > 0.0 { angles[i] } else { PI - angles[i] },
         velocity_m_s: [0.0; 2],
         rate_rad_s: mirror * rates[i],
-        shape: capsules[i].filter(|_| reach.object.is_some()),
+        shape: capsules[i].filter(|_| !reach.discs.is_empty()),
     }));
     let pin = |first: Option<usize>, second: usize, length: f64| PlannedPin {
         first: first.map_or(mount.on, |body| Some(base + body)),
@@ -87,9 +87,10 @@ pub(super) fn add(plan: &mut Plan, driven: &DrivenFinger, reach: Reach, mount: M
     let (on, against) = if mirror > 0.0 { (L22, L21) } else { (L21, L22) };
     let stop = |law| PlannedStop { on: base + on, against: base + against, least_rad: -lengths.phi22_rad, law };
     plan.stops.extend(driven.limit.map(stop));
-    for (body, law) in [(L21, driven.contact.proximal), (L22, driven.contact.distal)] {
-        let contact = |against| PlannedContact { body: base + body, against, meet: reach.meet, law };
-        plan.contacts.extend(reach.object.map(contact));
+    for &against in reach.discs {
+        for (body, law) in [(L21, driven.contact.proximal), (L22, driven.contact.distal)] {
+            plan.contacts.push(PlannedContact { body: base + body, against, meet: reach.meet, law });
+        }
     }
     Some(())
 }

@@ -5,8 +5,8 @@ use super::finger::{L11, LINKS, Mount, Reach, add, base};
 use super::plan::{
     Against, Course, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedHold, Shape,
 };
-use crate::gripper::{Body, Site};
-use crate::scene::{Disc, DiscMotion, DrivenFinger, PalmMotion, Partner, Place, Side, System};
+use crate::gripper::Body;
+use crate::scene::{Disc, DiscMotion, DrivenFinger, PalmMotion, Side, System, Touching};
 
 /// The plan of a system, or the finger whose angles do not close its loop.
 ///
@@ -17,23 +17,23 @@ pub fn plan(system: &System) -> Result<Plan, Side> {
     let first_moving = LINKS * system.fingers.len();
     let moving = system.discs.iter().filter(|disc| disc.motion.moves());
     let palm = system.palm_motion.as_ref().map(|motion| (first_moving + moving.clone().count(), motion));
-    let object = surfaces.first().copied().filter(|_| system.object().is_some());
-    // The material points of one finger and of discs are each surface's own, as in the thesis; of a gripper both models count them on
-    // what is not the object.
-    let meet = if system.fingers.len() == 1 { Meet::Each } else { Meet::Body };
+    // The material points of a finger on what does not move and of discs are each surface's own, as in the thesis; of what fingers can
+    // push away both models count them on what is not the disc.
+    let meet = if system.fingers.len() == 1 && moving.clone().count() == 0 { Meet::Each } else { Meet::Body };
+    let touching = system.touching();
     for (side, finger) in system.sided() {
         let mirror = side.mirror();
         let on = palm.map(|(body, _)| body);
         let mount = Mount { on, ground_m: [mirror * 0.5 * system.palm_width_m, 0.0], mirror };
-        add(&mut plan, finger, Reach { object, meet }, mount).ok_or(side)?;
-        places_of(&mut plan, side, finger, object.is_some());
+        add(&mut plan, finger, Reach { discs: &surfaces, meet }, mount).ok_or(side)?;
+        places_of(&mut plan, side, &touching, (surfaces.len(), finger.limit.is_some()));
         drive(&mut plan, side, finger, on);
     }
     moving.for_each(|disc| add_disc(&mut plan, disc));
     if let Some((body, motion)) = palm {
         add_palm(&mut plan, body, motion, system.palm.is_some());
     }
-    add_pairs(&mut plan, system, &surfaces, palm.map(|(body, _)| body));
+    add_pairs(&mut plan, system, (&touching, &surfaces), palm.map(|(body, _)| body));
     if let Some(differential) = &system.differential {
         add_differential(&mut plan, differential);
     }
@@ -58,10 +58,14 @@ fn surfaces(plan: &mut Plan, system: &System) -> Vec<Against> {
 }
 
 /// Which contacts of a sample the stop and the contacts are that a finger has just got.
-fn places_of(plan: &mut Plan, side: Side, finger: &DrivenFinger, touches: bool) {
-    plan.stop_places.extend(finger.limit.map(|_| Place::Finger(side, Site::Limit).index()));
-    let sites = [Site::Proximal, Site::Distal].into_iter().filter(|_| touches);
-    plan.contact_places.extend(sites.map(|site| Place::Finger(side, site).index()));
+fn places_of(plan: &mut Plan, side: Side, touching: &[Touching], (discs, stops): (usize, bool)) {
+    for (index, touching) in touching.iter().enumerate() {
+        match touching {
+            Touching::Stop(of) if *of == side && stops => plan.stop_places.push(index),
+            Touching::Phalanx(of, _, disc) if *of == side && *disc < discs => plan.contact_places.push(index),
+            _ => {}
+        }
+    }
 }
 
 /// The motor of a finger, its rotor and its brake.
@@ -109,7 +113,7 @@ fn add_palm(plan: &mut Plan, body: usize, motion: &PalmMotion, is_solid: bool) {
 }
 
 /// Contacts of discs with one another, with palm or ground, and with a table.
-fn add_pairs(plan: &mut Plan, system: &System, surfaces: &[Against], palm: Option<usize>) {
+fn add_pairs(plan: &mut Plan, system: &System, (touching, surfaces): (&[Touching], &[Against]), palm: Option<usize>) {
     if !system.discs.iter().any(|disc| disc.motion.moves()) {
         return;
     }
@@ -120,27 +124,18 @@ fn add_pairs(plan: &mut Plan, system: &System, surfaces: &[Against], palm: Optio
     let below = system.palm.and_then(|of| Some((of.contact?, of.level_m)));
     let below = below.map(|(law, level_m)| (law, palm.map_or_else(|| half_plane(level_m, 1.0), Against::Body)));
     let above = system.table.and_then(|of| Some((of.contact?, half_plane(of.level_m, -1.0))));
-    let alone = system.fingers.is_empty();
-    let meet = if alone { Meet::Each } else { Meet::Other };
-    let mut add = |first: Against, place: usize, other| {
+    let on_plane = if system.fingers.is_empty() { Meet::Each } else { Meet::Other };
+    for (place, touching) in touching.iter().enumerate() {
+        let (disc, meet, other) = match *touching {
+            Touching::Discs(disc, other) => (disc, Meet::Each, system.between_discs.zip(surfaces.get(other).copied())),
+            Touching::Palm(disc) => (disc, on_plane, below),
+            Touching::Table(disc) => (disc, on_plane, above),
+            Touching::Phalanx(..) | Touching::Stop(_) => continue,
+        };
         // The first disc of a pair moves.
-        if let (Against::Body(body), Some((law, against))) = (first, other) {
+        if let (Some(&Against::Body(body)), Some((law, against))) = (surfaces.get(disc), other) {
             plan.contacts.push(PlannedContact { body, against, meet, law });
             plan.contact_places.push(place);
         }
-    };
-    for (index, pair) in system.pairs().into_iter().enumerate() {
-        let place = if alone { index } else { Place::Palm.index() };
-        add(
-            surfaces[pair.disc],
-            place,
-            match pair.partner {
-                Partner::Disc(other) => system.between_discs.map(|law| (law, surfaces[other])),
-                Partner::HalfPlane => below,
-            },
-        );
-    }
-    if let Some(first) = surfaces.first() {
-        add(*first, Place::Table.index(), above);
     }
 }

@@ -3,9 +3,9 @@
 use super::measure::{Place, Reading};
 use super::momentum::{Books, Free};
 use super::{Invariant, Invariants, Tolerances};
-use crate::law::{ContactLaw, FrictionLaw};
-use crate::scene::{self, DiscMotion, Scene, Side, System};
-use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Sink, SinkError, Site};
+use crate::law::{FrictionLaw, NormalLaw};
+use crate::scene::{DiscMotion, Scene, Side, System, Touching};
+use crate::trace::{BodyState, ContactSample, Event, FingerState, Model, Sample, Sink, SinkError};
 
 impl Invariants {
     /// For a run of `scene` with `model`, held to the tolerances of its settings.
@@ -24,10 +24,10 @@ impl Invariants {
 
 /// Every place at which something can press.
 fn places(system: &System) -> Vec<Place> {
-    let surface = |name: String, law: ContactLaw| Place {
+    let surface = |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>)| Place {
         name,
-        law: law.normal,
-        friction: law.friction,
+        law,
+        friction,
         depth: Invariant::Penetration,
         reach_m: 1.0,
     };
@@ -35,22 +35,21 @@ fn places(system: &System) -> Vec<Place> {
         let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
         Some(Place { name, law, friction: None, depth: Invariant::JointLimit, reach_m })
     };
-    let of_fingers =
-        system.places().iter().copied().filter(|place| system.is_there(*place)).filter_map(|place| match place {
-            scene::Place::Finger(side, Site::Limit) => stop(system.place_name(place), side),
-            _ => Some(surface(system.place_name(place), system.law(place)?)),
-        });
-    let pairs = system.pairs().into_iter().filter(|_| system.fingers.is_empty());
-    let of_discs = pairs.filter_map(|pair| Some(surface(system.pair_name(pair), system.between_discs?)));
-    of_fingers.chain(of_discs).collect()
+    let place = |touching| match touching {
+        Touching::Stop(side) => stop(system.touching_name(touching), side),
+        _ => system.laws(touching).map(|law| surface(system.touching_name(touching), law)),
+    };
+    system.touching().into_iter().filter_map(place).collect()
 }
 
-/// An object that is free, and the friction of every contact.
+/// An object that is free and alone, and the friction of every contact.
 fn object(system: &System) -> Option<(Free, Vec<Option<FrictionLaw>>)> {
-    let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = system.object()?.motion else {
+    let object = system.object().filter(|_| system.discs.len() == 1)?;
+    let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = object.motion else {
         return None;
     };
-    let frictions = system.places().iter().map(|place| system.law(*place).and_then(|law| law.friction));
+    let frictions =
+        system.touching().into_iter().map(|touching| system.laws(touching).and_then(|(_, friction)| friction));
     Some((Free { mass_kg, inertia_kg_m2, gravity_m_s2: system.gravity_m_s2 }, frictions.collect()))
 }
 

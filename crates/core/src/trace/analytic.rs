@@ -13,7 +13,7 @@ use crate::integrator::{
     self, Counters, Failure, Hybrid, Options, RadauOrRodas, Reason, State, Tolerances, integrate_by,
 };
 use crate::scene::words::SceneKind;
-use crate::scene::{Integrator, Method, Scene};
+use crate::scene::{Integrator, Method, Motor, Scene, Side, System};
 
 /// Simulates `scene` with the analytic model.
 ///
@@ -29,7 +29,7 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     }
     let holds = system.holds();
     match (scene.kind(), system.discs.len()) {
-        (SceneKind::Finger, _) if system.moving_object().is_none() && system.discs.len() < 2 => match holds {
+        (SceneKind::Finger, _) if is_closing(system) => match holds {
             true => finger::<4, 6>(scene, span, sink),
             false => finger::<2, 4>(scene, span, sink),
         },
@@ -72,6 +72,16 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
 #[cfg(feature = "lists")]
 fn too_large(too_many: &TooMany) -> RunError {
     none_at_all(format!("{too_many}, or simulate with `--model engine`, which takes any number"))
+}
+
+/// Whether it is one finger that closes on what does not move, driven by a torque alone: the kernel of a finger knows of nothing else.
+fn is_closing(system: &System) -> bool {
+    let motor = &system.finger(Side::Right).motor;
+    let by_torque = *motor == Motor::of(motor.actuation.clone());
+    system.discs.iter().all(|disc| !disc.motion.moves())
+        && system.discs.len() < 2
+        && system.palm_motion.is_none()
+        && by_torque
 }
 
 /// A run that ends before it begins.

@@ -5,7 +5,7 @@ use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::tracked::{Told, Tracked};
-use super::{ContactSample, Energy, Event, Layout, Outcome, Sample, Sink, SinkError, Work};
+use super::{ContactSample, Energy, Event, Outcome, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, Site};
 use crate::scene::System;
 
@@ -16,6 +16,8 @@ pub(super) struct EngineRecorder<'a> {
     end_s: f64,
     start_energy: Energy,
     places: Vec<Tracked>,
+    /// Which of them have the normal turned round that the plan has.
+    turned: Vec<bool>,
     last: Sample,
     /// Room for the end of the step at hand, for a sample at a change or an extreme within it, and for one on the grid.
     node: Sample,
@@ -31,9 +33,10 @@ impl<'a> EngineRecorder<'a> {
     /// Of a motion of a system.
     pub fn new(system: &'a System, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
         let start_energy = stored(motion);
-        let places = vec![Tracked::default(); Layout::of(system).contacts.len()];
+        let turned = reading::turned(system);
+        let places = vec![Tracked::default(); turned.len()];
         let mut last = Sample::default();
-        read(system, motion, start_energy.since(&start_energy, 0.0, 0.0), &places, &mut last);
+        read(system, motion, start_energy.since(&start_energy, 0.0, 0.0), (&places, &turned), &mut last);
         Self {
             system,
             sink,
@@ -45,6 +48,7 @@ impl<'a> EngineRecorder<'a> {
             point: Sample::default(),
             start_energy,
             places,
+            turned,
             emitted_s: 0.0,
             moments: Moments::default(),
             work: Work::default(),
@@ -72,7 +76,7 @@ impl<'a> EngineRecorder<'a> {
         self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
         let mut now = std::mem::take(&mut self.node);
         let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
-        read(self.system, motion, energy, &self.places, &mut now);
+        read(self.system, motion, energy, (&self.places, &self.turned), &mut now);
         self.meet_between_steps(motion, end_s - dt)?;
         self.find_extremes(motion);
         for index in 0..motion.contact.changes.len() {
@@ -272,17 +276,23 @@ fn take(places: &mut [Tracked], sample: &Sample) {
 }
 
 /// The node as a sample, where these are its energies and its places of contact up to the start of the step.
-fn read(system: &System, motion: &Motion, energy: Energy, places: &[Tracked], sample: &mut Sample) {
+fn read(
+    system: &System,
+    motion: &Motion,
+    energy: Energy,
+    (places, turned): (&[Tracked], &[bool]),
+    sample: &mut Sample,
+) {
     sample.time_s = motion.clock.now();
     reading::read(system, motion, sample);
     sample.contacts.clear();
-    sample.contacts.extend(places.iter().enumerate().map(|(place, tracked)| {
+    sample.contacts.extend(places.iter().zip(turned).enumerate().map(|(place, (tracked, turned))| {
         let index = motion.plan.index(place);
         // Before the first step there is none.
         let stepped = index.filter(|_| motion.last_dt_s > 0.0);
         let impulse = tracked.impulse + stepped.map_or(0.0, |index| motion.normal_impulse(index));
         let contact = contact(motion, index, impulse);
-        ContactSample { normal: reading::normal(system, place, contact.normal), ..contact }
+        ContactSample { normal: if *turned { contact.normal.map(|part| -part) } else { contact.normal }, ..contact }
     }));
     sample.energy = energy;
 }

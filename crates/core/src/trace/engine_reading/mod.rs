@@ -5,7 +5,7 @@ mod links;
 use super::{BodyState, ContactSample, Energy, Sample};
 use crate::engine::{Frame, L11, LINKS, Motion, Touch, base, brake_torque, kinetic, potential};
 use crate::law::{elastic_energy, normal_force};
-use crate::scene::{Disc, Place, Side, System};
+use crate::scene::{Disc, Side, System, Touching};
 use links::Links;
 
 /// Fingers and bodies of a system at a node of its motion.
@@ -58,13 +58,11 @@ fn told(system: &System) -> impl Iterator<Item = (&Disc, Option<usize>)> {
     })
 }
 
-/// The normal of a contact as a sample has it, given that of the plan, which points to the first of its bodies: of a gripper away from
-/// the object, off palm and table too.
-pub(super) fn normal(system: &System, place: usize, normal: [f64; 2]) -> [f64; 2] {
-    match system.places().get(place) {
-        Some(Place::Palm | Place::Table) => normal.map(|part| -part),
-        Some(Place::Finger(..)) | None => normal,
-    }
+/// Which contacts have the normal turned round that the plan has, which points to the first of its bodies: where there are fingers it
+/// points away from discs, off palm and table too.
+pub(super) fn turned(system: &System) -> Vec<bool> {
+    let is_plane = |touching: &Touching| matches!(touching, Touching::Palm(_) | Touching::Table(_));
+    system.touching().iter().map(|touching| !system.fingers.is_empty() && is_plane(touching)).collect()
 }
 
 /// The stored energies of the node.
