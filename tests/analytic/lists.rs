@@ -59,15 +59,16 @@ fn pushing_two() -> Scene {
 /// Two fingers with two objects, one on the other.
 fn two_objects() -> Scene {
     let mut scene = load(GRIPPER);
+    scene.system.gravity_m_s2 = [0.0, -9.81];
     let Circle { radius_m, centre_m: [x, y] } = scene.system.grasped().circle();
-    scene.system.discs.push(disc("ball", 0.008, [x + 1e-3, y + radius_m + 0.00795], free(0.015, None)));
+    scene.system.discs.push(disc("ball", 0.008, [x + 1e-3, y + radius_m + 0.00795], free(0.015, Some(5e-7))));
     scene.system.between_discs = Some(LAW);
     scene.duration_s = 0.01;
     scene
 }
 
 fn with_bristles(mut scene: Scene) -> Scene {
-    let bristle = Bristle { damping_n_s_per_m: 40.0, relaxation_s: 1e-3 };
+    let bristle = Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 };
     let hold = |law: &mut ContactLaw| law.friction.iter_mut().for_each(|friction| friction.bristle = Some(bristle));
     scene.system.between_discs.iter_mut().for_each(hold);
     scene.system.palm.iter_mut().filter_map(|palm| palm.contact.as_mut()).for_each(hold);
@@ -80,7 +81,7 @@ fn driven() -> Scene {
     let mut scene = load(GRIPPER);
     scene.system.palm = None;
     scene.system.grasped_mut().motion =
-        DiscMotion::Driven { velocity_m_s: [0.2, -0.3], acceleration_m_s2: [5.0, 3.0], spin_rad_s: 4.0 };
+        DiscMotion::Driven { velocity_m_s: [0.05, 0.1], acceleration_m_s2: [5.0, 8.0], spin_rad_s: 4.0 };
     scene.duration_s = 0.01;
     scene
 }
@@ -142,9 +143,9 @@ fn both_models_agree() {
         let (everyday, _) = ran(Model::Analytic, Preset::Engineering, &scene);
         let (engine, _) = ran(Model::Engine, Preset::Reference, &at_steps(Model::Engine, scene.clone()));
         let [off, engine_off] = [&everyday, &engine].map(|other| apart(&scene.system, &fine, other));
-        println!("{name}: everyday {off:.1e}, engine {engine_off:.1e}");
-        assert!(off < 1e-6, "{name}: everyday {off:.1e}");
-        assert!(engine_off < 1e-3, "{name}: engine {engine_off:.1e}");
+        // As everyday runs are meant to be, to their relative tolerance; the engine comes as near.
+        assert!(off < 1e-5, "{name}: everyday {off:.1e}");
+        assert!(engine_off < 3e-5, "{name}: engine {engine_off:.1e}");
         let touched =
             |outcome: &Outcome| outcome.contacts.iter().map(|contact| contact.first_s.is_some()).collect::<Vec<_>>();
         assert_eq!(touched(&fine), touched(&engine), "{name}: {:?}", Layout::of(&scene.system).contacts);
@@ -309,7 +310,11 @@ fn the_jacobian_is_that_of_the_accelerations() {
                 rates.a.into_iter().chain(rates.g).collect::<Vec<_>>()
             };
             // Differences of order 4, over a part of the depth at which contacts press.
-            let h = if by_rate { 1e-4 } else { 1e-9 };
+            let h = match (by_rate, name) {
+                (true, "bristles") => 1e-8,
+                (true, _) => 1e-5,
+                (false, _) => 1e-11,
+            };
             let ([a, b], [c, d]) = ([at(h), at(-h)], [at(2.0 * h), at(-2.0 * h)]);
             for (i, (value, _)) in at(0.0).into_iter().zip(&a).enumerate() {
                 let difference = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h);
@@ -320,7 +325,7 @@ fn the_jacobian_is_that_of_the_accelerations() {
                 };
                 let row = rows[usize::from(by_rate)];
                 let largest = row.iter().fold(0.0f64, |most, entry| most.max(entry.abs()));
-                let noise = 1e-13 * value.abs() / h;
+                let noise = 1e-15 * value.abs().max(largest) / h;
                 assert!(
                     (row[j] - difference).abs() <= 2e-5 * largest + 30.0 * noise,
                     "{name}: output {i} by {} {j}: {:e}, by differences {difference:e}",

@@ -19,10 +19,10 @@ pub struct System {
     pub palm_width_m: f64,
     /// One input that drives both fingers.
     pub differential: Option<Differential>,
-    /// Where there are fingers at most one, which they grasp, fixed or free; one finger alone grasps what does not move. Without fingers
-    /// any, in the order of their names.
+    /// Where there are fingers, the first is what they grasp: all that scene files have with fingers. Without fingers they are in the order
+    /// of their names.
     pub discs: Vec<Disc>,
-    /// Law by which discs touch one another; `None` where there are fingers.
+    /// Law by which discs touch one another; `None` where there are fewer than two.
     pub between_discs: Option<ContactLaw>,
     /// What is solid below: the palm, for discs only, or the ground; `None` where it is open.
     pub palm: Option<HalfPlane>,

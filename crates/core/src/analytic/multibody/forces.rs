@@ -213,9 +213,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations of discs that move as told.
     #[inline(always)]
     pub(super) fn drive_discs(&self, a: &mut [f64; N]) {
-        if Self::GRASP {
-            return;
-        }
         for (first, told) in self.discs.iter().filter_map(|disc| Some((disc.first, disc.driven?))) {
             a[first..first + 2].copy_from_slice(&told);
         }

@@ -94,7 +94,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
 
     fn longest_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> f64 {
         let mut longest = f64::INFINITY;
-        if Self::GRASP {
+        if self.discs.iter().all(|disc| disc.driven.is_none()) {
             return longest;
         }
         for index in &self.between {
