@@ -27,51 +27,72 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
     if let Some(why) = system.objection() {
         return Err(none_at_all(why.to_string()));
     }
-    let holds = system.holds();
-    match (scene.kind(), system.discs.len()) {
-        (SceneKind::Finger, _) if is_closing(system) => match holds {
+    match scene.kind() {
+        SceneKind::Finger if is_closing(system) => match system.holds() {
             true => finger::<4, 6>(scene, span, sink),
             false => finger::<2, 4>(scene, span, sink),
         },
-        // Both of six places, palm and table; of 4, 7 or 8 coordinates, and of up to 16 with the memories of bristles.
-        (SceneKind::Gripper, 0 | 1) => up_to_ejection(system, sink, |sink| match Size::of(system).coordinates {
-            _ if holds => parts::<16, 8, 10, 24>(scene, span, sink),
-            4 => parts::<4, 8, 10, 24>(scene, span, sink),
-            7 => parts::<7, 8, 10, 24>(scene, span, sink),
-            _ => parts::<8, 8, 10, 24>(scene, span, sink),
-        }),
-        #[cfg(feature = "lists")]
-        (SceneKind::Bodies, _) => match of_discs(system).map(|moving| (moving, holds)) {
-            Ok((0, _)) => Ok(Outcome::default()),
-            Ok((1, true)) => parts::<7, 12, 14, 36>(scene, span, sink),
-            Ok((2, true)) => parts::<12, 12, 14, 36>(scene, span, sink),
-            Ok((_, true)) => parts::<18, 12, 14, 36>(scene, span, sink),
-            Ok((1, false)) => parts::<3, 12, 14, 36>(scene, span, sink),
-            Ok((2, false)) => parts::<6, 12, 14, 36>(scene, span, sink),
-            Ok((_, false)) => parts::<9, 12, 14, 36>(scene, span, sink),
-            Err(too_many) => Err(too_large(&too_many)),
-        },
-        #[cfg(feature = "lists")]
-        _ => {
-            let (of, most) = (Size::of(system), ROOM[usize::from(holds)]);
-            // Coordinates that are not there have no errors: the tolerances make up for their part in the mean of all.
-            let part = (of.coordinates as f64 / most.coordinates as f64).sqrt();
-            match (of.fits(&most), holds) {
-                (false, _) => Err(too_large(&TooMany::Parts { of, most })),
-                (true, false) => parts_within::<{ ROOM[0].coordinates }, 24, 26, 72>(scene, part, span, sink),
-                (true, true) => parts_within::<{ ROOM[1].coordinates }, 24, 26, 72>(scene, part, span, sink),
-            }
-        }
-        #[cfg(not(feature = "lists"))]
-        _ => Err(none_at_all(
-            "this build has no analytic model but of a finger and of a gripper with one object".to_string(),
-        )),
+        SceneKind::Finger => list(scene, span, sink),
+        SceneKind::Bodies => discs(scene, span, sink),
+        SceneKind::Gripper => up_to_ejection(system, sink, |sink| gripper(scene, span, sink)),
+    }
+}
+
+/// Two fingers with what they grasp, which have six places, palm and table: of 4, 7 or 8 coordinates, or of up to 16 with the memories of
+/// bristles.
+fn gripper(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let system = &scene.system;
+    match (system.discs.len(), system.holds(), Size::of(system).coordinates) {
+        (0 | 1, false, 4) => parts::<4, 8, 10, 24>(scene, span, sink),
+        (0 | 1, false, 7) => parts::<7, 8, 10, 24>(scene, span, sink),
+        (0 | 1, false, 8) => parts::<8, 8, 10, 24>(scene, span, sink),
+        (0 | 1, true, ..=16) => parts::<16, 8, 10, 24>(scene, span, sink),
+        _ => list(scene, span, sink),
+    }
+}
+
+/// Discs alone.
+#[cfg(feature = "lists")]
+fn discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    match of_discs(&scene.system).map(|moving| (moving, scene.system.holds())) {
+        Ok((0, _)) => Ok(Outcome::default()),
+        Ok((1, true)) => parts::<7, 12, 14, 36>(scene, span, sink),
+        Ok((2, true)) => parts::<12, 12, 14, 36>(scene, span, sink),
+        Ok((_, true)) => parts::<18, 12, 14, 36>(scene, span, sink),
+        Ok((1, false)) => parts::<3, 12, 14, 36>(scene, span, sink),
+        Ok((2, false)) => parts::<6, 12, 14, 36>(scene, span, sink),
+        Ok((_, false)) => parts::<9, 12, 14, 36>(scene, span, sink),
+        Err(too_many) => Err(too_large(&too_many)),
+    }
+}
+
+/// Anything that has room.
+#[cfg(feature = "lists")]
+fn list(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    let (of, holds) = (Size::of(&scene.system), scene.system.holds());
+    let most = ROOM[usize::from(holds)];
+    // Coordinates that are not there have no errors: the tolerances make up for their part in the mean of all.
+    let part = (of.coordinates as f64 / most.coordinates as f64).sqrt();
+    match (of.fits(&most), holds) {
+        (false, _) => Err(too_large(&TooMany::Parts { of, most })),
+        (true, false) => parts_within::<{ ROOM[0].coordinates }, 24, 26, 72>(scene, part, span, sink),
+        (true, true) => parts_within::<{ ROOM[1].coordinates }, 24, 26, 72>(scene, part, span, sink),
     }
 }
 
 #[cfg(feature = "lists")]
 fn too_large(too_many: &TooMany) -> RunError {
     none_at_all(format!("{too_many}, or simulate with `--model engine`, which takes any number"))
+}
+
+#[cfg(not(feature = "lists"))]
+fn discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    list(scene, span, sink)
+}
+
+#[cfg(not(feature = "lists"))]
+fn list(_: &Scene, _: Span, _: &mut dyn Sink) -> Result<Outcome, RunError> {
+    Err(none_at_all("this build has no analytic model but of a finger and of a gripper with one object".to_string()))
 }
 
 /// Whether it is one finger that closes on what does not move, driven by a torque alone: the kernel of a finger knows of nothing else.
@@ -96,7 +117,7 @@ fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut 
     simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
 }
 
-/// Of a system that has room in N coordinates and C contacts, with as many quadratures and guards.
+/// Of a system that has room in N coordinates and C contacts, with Z quadratures and G guards.
 fn parts<const N: usize, const C: usize, const Z: usize, const G: usize>(
     scene: &Scene,
     span: Span,

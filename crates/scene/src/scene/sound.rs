@@ -20,7 +20,7 @@ impl System {
                 "the palm moves, but a disc is fixed or driven: take the motion of the palm out, or let the disc go",
             ),
             (
-                fingers == 0 && self.between_discs.is_none() || self.touching().iter().any(lawless),
+                fingers == 0 && self.between_discs.is_none() || fingers < 3 && self.touching().iter().any(lawless),
                 "discs have no law by which they touch: give between_discs",
             ),
         ];
