@@ -1,10 +1,11 @@
 //! Friction that holds, by itself: discs whose motion has a closed form.
 
-use phalanx::scene::{self, Preset, Scene};
+use phalanx::law::{Bristle, FrictionLaw};
+use phalanx::scene::{self, DiscMotion, Preset, Scene};
 use phalanx::trace::{EventKind, Model, Outcome, Sample, Sink, SinkError};
 
 use crate::support::held;
-use crate::support::laws::{self, BOTH, complete, with_law};
+use crate::support::laws::{self, BOTH, FRICTION, THESIS, complete, with_law};
 
 const G: f64 = 9.81;
 
@@ -244,6 +245,34 @@ fn a_mass_that_sticks_and_slips_says_when() {
             let dry = if kind == EventKind::Slips { slipping } else { sticking };
             let off = ((to_s - from_s) / dry - 1.0).abs();
             assert!(off < 0.02, "{}: {kind:?} for {} s, not {dry}", model.name(), to_s - from_s);
+        }
+    }
+}
+
+/// Where a contact has been left, or only just touches, nothing is held: the engine's steps of a given length get past that.
+#[test]
+fn what_has_parted_is_not_held() {
+    let (object, ball) = ([0.0, 0.02], [1e-3, 0.04795]);
+    let mass = |mass_kg: f64, radius_m: f64| DiscMotion::Free {
+        mass_kg,
+        inertia_kg_m2: Some(0.5 * mass_kg * radius_m * radius_m),
+        velocity_m_s: [0.0; 2],
+        spin_rad_s: 0.0,
+    };
+    let discs = vec![
+        laws::disc("object", 0.02, object, mass(0.053784, 0.02)),
+        laws::disc("ball", 8e-3, ball, mass(0.015, 8e-3)),
+    ];
+    let friction = FrictionLaw { bristle: Some(Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 }), ..FRICTION };
+    let mut scene = laws::on_plane(laws::scene(discs, THESIS, Some(friction), 1e-3));
+    scene.system.gravity_m_s2 = [0.0, G];
+    let (analytic, _) = run(Model::Analytic, &scene);
+    for step_s in [1e-6, 2.5e-7] {
+        let (engine, _) = run(Model::Engine, &laws::stepped(&scene, step_s));
+        for (a, b) in analytic.last.bodies.iter().zip(&engine.last.bodies) {
+            let off = (0..2).map(|i| (a.centre_m[i] - b.centre_m[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{step_s:e} s: {off:.1e} m");
+            assert!((b.velocity_m_s[1] - G * 1e-3).abs() < 1e-6, "they fall");
         }
     }
 }

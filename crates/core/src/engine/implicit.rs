@@ -15,6 +15,8 @@ const CERTIFIED: f64 = 1e-9;
 const WANTED: f64 = 1e-10;
 /// Part of its terms below which a residual is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Friction that holds has no digits below those of this force, N: where what presses comes to nothing, slips are of 1e-26 m/s.
+const FINEST_N: f64 = 1.0;
 const MAX_ITERATIONS: u32 = 30;
 const MAX_HALVINGS: u32 = 12;
 
@@ -153,7 +155,7 @@ impl Workspace {
                 self.known[t] = match site.touch.bristle() {
                     Some(bristle) => {
                         self.slips[index] = found.by_normal != 0.0;
-                        found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs())
+                        found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs()).max(FINEST_N)
                     }
                     None => law.force.abs() * found.by_normal.abs().max(1.0),
                 };

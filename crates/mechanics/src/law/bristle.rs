@@ -93,6 +93,10 @@ pub fn stepped(
     let held = c * (memory + (1.0 + part) * slip);
     let upper = if one_way { 0.0 } else { most };
     if held <= upper && held >= -most {
+        // Nothing holds where nothing presses, however little there is to hold: a slope there is one that no slip finds again.
+        if most == 0.0 {
+            return Stepped { pull: 0.0, by_slip: 0.0, by_normal: 0.0, memory: memory / (1.0 + part) };
+        }
         return Stepped { pull: held, by_slip: c * (1.0 + part), by_normal: 0.0, memory: memory + part * slip };
     }
     let sign = if held > upper { if one_way { 0.0 } else { 1.0 } } else { -1.0 };
@@ -113,6 +117,15 @@ mod tests {
     const BRISTLE: Bristle = Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 };
     const LAW: FrictionLaw =
         FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: Some(BRISTLE) };
+
+    #[test]
+    fn nothing_is_held_where_nothing_presses() {
+        for slip in [-1e-12, 0.0, 1e-12] {
+            let found = stepped(&LAW, &BRISTLE, [slip, 0.0, 0.0], 1e-7, false);
+            assert_eq!((found.pull, found.by_slip, found.memory), (0.0, 0.0, 0.0), "{slip}");
+        }
+        assert!(stepped(&LAW, &BRISTLE, [0.0, 0.0, 1e-9], 1e-7, false).by_slip > 0.0);
+    }
 
     #[test]
     fn the_cone_is_even_and_holds_what_sticks() {
