@@ -148,6 +148,23 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Rates<N, Z> {
+        if Self::GRASP { self.rates_here(t, (q, v), mode) } else { self.rates_apart(t, (q, v), mode) }
+    }
+
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Linearised<N, Z> {
+        self.with_slopes(t, (q, v), mode)
+    }
+}
+
+impl<const N: usize, const C: usize> Multibody<N, C> {
+    /// Called, not written out wherever an integrator asks for it: what is simulated by the thousand is a grasp, and to compile takes time.
+    #[inline(never)]
+    fn rates_apart<const Z: usize>(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &mode::Mode<C>) -> Rates<N, Z> {
+        self.rates_here(t, state, mode)
+    }
+
+    #[inline(always)]
+    fn rates_here<const Z: usize>(&self, t: f64, (q, v): (&[f64; N], &[f64; N]), mode: &mode::Mode<C>) -> Rates<N, Z> {
         const { assert!(Z == quadratures(C)) };
         let mut sums = Sums { load: [0.0; N], g: [0.0; Z] };
         let field = self.felt(t).field;
@@ -204,12 +221,6 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
         Rates { a, g: sums.g }
     }
 
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Linearised<N, Z> {
-        self.with_slopes(t, (q, v), mode)
-    }
-}
-
-impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations of discs that move as told.
     #[inline(always)]
     pub(super) fn drive_discs(&self, a: &mut [f64; N]) {

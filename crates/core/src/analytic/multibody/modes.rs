@@ -26,8 +26,29 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     fn asked(
         &self,
+        state: (&[f64; N], &[f64; N]),
+        posture: impl Fn(usize) -> Posture,
+        index: usize,
+    ) -> Option<Asked<'_, N>> {
+        if Self::GRASP { self.asked_here(state, posture, index) } else { self.asked_apart(state, &posture, index) }
+    }
+
+    /// The same, compiled once.
+    #[inline(never)]
+    fn asked_apart(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        posture: &dyn Fn(usize) -> Posture,
+        index: usize,
+    ) -> Option<Asked<'_, N>> {
+        self.asked_here(state, posture, index)
+    }
+
+    #[inline(always)]
+    fn asked_here(
+        &self,
         (q, v): (&[f64; N], &[f64; N]),
-        posture: impl FnOnce(usize) -> Posture,
+        posture: impl Fn(usize) -> Posture,
         index: usize,
     ) -> Option<Asked<'_, N>> {
         let contact = self.contacts.get(index)?.as_ref()?;
@@ -47,7 +68,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     fn guard(
         &self,
         state: (&[f64; N], &[f64; N]),
-        posture: impl FnOnce(usize) -> Posture,
+        posture: impl Fn(usize) -> Posture,
         mode: &mode::Mode<C>,
         guard: usize,
     ) -> Guard<N> {
