@@ -43,6 +43,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             [x, y]
         };
         match contact.meet {
+            Meet::Phalanx { .. } | Meet::Stop { .. } if Self::DISCS => unreachable!("there are no fingers"),
             Meet::Phalanx { finger, site, disc } => {
                 let (part, disc_part) = (&self.fingers[finger], &self.discs[disc]);
                 let ((pose, rates), mirror) = (posture(finger), part.side.mirror());

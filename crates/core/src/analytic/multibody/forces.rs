@@ -170,14 +170,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let field = self.felt(t).field;
         let mut masses = [[0.0; 3]; FINGERS];
         // Written out for both fingers, every index is a constant.
-        if let Some(right) = self.fingers.first() {
+        if let Some(right) = self.fingers.first().filter(|_| !Self::DISCS) {
             masses[0] = self.add_finger((0, right), (q, v), (mode, &field), &mut sums);
         }
-        if let Some(left) = self.fingers.get(1) {
+        if let Some(left) = self.fingers.get(1).filter(|_| !Self::DISCS) {
             masses[1] = self.add_finger((1, left), (q, v), (mode, &field), &mut sums);
         }
         let driven = self.driven(v);
-        for (index, drive) in self.drives.iter().enumerate() {
+        for (index, drive) in self.drives.iter().enumerate().filter(|_| !Self::DISCS) {
             let (pull, memory) = (drive.pull(t, driven), self.brake_of(index));
             (0..self.count()).for_each(|finger| sums.load[2 * finger] += drive.weights[finger] * pull.torque);
             sums.g[Self::WORK] += pull.torque * pull.rate;

@@ -2,6 +2,7 @@
 
 use super::drive::Drive;
 use super::parts::{DiscPart, FingerPart, Joined, Meet, Plane};
+use super::size::PAIRS;
 use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::Landing;
@@ -80,6 +81,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         assert!(size.fits(&Size { coordinates: N, contacts: C }), "{size:?} in {N}, {C}");
         let is_grasp = system.fingers.len() == FINGERS && system.discs.len() < 2 && size.coordinates == N;
         assert!(is_grasp || !Self::GRASP, "two fingers and at most one disc, of {N} coordinates");
+        assert!(system.fingers.is_empty() || !Self::DISCS, "discs alone");
         let [x, y] = system.gravity_m_s2;
         let half_palm = 0.5 * system.palm_width_m;
         let (discs, time) = discs(system, 2 * system.fingers.len(), N);
@@ -229,10 +231,17 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// a tenth of the instructions of a closing.
     pub(super) const GRASP: bool = C == Place::ALL.len() && N <= 2 * FINGERS + 4;
 
+    /// Whether discs alone are all that there is room for: nothing of a finger is compiled then.
+    pub(super) const DISCS: bool = C == PAIRS;
+
     /// How many fingers there are.
     #[inline(always)]
     pub(super) fn count(&self) -> usize {
-        if Self::GRASP { FINGERS } else { self.fingers.len() }
+        match (Self::GRASP, Self::DISCS) {
+            (true, _) => FINGERS,
+            (_, true) => 0,
+            _ => self.fingers.len(),
+        }
     }
 
     /// How many discs.
@@ -256,7 +265,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Whether the palm moves, and with it the frame.
     #[inline(always)]
     pub(super) fn moves(&self) -> bool {
-        if Self::GRASP { N > 2 * FINGERS + 3 } else { self.time.is_some() }
+        if Self::GRASP { N > 2 * FINGERS + 3 } else { !Self::DISCS && self.time.is_some() }
     }
 
     /// The memory of a contact's bristle.

@@ -15,7 +15,9 @@ use crate::numeric::plane::dot;
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     fn terms(&self, q: &[f64; N]) -> [Option<Terms<f64>>; FINGERS] {
-        std::array::from_fn(|finger| self.fingers.get(finger).map(|part| part.model.terms(Self::own(finger, q))))
+        std::array::from_fn(|finger| {
+            (finger < self.count()).then(|| self.fingers[finger].model.terms(Self::own(finger, q)))
+        })
     }
 
     fn inertia(&self, terms: &[Option<Terms<f64>>; FINGERS]) -> Inertia<'_, N, C> {

@@ -52,7 +52,7 @@ impl Size {
 const MOVING: usize = 3;
 
 /// Pairs of discs alone.
-const PAIRS: usize = 12;
+pub(super) const PAIRS: usize = 12;
 
 /// Pairs that may hold where so many discs move: as many memories are there.
 const HOLDING: [usize; MOVING + 1] = [0, 4, 6, 9];

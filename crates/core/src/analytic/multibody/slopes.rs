@@ -104,10 +104,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let mut sums = Sums::<N, Z>::ZERO;
         let felt = self.felt(t);
         let mut masses = [[Dual::zero(); 3]; FINGERS];
-        if let Some(right) = self.fingers.first() {
+        if let Some(right) = self.fingers.first().filter(|_| !Self::DISCS) {
             masses[0] = self.add_finger_slopes((0, right), (q, v), (mode, &felt), &mut sums);
         }
-        if let Some(left) = self.fingers.get(1) {
+        if let Some(left) = self.fingers.get(1).filter(|_| !Self::DISCS) {
             masses[1] = self.add_finger_slopes((1, left), (q, v), (mode, &felt), &mut sums);
         }
         self.add_drive_slopes(t, v, &mut sums);
@@ -342,7 +342,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     fn add_drive_slopes<const Z: usize>(&self, t: f64, v: &[f64; N], sums: &mut Sums<N, Z>) {
         let (driven, fingers) = (self.driven(v), self.count());
-        for (index, drive) in self.drives.iter().enumerate() {
+        for (index, drive) in self.drives.iter().enumerate().filter(|_| !Self::DISCS) {
             let memory = self.brake_of(index);
             sums.add_pull(&drive.pull(t, driven), (drive.weights, fingers), Self::WORK);
             let Some(hold) = drive.hold(t, driven, memory.map(|memory| v[memory])) else { continue };
