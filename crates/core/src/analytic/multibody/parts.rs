@@ -119,7 +119,7 @@ impl Joined {
     /// Its laws, where it presses.
     #[inline(always)]
     pub fn laws(&self, state: SiteState) -> Option<Laws<'_>> {
-        state.presses().then(|| Laws { normal: &self.normal, friction: self.friction.as_ref(), state })
+        state.presses().then_some(Laws { normal: &self.normal, friction: self.friction.as_ref(), state })
     }
 
     /// The laws as one.
