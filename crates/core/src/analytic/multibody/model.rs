@@ -94,7 +94,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             bristle.map(|_| memory)
         };
         for contact in contacts.iter_mut().flatten() {
-            contact.memory = remembered(contact.law().bristle());
+            contact.memory = remembered(contact.bristle());
         }
         let of = |finger: usize| {
             let is_its = |meet: Meet| match meet {

@@ -5,7 +5,7 @@ use crate::analytic::SiteState;
 use crate::analytic::finger::FingerModel;
 use crate::fivebar::carried::Carried;
 use crate::gripper::Site;
-use crate::law::{ContactLaw, FrictionLaw, NormalLaw};
+use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::scene::{Disc, DiscMotion, Side};
 
 /// A finger, and its contacts among all.
@@ -122,8 +122,8 @@ impl Joined {
         state.presses().then_some(Laws { normal: &self.normal, friction: self.friction.as_ref(), state })
     }
 
-    /// The laws as one.
-    pub fn law(&self) -> ContactLaw {
-        ContactLaw { normal: self.normal, friction: self.friction }
+    /// What holds in it.
+    pub fn bristle(&self) -> Option<Bristle> {
+        self.friction.and_then(|friction| friction.bristle)
     }
 }
