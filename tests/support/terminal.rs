@@ -72,18 +72,18 @@ fn seen((mut child, ours, mut theirs): (Child, File, File)) -> Seen {
         let mut text = String::new();
         pipe.read_to_string(&mut text).map(|_| text)
     });
-    // A terminal whose other end is closed may end before all that was written to it was read: so ours stays open, and
-    // says itself when the command has ended.
+    // A terminal whose other end is closed may end before all that was written to it was read: the kernel looks for input first, and
+    // then whether the end is closed. So ours says itself when the command has ended, and stays open until that has been read.
     let status = thread::spawn(move || {
         let status = child.wait().expect("ended").code();
         theirs.write_all(&[END]).expect("a terminal that is read");
-        status
+        (status, theirs)
     });
     let mut bytes = Vec::new();
     BufReader::new(ours).read_until(END, &mut bytes).expect("an open terminal");
     assert_eq!(bytes.pop(), Some(END), "the terminal ended by itself");
     let other = other.join().expect("read").expect("text");
-    let status = status.join().expect("waited for");
+    let (status, _theirs) = status.join().expect("waited for");
     Seen { screen: String::from_utf8(bytes).expect("text").replace("\r\n", "\n"), other, status }
 }
 
