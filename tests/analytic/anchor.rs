@@ -29,7 +29,7 @@ fn anchor_with(settings: Integrator) -> (Outcome, Collect) {
 /// Tolerances of times in s, angles in rad, forces relative, and whether half a printed digit is granted on top.
 fn assert_is_the_anchor(settings: Integrator, time: f64, angle: f64, force: f64, digits: f64) {
     let (outcome, log) = anchor_with(settings);
-    let contact = |site| log.first_touch(site).expect("contact");
+    let contact = |site| log.first_touch(site as usize).expect("contact");
     let time = time + digits * HALF_DIGIT_S;
     assert_near(contact(Site::Proximal), FIRST_CONTACT_S, time, "first contact");
     assert_near(contact(Site::Distal), SECOND_CONTACT_S, time, "second contact");

@@ -2,10 +2,10 @@
 
 use phalanx::law::{Bristle, FrictionLaw};
 use phalanx::scene::{self, DiscMotion, Preset, Scene};
-use phalanx::trace::{EventKind, Model, Outcome, Sample, Sink, SinkError};
+use phalanx::trace::{EventKind, Model, Outcome, Sample};
 
 use crate::support::held;
-use crate::support::laws::{self, BOTH, FRICTION, THESIS, complete, with_law};
+use crate::support::laws::{self, BOTH, Collect, FRICTION, THESIS, complete, with_law};
 
 const G: f64 = 9.81;
 
@@ -13,26 +13,12 @@ fn load(name: &str) -> Scene {
     scene::load_any(format!("scenes/laws/bristle-{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-#[derive(Default)]
-struct Kept(Vec<Sample>);
-
-impl Sink for Kept {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.0.push(sample.clone());
-        Ok(())
-    }
-
-    fn event(&mut self, _: &phalanx::trace::Event) -> Result<(), SinkError> {
-        Ok(())
-    }
-}
-
 fn run(model: Model, scene: &Scene) -> (Outcome, Vec<Sample>) {
     let mut scene = scene.clone();
     scene.integrator = scene.integrator.with_preset(Preset::Reference);
-    let mut kept = Kept::default();
-    let outcome = held::run_bodies(model, &scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
-    (outcome, kept.0)
+    let mut kept = Collect::default();
+    let outcome = held::run(model, &scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+    (outcome, kept.samples)
 }
 
 /// What both models are held to.

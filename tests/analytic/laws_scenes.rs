@@ -67,8 +67,7 @@ fn run(model: Model, name: &str) -> (Outcome, Listener) {
     scene.integrator = scene.integrator.with_preset(Preset::Reference);
     let pairs = scene.system.pairs().len();
     let mut listener = Listener { rebounds: Rebounds::new(pairs), ..Listener::default() };
-    let outcome =
-        crate::support::held::run_bodies(model, &scene, &mut listener).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let outcome = crate::support::held::run(model, &scene, &mut listener).unwrap_or_else(|e| panic!("{name}: {e}"));
     (outcome, listener)
 }
 

@@ -2,42 +2,13 @@
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
 use phalanx::scene::{Axis, DiscMotion, Integrator, Move, Preset, Scene, Side, Stepping};
-use phalanx::trace::{Energy, Event, EventKind, Model, Outcome, Sample, Sink, SinkError, run};
+use phalanx::trace::{Energy, Model, Outcome, Sample, run};
 
+use crate::support::collect::Collect;
 use crate::support::grippers::{anchor, anchors};
 
-#[derive(Default)]
-struct Kept {
-    samples: Vec<Sample>,
-    events: Vec<Event>,
-}
-
-impl Sink for Kept {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(sample.clone());
-        Ok(())
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
-        Ok(())
-    }
-}
-
-impl Kept {
-    fn first_touch(&self, place: usize) -> Option<f64> {
-        self.events.iter().find(|e| e.contact == place && e.kind == EventKind::TouchDown).map(|e| e.time_s)
-    }
-
-    /// The sample at a time of the grid.
-    fn at(&self, time_s: f64) -> &Sample {
-        let near = |sample: &&Sample| (sample.time_s - time_s).abs() < 1e-12;
-        self.samples.iter().find(near).unwrap_or_else(|| panic!("no sample at {time_s} s"))
-    }
-}
-
-fn kept(model: Model, scene: &Scene) -> (Kept, Outcome) {
-    let mut kept = Kept::default();
+fn kept(model: Model, scene: &Scene) -> (Collect, Outcome) {
+    let mut kept = Collect::default();
     let outcome = run(model, scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     (kept, outcome)
 }
@@ -47,13 +18,14 @@ fn reference(scene: &Scene) -> Scene {
 }
 
 /// Largest difference of angles, and of positions in object radii, over the grid of the log.
-fn apart(scene: &Scene, a: &Kept, b: &Kept) -> f64 {
+fn apart(scene: &Scene, a: &Collect, b: &Collect) -> f64 {
     let steps = (scene.duration_s * scene.log.numeric_hz).round() as usize;
     let radius = scene.system.grasped().radius_m;
     let mut most = 0.0f64;
     for k in 0..=steps {
         let time_s = k as f64 / scene.log.numeric_hz;
         let (a, b) = (a.at(time_s), b.at(time_s));
+        assert!([a, b].iter().all(|sample| (sample.time_s - time_s).abs() < 1e-12), "no sample at {time_s} s");
         for (a, b) in a.fingers.iter().zip(&b.fingers) {
             let angles = [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad, a.q12_rad - b.q12_rad, a.q22_rad - b.q22_rad];
             most = angles.iter().fold(most, |most, angle| most.max(angle.abs()));
@@ -66,7 +38,7 @@ fn apart(scene: &Scene, a: &Kept, b: &Kept) -> f64 {
 }
 
 /// The same of the engine at a hundredth of its tolerance.
-fn finely_apart(scene: &Scene, exact: &Kept) -> f64 {
+fn finely_apart(scene: &Scene, exact: &Collect) -> f64 {
     let mut fine = scene.clone();
     fine.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-9, max_step_s: 6e-5 };
     apart(&fine, exact, &kept(Model::Engine, &fine).0)

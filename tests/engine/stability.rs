@@ -23,7 +23,7 @@ fn created(run: &Collect) -> f64 {
 
 /// Largest gap of a phalanx after its first touch: a rebound, where the law of the anchor allows none.
 fn rebound(run: &Collect, site: Site) -> f64 {
-    let touch = run.first_touch(site).expect("a touch-down");
+    let touch = run.first_touch(site as usize).expect("a touch-down");
     let gap = |sample: &Sample| match site {
         Site::Proximal => sample.contact(Site::Proximal).gap_m,
         _ => sample.contact(Site::Distal).gap_m,

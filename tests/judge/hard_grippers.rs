@@ -7,10 +7,11 @@ use std::path::Path;
 
 use phalanx::check::pushed;
 use phalanx::criteria::{Fate, GraspCriteria, GraspTracker};
-use phalanx::invariants::Finding;
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, Sink};
-use phalanx::validate::{Recording, compare, invariants, judge, record, reference, sampled};
+use phalanx::validate::{Recording, compare, invariants, judge, reference, sampled};
+
+use crate::support::held::{assert_held, recorded};
 
 const GRIPPERS: [&str; 28] = [
     "gripper/bought",
@@ -50,16 +51,6 @@ const CHAOTIC: [(&str, f64); 1] = [("hard/gripper-light", 1e-2)];
 
 fn load(name: &str) -> Scene {
     scene::load_any(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn recorded(model: Model, scene: &Scene) -> Recording {
-    record(model, scene).unwrap_or_else(|error| panic!("{}: {} model: {error}", scene.name, model.name()))
-}
-
-#[track_caller]
-fn assert_held(found: &[Finding], what: &str) {
-    let broken: Vec<String> = found.iter().filter(|found| found.is_broken()).map(Finding::to_string).collect();
-    assert!(broken.is_empty(), "{what}: {}", broken.join("; "));
 }
 
 /// What a recorded run came to.

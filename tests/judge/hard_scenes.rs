@@ -4,25 +4,14 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use phalanx::integrator::Reason;
-use phalanx::invariants::Finding;
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, RunError, Site, run};
-use phalanx::validate::{
-    MOST_ERRORS, Recording, compare, invariants, record, reference, sampled, statistics, verdicts,
-};
+use phalanx::validate::{MOST_ERRORS, Recording, compare, invariants, reference, sampled, statistics, verdicts};
+
+use crate::support::held::{assert_held, recorded};
 
 fn load(name: &str) -> Scene {
     scene::load(format!("scenes/hard/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn recorded(model: Model, scene: &Scene) -> Recording {
-    record(model, scene).unwrap_or_else(|error| panic!("{}: {} model: {error}", scene.name, model.name()))
-}
-
-#[track_caller]
-fn assert_held(found: &[Finding], what: &str) {
-    let broken: Vec<String> = found.iter().filter(|found| found.is_broken()).map(Finding::to_string).collect();
-    assert!(broken.is_empty(), "{what}: {}", broken.join("; "));
 }
 
 /// The everyday preset is as near to the reference along the whole path…

@@ -1,12 +1,13 @@
 //! Scenes of discs by hand, runs of both models, and what is read off them.
 
+pub use super::collect::Collect;
 use super::held;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System,
 };
-use phalanx::trace::{Event, EventKind, Model, Outcome, Sample, Sink, SinkError};
+use phalanx::trace::{Model, Outcome};
 
 pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
 
@@ -98,39 +99,11 @@ pub fn stepped(scene: &Scene, step_s: f64) -> Scene {
     scene
 }
 
-/// Keeps a whole run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Collect {
-    pub samples: Vec<Sample>,
-    pub events: Vec<Event>,
-}
-
-impl Sink for Collect {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(sample.clone());
-        Ok(())
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
-        Ok(())
-    }
-}
-
-impl Collect {
-    /// Time of the first event of a kind at a pair.
-    #[track_caller]
-    pub fn time(&self, pair: usize, kind: EventKind) -> f64 {
-        let found = self.events.iter().find(|event| event.contact == pair && event.kind == kind);
-        found.unwrap_or_else(|| panic!("no {kind:?} at pair {pair}")).time_s
-    }
-}
-
 /// Runs a scene that must get to its end.
 #[track_caller]
 pub fn complete(model: Model, scene: &Scene) -> (Outcome, Collect) {
     let mut log = Collect::default();
-    let outcome = held::run_bodies(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
+    let outcome = held::run(model, scene, &mut log).unwrap_or_else(|error| panic!("{}: {error}", model.name()));
     let times: Vec<f64> = log.samples.iter().map(|sample| sample.time_s).collect();
     assert!(times.is_sorted(), "{}: samples in order of time", model.name());
     assert_eq!(times.first(), Some(&0.0));

@@ -2,11 +2,13 @@
 #![allow(dead_code)]
 
 pub mod cli;
+pub mod collect;
 pub mod faults;
 pub mod gripper;
 pub mod grippers;
 pub mod held;
 pub mod laws;
+pub mod random;
 pub mod replay;
 pub mod runs;
 pub mod scenes;

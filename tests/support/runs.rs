@@ -1,9 +1,11 @@
 //! What the tests of model and integrator share: the anchor scene, integrator settings, a collecting sink, random numbers.
 
+pub use super::collect::Collect;
 use super::held;
+pub use super::random::Random;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::trace::{Event, EventKind, Model, Outcome, RunError, Sample, Sink, SinkError, Site, between};
+use phalanx::trace::{Model, Outcome, RunError, Site, between};
 
 /// Design 95 with the sizing of its experiment, from the shipped scene.
 pub fn anchor() -> Scene {
@@ -18,38 +20,6 @@ pub fn engineering() -> Integrator {
 /// The shipped settings of reference runs.
 pub fn reference() -> Integrator {
     Integrator::preset(Preset::Reference)
-}
-
-/// Keeps a whole run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Collect {
-    pub samples: Vec<Sample>,
-    pub events: Vec<Event>,
-}
-
-impl Sink for Collect {
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.samples.push(sample.clone());
-        Ok(())
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.events.push(*event);
-        Ok(())
-    }
-}
-
-impl Collect {
-    /// The sample nearest to `t`.
-    pub fn at(&self, t: f64) -> &Sample {
-        let distance = |s: &&Sample| (s.time_s - t).abs();
-        self.samples.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("samples")
-    }
-
-    /// Time of the first touch-down at a site.
-    pub fn first_touch(&self, site: Site) -> Option<f64> {
-        self.events.iter().find(|e| e.site() == site && e.kind == EventKind::TouchDown).map(|e| e.time_s)
-    }
 }
 
 /// Runs a scene to its end, or to its failure. All runs of this module are held to the invariants at every sample.
@@ -102,7 +72,7 @@ pub fn worst_angle(run: &Collect, reference: &Collect) -> f64 {
 
 /// Normal impulse of a site from its first touch-down to so long after it.
 pub fn impact_impulse(run: &Collect, site: Site, window_s: f64) -> f64 {
-    let touch = run.first_touch(site).expect("a touch-down");
+    let touch = run.first_touch(site as usize).expect("a touch-down");
     let at = |t: f64| {
         let after = run.samples.partition_point(|s| s.time_s < t).clamp(1, run.samples.len() - 1);
         let sample = between(&run.samples[after - 1], &run.samples[after], t);
@@ -115,20 +85,7 @@ pub fn impact_impulse(run: &Collect, site: Site, window_s: f64) -> f64 {
     at(touch + window_s) - at(touch)
 }
 
-/// Reproducible random numbers (splitmix64).
-pub struct Random(pub u64);
-
 impl Random {
-    /// Uniform in `low`…`high`.
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        low + (high - low) * unit
-    }
-
     /// A body whose centre of mass lies off its link.
     pub fn body(&mut self) -> Body {
         Body {

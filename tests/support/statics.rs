@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+pub use super::random::Random;
 use phalanx::gripper::{
     Assembly, Circle, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies,
     disc, final_posture, lengths,
@@ -38,20 +39,7 @@ pub fn constant_spring(torque_n_m: f64) -> Spring {
     Spring { kind: SpringKind::Constant { torque_n_m }, placement: Placement::Phalanges }
 }
 
-/// Reproducible random numbers (splitmix64).
-pub struct Random(pub u64);
-
 impl Random {
-    /// Uniform in `low`…`high`.
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        low + (high - low) * unit
-    }
-
     /// The next design within the ranges of the thesis (§3.4) that makes a grasp.
     pub fn grasp(&mut self) -> Grasp {
         loop {

@@ -107,11 +107,7 @@ pub fn trial(model: Model, text: &str, counts: &mut Counts) -> Result<(), String
         }
     };
     let start = Instant::now();
-    let ended = match scene.kind() {
-        SceneKind::Finger => finger(model, &scene, counts)?,
-        SceneKind::Bodies => discs(model, &scene, counts)?,
-        SceneKind::Gripper => gripper(model, &scene, counts)?,
-    };
+    let ended = put_through(model, &scene, counts)?;
     let took = start.elapsed();
     counts.slowest = counts.slowest.max(took);
     if took > LONGEST {
@@ -149,7 +145,8 @@ fn writer(model: Model, scene: &Scene) -> Writer<Vec<u8>> {
     Writer::new(Vec::new(), "the log", &info).expect("a log in memory")
 }
 
-fn finger(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
+/// Runs a scene, logs it and reads the log; how it ended early, where it did.
+fn put_through(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
     let mut writer = writer(model, scene);
     let (result, found) = held::judged(model, scene, &mut writer);
     let (outcome, failure) = match result {
@@ -163,60 +160,16 @@ fn finger(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Fai
     }
     let bytes = finish(writer, outcome.last.time_s, failure.as_ref());
     let mut last = Last::default();
-    let reading = log::read(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
+    let reading = log::read_any(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
     whole(&reading, failure.as_ref())?;
     // A run that never started has neither a state nor a sample.
     if last.0.as_ref() != Some(&outcome.last) && reading.samples > 0 {
         return Err(format!("the log ends with {:?}, the run with {:?}", last.0, outcome.last));
     }
-    if failure.is_none() && outcome.last.time_s != scene.duration_s {
-        return Err(format!("completed at {} s of {} s", outcome.last.time_s, scene.duration_s));
-    }
-    Ok(failure)
-}
-
-fn gripper(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
-    let mut writer = writer(model, scene);
-    let (result, found) = held::judged_gripper(model, scene, &mut writer);
-    let (outcome, failure) = match result {
-        Ok(outcome) => (outcome, None),
-        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
-        Err(RunError::Sink(error)) => return Err(error.to_string()),
-    };
-    let found = serious(found, ceiling(model), counts);
-    if !found.is_empty() {
-        return Err(format!("{}{}", held::lines(&found), after(failure.as_ref())));
-    }
-    let bytes = finish(writer, outcome.last.time_s, failure.as_ref());
-    let mut last = Last::default();
-    let reading = log::read_any(Cursor::new(&bytes), &mut last).map_err(|error| error.to_string())?;
-    whole(&reading, failure.as_ref())?;
-    if last.0.as_ref() != Some(&outcome.last) && reading.samples > 0 {
-        return Err(format!("the log ends with {:?}, the run with {:?}", last.0, outcome.last));
+    if scene.kind() == SceneKind::Bodies {
+        last_states(&bytes, scene, &outcome.last)?;
     }
     if failure.is_none() && outcome.ejected_s.is_none() && outcome.last.time_s != scene.duration_s {
-        return Err(format!("completed at {} s of {} s", outcome.last.time_s, scene.duration_s));
-    }
-    Ok(failure)
-}
-
-fn discs(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Option<Failure>, String> {
-    let mut writer = writer(model, scene);
-    let (result, found) = held::judged_bodies(model, scene, &mut writer);
-    let (outcome, failure) = match result {
-        Ok(outcome) => (outcome, None),
-        Err(RunError::Simulation { failure, so_far }) => (*so_far, Some(failure)),
-        Err(RunError::Sink(error)) => return Err(error.to_string()),
-    };
-    let found = serious(found, ceiling(model), counts);
-    if !found.is_empty() {
-        return Err(format!("{}{}", held::lines(&found), after(failure.as_ref())));
-    }
-    let bytes = finish(writer, outcome.last.time_s, failure.as_ref());
-    let reading = log::read(Cursor::new(&bytes), &mut ()).map_err(|error| error.to_string())?;
-    whole(&reading, failure.as_ref())?;
-    last_states(&bytes, scene, &outcome.last)?;
-    if failure.is_none() && outcome.last.time_s != scene.duration_s {
         return Err(format!("completed at {} s of {} s", outcome.last.time_s, scene.duration_s));
     }
     Ok(failure)
