@@ -457,5 +457,9 @@ fn held<const N: usize>(law: &FrictionLaw, at: &Contact<N>, press: &Press) -> St
 /// The rate along a row.
 #[inline(always)]
 pub fn along<const N: usize>(row: &[f64; N], rates: &[f64; N]) -> f64 {
-    row.iter().zip(rates).map(|(part, rate)| part * rate).sum()
+    let mut sum = -0.0;
+    for i in 0..N {
+        sum += row[i] * rates[i];
+    }
+    sum
 }

@@ -71,23 +71,22 @@ impl Tolerances {
         if scale > 0.0 { error.abs() / scale } else { 0.0 }
     }
 
-    /// Root mean square of the scaled errors of coordinates and rates; 1 is just acceptable.
+    /// Root mean square of the scaled errors of so many coordinates and their rates; 1 is just acceptable.
     #[inline(always)]
     pub fn norm<const N: usize, const Z: usize>(
         &self,
-        error_q: &[f64; N],
-        error_v: &[f64; N],
-        from: &State<N, Z>,
-        to: &State<N, Z>,
+        (error_q, error_v): (&[f64; N], &[f64; N]),
+        (from, to): (&State<N, Z>, &State<N, Z>),
+        coordinates: usize,
     ) -> f64 {
         let mut sum = 0.0;
-        for i in 0..N {
+        for i in 0..coordinates.min(N) {
             let scaled_q = error_q[i] / self.atol_q;
             let scale_v = self.atol_v + self.rtol_v * from.v[i].abs().max(to.v[i].abs());
             let scaled_v = error_v[i] / scale_v;
             sum += scaled_q * scaled_q + scaled_v * scaled_v;
         }
-        (sum / (2 * N) as f64).sqrt()
+        (sum / (2 * coordinates) as f64).sqrt()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Dense output of one step, for both methods in one form.
 
 use super::State;
+use crate::numeric::each;
 
 /// y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)) on t₀ + Θ h, Θ in 0…1.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +22,9 @@ impl<const N: usize, const Z: usize> Dense<N, Z> {
             |y0: f64, y1: f64, d: [f64; 3]| y0 + theta * (y1 - y0) + bump * (d[0] + theta * (d[1] + theta * d[2]));
         let [a, b, c] = &self.d;
         State {
-            q: std::array::from_fn(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
-            v: std::array::from_fn(|i| blend(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
-            z: std::array::from_fn(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
+            q: each(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
+            v: each(|i| blend(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
+            z: each(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
         }
     }
 }

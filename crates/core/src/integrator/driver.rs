@@ -260,7 +260,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 continue;
             }
             let (now, then) = (&self.watch.guards, &watch.guards);
-            let crossing = first_crossing(self.system, &mode, now, then, size, || self.method.dense());
+            let crossing = first_crossing(self.system, &mode, now, then, size, &|| self.method.dense());
             let Some(crossing) = crossing else {
                 self.watch = watch;
                 let resume = if stops { wanted } else { size };
@@ -328,7 +328,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 let landed = Some((Accepted { attempt, size: target, resume: size, event, stops: false }, watch));
                 // The landed step shows where the crossing is, if it is within it, or an earlier one elsewhere.
                 let (now, then) = (&self.watch.guards, &watch.guards);
-                let again = first_crossing(origin.system, origin.mode, now, then, target, || self.method.dense());
+                let again = first_crossing(origin.system, origin.mode, now, then, target, &|| self.method.dense());
                 if let Some(earlier) = again.filter(|c| c.site != site && c.theta < 1.0) {
                     let value = watch.guards[earlier.site].value;
                     if value.abs() > self.system.landing_tolerance(earlier.site, origin.mode) {

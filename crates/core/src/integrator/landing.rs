@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::{Dense, Guard, Hybrid, Look, Strain};
+use crate::numeric::each;
 use crate::numeric::elementary::powi;
 
 /// The earliest crossing of a step.
@@ -26,9 +27,9 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     start: &[Guard<N>; S],
     end: &[Guard<N>; S],
     h: f64,
-    dense: impl Fn() -> Dense<N, Z>,
+    dense: &dyn Fn() -> Dense<N, Z>,
 ) -> Option<Crossing> {
-    let suspects: [bool; S] = std::array::from_fn(|site| end[site].value < 0.0 || may_dip(&start[site], &end[site], h));
+    let suspects: [bool; S] = each(|site| end[site].value < 0.0 || may_dip(&start[site], &end[site], h));
     if !suspects.contains(&true) {
         return None;
     }
@@ -42,12 +43,14 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         let state = dense.at(theta);
         system.values(&state.q, &state.v, mode, wanted)
     };
-    let looks: [Look; S] = std::array::from_fn(|site| look(&start[site], &end[site]));
-    let gaps = || std::array::from_fn(|site| suspects[site] && looks[site] == Look::Gap);
+    let looks: [Look; S] = each(|site| look(&start[site], &end[site]));
+    let gaps = || each(|site| suspects[site] && looks[site] == Look::Gap);
     let (half_way, thirds) = (OnceCell::new(), OnceCell::new());
     let at_half = |site: usize| half_way.get_or_init(|| values(0.5, &gaps()))[site];
-    let at_thirds =
-        |site: usize| thirds.get_or_init(|| THIRDS.map(|theta| values(theta, &suspects))).map(|at: [f64; S]| at[site]);
+    let at_thirds = |site: usize| {
+        let [a, b] = thirds.get_or_init(|| [values(THIRDS[0], &suspects), values(THIRDS[1], &suspects)]);
+        [a[site], b[site]]
+    };
     let mut first: Option<Crossing> = None;
     for site in (0..S).filter(|site| suspects[*site]) {
         let value = |theta: f64| guard(theta, site).value;
@@ -57,13 +60,13 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
             Look::Smooth | Look::Fading if !over && !bends(start[site].value, end[site].value, at_thirds(site)) => None,
             Look::Inside | Look::Smooth | Look::Fading => {
                 let parting =
-                    (end[site].apart && !start[site].apart).then(|| parting(|theta| guard(theta, site).apart));
-                first_dip(start[site].value, end[site].value, parting, value)
+                    (end[site].apart && !start[site].apart).then(|| parting(&|theta| guard(theta, site).apart));
+                first_dip(start[site].value, end[site].value, parting, &value)
             }
             Look::Gap if at_half(site) < 0.0 => Some((0.0, 0.5)),
             Look::Gap if over => Some((0.5, 1.0)),
             Look::Gap if start[site].rate < 0.0 && end[site].rate > 0.0 => {
-                let lowest = lowest_point(|theta| guard(theta, site).rate);
+                let lowest = lowest_point(&|theta| guard(theta, site).rate);
                 (value(lowest) < 0.0).then_some((0.0, lowest))
             }
             Look::Gap => None,
@@ -73,7 +76,7 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         if first.is_some_and(|f| f.theta < high && value(f.theta * (1.0 - SAME)) >= 0.0) {
             continue;
         }
-        let theta = root(value, low, high);
+        let theta = root(&value, low, high);
         if first.is_none_or(|f| theta < f.theta) {
             first = Some(Crossing { site, theta, beyond: high });
         }
@@ -130,7 +133,7 @@ const PARTING_PART: f64 = 0.25;
 
 /// A bracket about the first place where a value gives way that may dip and come back between its ends; `parting`: where the
 /// surfaces part.
-fn first_dip(start: f64, end: f64, parting: Option<f64>, value: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+fn first_dip(start: f64, end: f64, parting: Option<f64>, value: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
     let place = |i: usize| i as f64 / (LOOKS - 1) as f64;
     let at: [f64; LOOKS] = std::array::from_fn(|i| match i {
         0 => start,
@@ -144,7 +147,7 @@ fn first_dip(start: f64, end: f64, parting: Option<f64>, value: impl Fn(f64) -> 
         let middle = i.clamp(1, LOOKS - 2);
         let bend = at[middle - 1].max(at[middle + 1]) - at[i];
         if at[i] <= at[before] && at[i] <= at[after] && at[i] < 4.0 * bend {
-            let lowest = golden(&value, place(before), place(after));
+            let lowest = golden(value, place(before), place(after));
             if value(lowest) < 0.0 {
                 return Some((place(before), lowest));
             }
@@ -159,7 +162,7 @@ fn first_dip(start: f64, end: f64, parting: Option<f64>, value: impl Fn(f64) -> 
 }
 
 /// Where surfaces part that are together at the start of a step and apart at its end.
-fn parting(apart: impl Fn(f64) -> bool) -> f64 {
+fn parting(apart: &dyn Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while high - low > 4.0 * f64::EPSILON * high {
         let middle = 0.5 * (low + high);
@@ -169,7 +172,7 @@ fn parting(apart: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// Where a value with one minimum between two places is smallest (golden section).
-fn golden(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+fn golden(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     const SECTION: f64 = 0.618_033_988_749_894_9;
     let (mut a, mut b) = (high - SECTION * (high - low), low + SECTION * (high - low));
     let (mut at_a, mut at_b) = (value(a), value(b));
@@ -210,7 +213,7 @@ pub fn may_have_passed(start: (f64, f64), end: (f64, f64), h: f64) -> bool {
 }
 
 /// Where a rate turns from negative to positive.
-fn lowest_point(rate: impl Fn(f64) -> f64) -> f64 {
+fn lowest_point(rate: &dyn Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..24 {
         let middle = 0.5 * (low + high);
@@ -223,7 +226,7 @@ fn lowest_point(rate: impl Fn(f64) -> f64) -> f64 {
 /// itself where it is met exactly.
 ///
 /// Illinois' variant of regula falsi, with bisection when it is slow: the guard of a clamp may jump.
-fn root(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+fn root(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let (mut at_low, mut at_high) = (value(low).max(0.0), value(high));
     let mut kept = 0;
     for iteration in 0..80 {
@@ -323,7 +326,7 @@ mod tests {
         {
             let system = Marks(marks);
             let [before, after] = [&start, &end].map(|at| system.watch(&at.q, &at.v, &()).guards);
-            let first = first_crossing(&system, &(), &before, &after, 1.0, dense).expect("a crossing");
+            let first = first_crossing(&system, &(), &before, &after, 1.0, &dense).expect("a crossing");
             assert_eq!(first.site, site, "{marks:?}");
             assert!((first.theta - theta).abs() < 1e-12, "{marks:?}: {first:?}");
         }
@@ -331,9 +334,9 @@ mod tests {
 
     #[test]
     fn root_finds_smooth_and_jumping_guards() {
-        let smooth = root(|x| 0.3 - x * x, 0.0, 1.0);
+        let smooth = root(&|x| 0.3 - x * x, 0.0, 1.0);
         assert!((smooth - 0.3f64.sqrt()).abs() < 1e-9, "{smooth}");
-        let jump = root(|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
+        let jump = root(&|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
         assert!((jump - 0.7).abs() < 1e-9 && jump >= 0.7, "{jump}");
     }
 
@@ -341,15 +344,15 @@ mod tests {
     fn dips_are_found_between_the_points_that_are_looked_at() {
         for place in [0.03, 0.31, 0.5, 0.77, 0.97] {
             let narrow = |x: f64| (x - place) * (x - place) - 1e-5;
-            let (low, high) = first_dip(narrow(0.0), narrow(1.0), None, narrow).expect("a dip");
+            let (low, high) = first_dip(narrow(0.0), narrow(1.0), None, &narrow).expect("a dip");
             assert!(
                 narrow(low) >= 0.0 && narrow(high) < 0.0 && high > place - 4e-3 && low < place,
                 "{place}: {low} {high}"
             );
             let above = |x: f64| narrow(x) + 2e-5;
-            assert!(first_dip(above(0.0), above(1.0), None, above).is_none(), "{place}");
+            assert!(first_dip(above(0.0), above(1.0), None, &above).is_none(), "{place}");
         }
-        assert_eq!(first_dip(1.0, -1.0, None, |x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
+        assert_eq!(first_dip(1.0, -1.0, None, &|x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
     }
 
     /// A linear spring behind a damper that fades with the square of the depth: its force returns in the last 1e-5 of the way.
@@ -361,15 +364,15 @@ mod tests {
             delta - 1e5 * delta * delta
         };
         let value = |x: f64| 1e-9 - force(x);
-        let parting = parting(|x| x > parts);
+        let parting = parting(&|x| x > parts);
         assert!((parting - parts).abs() < 1e-12);
-        let (low, high) = first_dip(value(0.0), value(1.0), Some(parting), value).expect("a return");
+        let (low, high) = first_dip(value(0.0), value(1.0), Some(parting), &value).expect("a return");
         assert!(value(low) >= 0.0 && value(high) < 0.0 && high > parts - 1e-5);
     }
 
     #[test]
     fn root_that_is_met_exactly_is_returned() {
-        assert_eq!(root(|x| 0.75 - x, 0.5, 1.0), 0.75);
+        assert_eq!(root(&|x| 0.75 - x, 0.5, 1.0), 0.75);
     }
 
     #[test]

@@ -34,16 +34,22 @@ pub const FEW: usize = 3;
 pub struct Lu<F, const N: usize> {
     lu: [[F; N]; N],
     order: [usize; N],
+    /// What there is of the matrix: nothing behind it is looked at.
+    n: usize,
 }
 
 impl<F: Field, const N: usize> Lu<F, N> {
-    /// Factors `a`. A singular matrix yields numbers that are not finite, which the step control then refuses.
+    /// Factors the first `n` rows and columns of `a`. A singular matrix yields numbers that are not finite, which the step control then refuses.
     #[inline(always)]
-    pub fn new(mut a: [[F; N]; N]) -> Self {
-        let mut order = std::array::from_fn(|i| i);
-        for k in 0..N {
+    pub fn new(mut a: [[F; N]; N], n: usize) -> Self {
+        let n = n.min(N);
+        let mut order = [0; N];
+        for (i, row) in order.iter_mut().enumerate() {
+            *row = i;
+        }
+        for k in 0..n {
             let mut pivot = k;
-            for i in k + 1..N {
+            for i in k + 1..n {
                 if a[i][k].size() > a[pivot][k].size() {
                     pivot = i;
                 }
@@ -51,30 +57,34 @@ impl<F: Field, const N: usize> Lu<F, N> {
             a.swap(k, pivot);
             order.swap(k, pivot);
             a[k][k] = F::from(1.0) / a[k][k];
-            for i in k + 1..N {
+            for i in k + 1..n {
                 let factor = a[i][k] * a[k][k];
                 a[i][k] = factor;
                 if N > FEW && factor.size() == 0.0 {
                     continue;
                 }
-                for j in k + 1..N {
+                for j in k + 1..n {
                     a[i][j] = a[i][j] - factor * a[k][j];
                 }
             }
         }
-        Self { lu: a, order }
+        Self { lu: a, order, n }
     }
 
     #[inline(always)]
     pub fn solve(&self, b: [F; N]) -> [F; N] {
-        let mut x: [F; N] = std::array::from_fn(|i| b[self.order[i]]);
-        for i in 1..N {
+        let n = self.n.min(N);
+        let mut x = b;
+        for i in 0..n {
+            x[i] = b[self.order[i]];
+        }
+        for i in 1..n {
             for j in 0..i {
                 x[i] = x[i] - self.lu[i][j] * x[j];
             }
         }
-        for i in (0..N).rev() {
-            for j in i + 1..N {
+        for i in (0..n).rev() {
+            for j in i + 1..n {
                 x[i] = x[i] - self.lu[i][j] * x[j];
             }
             x[i] = x[i] * self.lu[i][i];
@@ -95,31 +105,38 @@ pub struct ShiftedSolver<'a, F, const N: usize> {
 
 impl<'a, F: Field, const N: usize> ShiftedSolver<'a, F, N> {
     #[inline(always)]
-    pub fn new(shift: F, a_q: &'a [[f64; N]; N], a_v: &[[f64; N]; N]) -> Self {
+    pub fn new(shift: F, a_q: &'a [[f64; N]; N], a_v: &[[f64; N]; N], n: usize) -> Self {
+        let n = n.min(N);
         let inverse_shift = F::from(1.0) / shift;
         // In loops: closures of nested arrays are called, not inlined, where arrays are as large as a gripper's.
         let mut matrix = [[F::from(0.0); N]; N];
-        for i in 0..N {
-            for j in 0..N {
+        for i in 0..n {
+            for j in 0..n {
                 matrix[i][j] = F::from(-a_v[i][j]) - F::from(a_q[i][j]) * inverse_shift;
             }
             matrix[i][i] = matrix[i][i] + shift;
         }
-        Self { inverse_shift, a_q, lu: Lu::new(matrix) }
+        Self { inverse_shift, a_q, lu: Lu::new(matrix, n) }
     }
 
     /// (x_q, x_v).
     #[inline(always)]
     pub fn solve(&self, r_q: [F; N], r_v: [F; N]) -> ([F; N], [F; N]) {
-        let scaled = r_q.map(|r| r * self.inverse_shift);
-        let mut load = r_v;
-        for (load, row) in load.iter_mut().zip(self.a_q) {
-            for (a, scaled) in row.iter().zip(&scaled) {
-                *load = *load + F::from(*a) * *scaled;
+        let n = self.lu.n.min(N);
+        let (mut x_q, mut load) = (r_q, r_v);
+        for x in &mut x_q {
+            *x = *x * self.inverse_shift;
+        }
+        for i in 0..n {
+            for j in 0..n {
+                load[i] = load[i] + F::from(self.a_q[i][j]) * x_q[j];
             }
         }
         let x_v = self.lu.solve(load);
-        (std::array::from_fn(|i| scaled[i] + x_v[i] * self.inverse_shift), x_v)
+        for (q, v) in x_q.iter_mut().zip(&x_v) {
+            *q = *q + *v * self.inverse_shift;
+        }
+        (x_q, x_v)
     }
 }
 
@@ -132,7 +149,7 @@ mod tests {
         let a = [[0.0, 2.0, 1.0], [1.0, 0.0, 3.0], [4.0, 1.0, 0.0]];
         let x = [1.0, -2.0, 0.5];
         let b: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| a[i][j] * x[j]).sum());
-        let solved = Lu::new(a).solve(b);
+        let solved = Lu::new(a, 3).solve(b);
         for i in 0..3 {
             assert!((solved[i] - x[i]).abs() < 1e-15);
         }
@@ -148,7 +165,7 @@ mod tests {
         let r_v: [Complex64; 2] = std::array::from_fn(|i| {
             s * x[2 + i] - (0..2).map(|j| x[j] * a_q[i][j] + x[2 + j] * a_v[i][j]).sum::<Complex64>()
         });
-        let (x_q, x_v) = ShiftedSolver::new(s, &a_q, &a_v).solve(r_q, r_v);
+        let (x_q, x_v) = ShiftedSolver::new(s, &a_q, &a_v, 2).solve(r_q, r_v);
         for i in 0..2 {
             assert!((x_q[i] - x[i]).norm() < 1e-14 && (x_v[i] - x[2 + i]).norm() < 1e-14);
         }

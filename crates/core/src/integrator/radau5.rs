@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use super::linear::ShiftedSolver;
 use super::method::{Attempt, Method, Origin};
 use super::{Dense, Rates, State, System};
+use crate::numeric::each;
 use crate::numeric::elementary::{cbrt, powi};
 
 const MAX_NEWTON: usize = 12;
@@ -79,8 +80,9 @@ fn inverse3(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / det))
 }
 
-/// Increments of the three stages over the state at the start of the step: coordinates, then rates.
-type Stages<const N: usize> = [([f64; N], [f64; N]); 3];
+/// Increments of a stage over the state at the start of the step: coordinates, then rates.
+type Stage<const N: usize> = ([f64; N], [f64; N]);
+type Stages<const N: usize> = [Stage<N>; 3];
 
 /// Radau IIA with what it remembers of the last step: the stages, as a first guess of the next ones.
 pub struct Radau5<const N: usize, const Z: usize> {
@@ -90,28 +92,40 @@ pub struct Radau5<const N: usize, const Z: usize> {
     fresh: bool,
 }
 
+/// w₁ a + w₂ b + w₃ c.
+#[inline(always)]
+fn weighed<const N: usize>(w: &[f64; 3], [a, b, c]: [&[f64; N]; 3]) -> [f64; N] {
+    each(|n| w[0] * a[n] + w[1] * b[n] + w[2] * c[n])
+}
+
+/// The same of stages.
+#[inline]
+fn weighed_stages<const N: usize>(w: &[f64; 3], [a, b, c]: &Stages<N>) -> Stage<N> {
+    (weighed(w, [&a.0, &b.0, &c.0]), weighed(w, [&a.1, &b.1, &c.1]))
+}
+
 fn transform<const N: usize>(m: &[[f64; 3]; 3], z: &Stages<N>) -> Stages<N> {
-    std::array::from_fn(|i| {
-        (
-            std::array::from_fn(|n| (0..3).map(|j| m[i][j] * z[j].0[n]).sum()),
-            std::array::from_fn(|n| (0..3).map(|j| m[i][j] * z[j].1[n]).sum()),
-        )
-    })
+    [weighed_stages(&m[0], z), weighed_stages(&m[1], z), weighed_stages(&m[2], z)]
+}
+
+#[inline(always)]
+fn plus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    each(|n| a[n] + b[n])
 }
 
 impl<const N: usize, const Z: usize> Radau5<N, Z> {
     /// First guess of the stages: the last step's collocation polynomial, continued.
     fn predict(&self, from: &State<N, Z>, t: f64, h: f64) -> Stages<N> {
-        let zero = ([0.0; N], [0.0; N]);
-        let Some(last) = &self.last else { return [zero; 3] };
-        std::array::from_fn(|i| {
-            let theta = (t + self.coefficients.c[i] * h - last.t0) / last.h;
-            if theta > 6.0 {
-                return zero;
+        let mut stages = [([0.0; N], [0.0; N]); 3];
+        let Some(last) = &self.last else { return stages };
+        for (c, stage) in self.coefficients.c.iter().zip(&mut stages) {
+            let theta = (t + c * h - last.t0) / last.h;
+            if theta <= 6.0 {
+                let guess = last.at(theta);
+                *stage = (each(|n| guess.q[n] - from.q[n]), each(|n| guess.v[n] - from.v[n]));
             }
-            let guess = last.at(theta);
-            (std::array::from_fn(|n| guess.q[n] - from.q[n]), std::array::from_fn(|n| guess.v[n] - from.v[n]))
-        })
+        }
+        stages
     }
 
     /// Right-hand sides at the stages.
@@ -121,13 +135,12 @@ impl<const N: usize, const Z: usize> Radau5<N, Z> {
         h: f64,
         z: &Stages<N>,
     ) -> [(Rates<N, Z>, [f64; N]); 3] {
-        let from = origin.state;
-        std::array::from_fn(|i| {
-            let q: [f64; N] = std::array::from_fn(|n| from.q[n] + z[i].0[n]);
-            let v: [f64; N] = std::array::from_fn(|n| from.v[n] + z[i].1[n]);
+        let at = |i: usize| {
+            let (q, v) = (plus(&origin.state.q, &z[i].0), plus(&origin.state.v, &z[i].1));
             let time = (origin.t + self.coefficients.c[i] * h).min(origin.latest);
             (origin.system.rates(time, &q, &v, origin.mode), v)
-        })
+        };
+        [at(0), at(1), at(2)]
     }
 }
 
@@ -155,10 +168,10 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
 
     fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
         let Origin { system, mode, linearised: lin, tolerances, t, state: from, .. } = *origin;
-        let k = self.coefficients;
+        let (k, coordinates) = (self.coefficients, system.coordinates());
         let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
-        let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v);
-        let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
+        let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v, coordinates);
+        let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v, coordinates);
         let mut rhs = 0;
         let failed = |rhs| Attempt { error: f64::NAN, rhs, end: *from, error_q: [0.0; N], error_v: [0.0; N] };
 
@@ -167,29 +180,27 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         // Newton is done when what is still missing is far below the tolerance, or at the noise of the numbers.
         let goal = 1e-5;
         let floor = {
-            let eps_q = from.q.map(|q| 16.0 * f64::EPSILON * q.abs());
-            let eps_v = from.v.map(|v| 4.0 * f64::EPSILON * v.abs());
-            tolerances.norm(&eps_q, &eps_v, from, from)
+            let eps_q = each(|n| 16.0 * f64::EPSILON * from.q[n].abs());
+            let eps_v = each(|n| 4.0 * f64::EPSILON * from.v[n].abs());
+            tolerances.norm((&eps_q, &eps_v), (from, from), coordinates)
         };
         let (mut previous, mut contraction): (f64, f64) = (0.0, 0.0);
         let mut converged = false;
         for iteration in 0..MAX_NEWTON {
             let f = self.evaluate(origin, h, &z);
             rhs += 3;
-            let stages: Stages<N> = std::array::from_fn(|i| (f[i].1, f[i].0.a));
-            let tf = transform(&k.ti, &stages);
-            let (dq1, dv1) = real.solve(
-                std::array::from_fn(|n| tf[0].0[n] - gamma * w[0].0[n]),
-                std::array::from_fn(|n| tf[0].1[n] - gamma * w[0].1[n]),
-            );
-            let complex = |a: [f64; N], b: [f64; N], wa: [f64; N], wb: [f64; N]| -> [Complex64; N] {
-                std::array::from_fn(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
+            let tf = transform(&k.ti, &[(f[0].1, f[0].0.a), (f[1].1, f[1].0.a), (f[2].1, f[2].0.a)]);
+            let (dq1, dv1) =
+                real.solve(each(|n| tf[0].0[n] - gamma * w[0].0[n]), each(|n| tf[0].1[n] - gamma * w[0].1[n]));
+            let complex = |a: &[f64; N], b: &[f64; N], wa: &[f64; N], wb: &[f64; N]| -> [Complex64; N] {
+                each(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
             };
-            let (dq2, dv2) =
-                pair.solve(complex(tf[1].0, tf[2].0, w[1].0, w[2].0), complex(tf[1].1, tf[2].1, w[1].1, w[2].1));
-            let dw: Stages<N> =
-                [(dq1, dv1), (dq2.map(|x| x.re), dv2.map(|x| x.re)), (dq2.map(|x| x.im), dv2.map(|x| x.im))];
-            let size = (dw.iter().map(|(q, v)| powi(tolerances.norm(q, v, from, from), 2)).sum::<f64>() / 3.0).sqrt();
+            let (dq2, dv2) = pair
+                .solve(complex(&tf[1].0, &tf[2].0, &w[1].0, &w[2].0), complex(&tf[1].1, &tf[2].1, &w[1].1, &w[2].1));
+            let (re, im) = (|x: &[Complex64; N]| each(|n| x[n].re), |x: &[Complex64; N]| each(|n| x[n].im));
+            let dw: Stages<N> = [(dq1, dv1), (re(&dq2), re(&dv2)), (im(&dq2), im(&dv2))];
+            let size = |(q, v): &Stage<N>| powi(tolerances.norm((q, v), (from, from), coordinates), 2);
+            let size = ((size(&dw[0]) + size(&dw[1]) + size(&dw[2])) / 3.0).sqrt();
             if !size.is_finite() {
                 return failed(rhs);
             }
@@ -220,37 +231,29 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
 
         let stages = self.evaluate(origin, h, &z);
         rhs += 3;
-        let quadrature = |weights: [f64; 3]| -> [f64; Z] {
-            std::array::from_fn(|m| h * (0..3).map(|j| weights[j] * stages[j].0.g[m]).sum::<f64>())
+        let offset = |i: usize| {
+            let sums = weighed(&k.a[i], [&stages[0].0.g, &stages[1].0.g, &stages[2].0.g]);
+            State { q: z[i].0, v: z[i].1, z: each(|m| h * sums[m]) }
         };
-        let offsets: [State<N, Z>; 3] = std::array::from_fn(|i| State { q: z[i].0, v: z[i].1, z: quadrature(k.a[i]) });
-        let plus = |a: &State<N, Z>, b: &State<N, Z>| State {
-            q: std::array::from_fn(|n| a.q[n] + b.q[n]),
-            v: std::array::from_fn(|n| a.v[n] + b.v[n]),
-            z: std::array::from_fn(|m| a.z[m] + b.z[m]),
-        };
-        let end = plus(from, &offsets[2]);
+        let offsets: [State<N, Z>; 3] = [offset(0), offset(1), offset(2)];
+        let last = &offsets[2];
+        let end = State { q: plus(&from.q, &last.q), v: plus(&from.v, &last.v), z: plus(&from.z, &last.z) };
         if !end.is_finite() {
             return failed(rhs);
         }
 
         // Error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h); where that is too large on a fresh start, filtered a second time.
-        let ez: ([f64; N], [f64; N]) = (
-            std::array::from_fn(|n| (0..3).map(|j| k.e[j] * z[j].0[n]).sum::<f64>() / h),
-            std::array::from_fn(|n| (0..3).map(|j| k.e[j] * z[j].1[n]).sum::<f64>() / h),
-        );
-        let estimate = |v0: &[f64; N], a0: &[f64; N]| {
-            real.solve(std::array::from_fn(|n| v0[n] + ez.0[n]), std::array::from_fn(|n| a0[n] + ez.1[n]))
-        };
+        let ez = weighed_stages(&k.e, &z);
+        let estimate =
+            |v0: &[f64; N], a0: &[f64; N]| real.solve(each(|n| v0[n] + ez.0[n] / h), each(|n| a0[n] + ez.1[n] / h));
         let (mut eq, mut ev) = estimate(&from.v, &lin.rates.a);
-        let mut error = tolerances.norm(&eq, &ev, from, &end);
+        let mut error = tolerances.norm((&eq, &ev), (from, &end), coordinates);
         if error >= 1.0 && self.fresh {
-            let q: [f64; N] = std::array::from_fn(|n| from.q[n] + eq[n]);
-            let v: [f64; N] = std::array::from_fn(|n| from.v[n] + ev[n]);
+            let (q, v) = (plus(&from.q, &eq), plus(&from.v, &ev));
             let shifted = system.rates(t, &q, &v, mode);
             rhs += 1;
             (eq, ev) = estimate(&v, &shifted.a);
-            error = tolerances.norm(&eq, &ev, from, &end);
+            error = tolerances.norm((&eq, &ev), (from, &end), coordinates);
         }
         self.candidate = collocation(t, h, from, end, &offsets, &k.c);
         Attempt { error, rhs, end, error_q: eq, error_v: ev }
@@ -277,11 +280,16 @@ fn collocation<const N: usize, const Z: usize>(
         let d2 = (r2 - r1) / (c[1] - c[0]);
         [r1 - c[0] * d2, d2]
     };
-    let q: [[f64; 2]; N] = std::array::from_fn(|n| solve([0, 1, 2].map(|i: usize| offsets[i].q[n])));
-    let v: [[f64; 2]; N] = std::array::from_fn(|n| solve([0, 1, 2].map(|i: usize| offsets[i].v[n])));
-    let z: [[f64; 2]; Z] = std::array::from_fn(|m| solve([0, 1, 2].map(|i: usize| offsets[i].z[m])));
-    let part = |k: usize| State { q: q.map(|x| x[k]), v: v.map(|x| x[k]), z: z.map(|x| x[k]) };
-    Dense { t0, h, start: *from, end, d: [part(0), part(1), State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] }] }
+    let mut d = [State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] }; 3];
+    let [a, b, last] = offsets;
+    for n in 0..N {
+        [d[0].q[n], d[1].q[n]] = solve([a.q[n], b.q[n], last.q[n]]);
+        [d[0].v[n], d[1].v[n]] = solve([a.v[n], b.v[n], last.v[n]]);
+    }
+    for m in 0..Z {
+        [d[0].z[m], d[1].z[m]] = solve([a.z[m], b.z[m], last.z[m]]);
+    }
+    Dense { t0, h, start: *from, end, d }
 }
 
 #[cfg(test)]

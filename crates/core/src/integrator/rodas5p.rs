@@ -4,6 +4,7 @@ use super::linear::{FEW, ShiftedSolver};
 use super::method::{Attempt, Method, Origin};
 use super::tableau::{A, C, D, GAMMA, H, NODES, STAGES};
 use super::{Dense, State, System};
+use crate::numeric::each;
 
 /// The stages of the last attempt, for its dense output; Rodas5P remembers nothing else.
 pub struct Rodas5p<const N: usize, const Z: usize> {
@@ -43,10 +44,11 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
     fn attempt<Y: System<N, Z>>(&mut self, origin: &Origin<Y, N, Z>, h: f64) -> Attempt<N, Z> {
         let Origin { system, mode, linearised: lin, tolerances, t, latest, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
-        let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v);
+        let coordinates = system.coordinates();
+        let solver = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v, coordinates);
         // What nothing feeds in this mode has no derivatives: most quadratures of a gripper.
-        let is_fed = |m: usize| N <= FEW || lin.g_q[m].iter().chain(&lin.g_v[m]).any(|slope| *slope != 0.0);
-        let fed: [bool; Z] = std::array::from_fn(is_fed);
+        let is_fed = |m: usize| N <= FEW || lin.g_q[m] != [0.0; N] || lin.g_v[m] != [0.0; N];
+        let fed: [bool; Z] = each(is_fed);
         let k = &mut self.k;
         let mut stage = *from;
         for i in 0..STAGES {
@@ -106,25 +108,24 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
             end.v[n] += k[7].v[n];
         }
         for m in 0..Z {
-            end.z[m] = from.z[m] + (5..STAGES).map(|j| k[j].z[m]).sum::<f64>();
+            end.z[m] = from.z[m] + (k[5].z[m] + k[6].z[m] + k[7].z[m]);
             for j in 0..5 {
                 end.z[m] += A[5][j] * k[j].z[m];
             }
         }
-        let error = tolerances.norm(&k[7].q, &k[7].v, from, &end);
+        let error = tolerances.norm((&k[7].q, &k[7].v), (from, &end), coordinates);
         let error = if end.is_finite() { error } else { f64::NAN };
         (self.t0, self.h, self.start, self.end) = (t, h, *from, end);
         Attempt { error, rhs: STAGES as u64 - 1, end, error_q: k[7].q, error_v: k[7].v }
     }
 
     fn dense(&self) -> Dense<N, Z> {
-        let d = H.map(|row| {
-            let mut sum = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
-            for (weight, increment) in row.iter().zip(&self.k) {
-                axpy(&mut sum, *weight, increment);
+        let mut d = [State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] }; 3];
+        for i in 0..3 {
+            for j in 0..STAGES {
+                axpy(&mut d[i], H[i][j], &self.k[j]);
             }
-            sum
-        });
+        }
         Dense { t0: self.t0, h: self.h, start: self.start, end: self.end, d }
     }
 }

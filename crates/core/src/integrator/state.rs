@@ -10,6 +10,8 @@ pub struct State<const N: usize, const Z: usize> {
 
 impl<const N: usize, const Z: usize> State<N, Z> {
     pub fn is_finite(&self) -> bool {
-        self.q.iter().chain(&self.v).chain(&self.z).all(|x| x.is_finite())
+        // Of slices: compiled once.
+        let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
+        finite(&self.q) && finite(&self.v) && finite(&self.z)
     }
 }

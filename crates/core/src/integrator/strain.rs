@@ -94,14 +94,18 @@ pub fn lets_go<const N: usize, const Z: usize, const S: usize>(
     from: &State<N, Z>,
     tolerances: &Tolerances,
 ) -> bool {
-    let gains = |row: &[f64; N]| (0..N).map(|n| row[n] * (attempt.end.v[n] - from.v[n])).sum::<f64>().abs();
-    start.iter().zip(end).any(|(start, end)| match &start.strain {
-        Strain::Slip { row, finest, normal } => {
-            let left = if let Strain::Slip { normal, .. } = &end.strain { *normal } else { 0.0 };
-            left < LETTING_GO * normal && gains(row) > tolerances.share() * finest
+    for guard in 0..S {
+        let Strain::Slip { row, finest, normal } = &start[guard].strain else { continue };
+        let left = if let Strain::Slip { normal, .. } = &end[guard].strain { *normal } else { 0.0 };
+        let mut gains = 0.0;
+        for n in 0..N {
+            gains += row[n] * (attempt.end.v[n] - from.v[n]);
         }
-        _ => false,
-    })
+        if left < LETTING_GO * normal && gains.abs() > tolerances.share() * finest {
+            return true;
+        }
+    }
+    false
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What an integrator needs to know of a system.
 
 use super::Tolerances;
+use crate::numeric::each;
 
 /// Right-hand side: accelerations and rates of the quadratures.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +27,12 @@ pub struct Linearised<const N: usize, const Z: usize> {
 /// A smooth second-order system within one mode (one frozen set of branches).
 pub trait System<const N: usize, const Z: usize> {
     type Mode: Copy + std::fmt::Debug;
+
+    /// How many of the N coordinates there are: the others, behind them, rest at 0 and nothing depends on them.
+    #[inline(always)]
+    fn coordinates(&self) -> usize {
+        N
+    }
 
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Rates<N, Z>;
 
@@ -135,7 +142,8 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// Values of the wanted guards, of others anything.
     #[inline(always)]
     fn values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _wanted: &[bool; S]) -> [f64; S] {
-        self.watch(q, v, mode).guards.map(|guard| guard.value)
+        let guards = self.watch(q, v, mode).guards;
+        each(|guard| guards[guard].value)
     }
 
     /// How near to zero a guard must be for its event to be taken.

@@ -56,11 +56,7 @@ fn gripper(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, Ru
 fn discs(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     match of_discs(&scene.system).map(|moving| (moving, scene.system.holds())) {
         Ok((0, _)) => Ok(Outcome::default()),
-        Ok((1, true)) => parts::<7, 12, 14, 36>(scene, span, sink),
-        Ok((2, true)) => parts::<12, 12, 14, 36>(scene, span, sink),
         Ok((_, true)) => parts::<18, 12, 14, 36>(scene, span, sink),
-        Ok((1, false)) => parts::<3, 12, 14, 36>(scene, span, sink),
-        Ok((2, false)) => parts::<6, 12, 14, 36>(scene, span, sink),
         Ok((_, false)) => parts::<9, 12, 14, 36>(scene, span, sink),
         Err(too_many) => Err(too_large(&too_many)),
     }

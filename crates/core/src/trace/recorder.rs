@@ -224,15 +224,15 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 self.marks.push(1.0);
             }
             if start.gap_rate_m_s < 0.0 && end.gap_rate_m_s > 0.0 {
-                let deepest = bisect(|theta| -read(&tools.interpolate(theta)).gap_rate_m_s);
+                let deepest = bisect(&mut |theta| -read(&tools.interpolate(theta)).gap_rate_m_s);
                 if summary.deepen(-read(&tools.resolve(deepest)).gap_m) {
                     self.marks.push(deepest);
                 }
             }
             let highest = start.normal_n.max(end.normal_n);
             if highest > SEARCH_FROM * summary.peak_normal_n {
-                let force = |theta: f64| read(&tools.resolve(theta)).normal_n;
-                let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, force);
+                let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
+                let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
                 if summary.press(peak) {
                     self.marks.push(theta);
                 }

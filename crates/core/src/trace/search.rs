@@ -4,7 +4,7 @@
 pub(super) const SEARCH_FROM: f64 = 0.8;
 
 /// Where a rate that starts positive and ends negative is zero.
-pub(super) fn bisect(mut rate: impl FnMut(f64) -> f64) -> f64 {
+pub(super) fn bisect(rate: &mut dyn FnMut(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
@@ -14,7 +14,7 @@ pub(super) fn bisect(mut rate: impl FnMut(f64) -> f64) -> f64 {
 }
 
 /// Place and size of the largest value that successive parabolas find of a smooth function on 0…1, its given ends included.
-pub(super) fn parabola_peak(at_start: f64, at_end: f64, mut value: impl FnMut(f64) -> f64) -> (f64, f64) {
+pub(super) fn parabola_peak(at_start: f64, at_end: f64, value: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
     let mut points = [(0.0, at_start), (0.5, value(0.5)), (1.0, at_end)];
     let higher = |a: (f64, f64), b: (f64, f64)| if b.1 > a.1 { b } else { a };
     let mut highest = points.into_iter().fold((0.0, f64::MIN), higher);

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-use super::Real;
+use super::{Real, changed, each};
 
 /// A value and its derivatives with respect to `N` variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +30,12 @@ impl<const N: usize> Dual<N> {
 
     #[inline(always)]
     fn combine(self, other: Self, value: f64, a: f64, b: f64) -> Self {
-        Self { value, grad: std::array::from_fn(|i| a * self.grad[i] + b * other.grad[i]) }
+        Self { value, grad: each(|i| a * self.grad[i] + b * other.grad[i]) }
     }
 
     #[inline(always)]
     fn map(self, value: f64, f: impl Fn(f64) -> f64) -> Self {
-        Self { value, grad: self.grad.map(f) }
+        Self { value, grad: changed(self.grad, f) }
     }
 }
 
@@ -65,7 +65,7 @@ impl<const N: usize> Add for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, grad: std::array::from_fn(|i| self.grad[i] + other.grad[i]) }
+        Self { value: self.value + other.value, grad: each(|i| self.grad[i] + other.grad[i]) }
     }
 }
 
@@ -73,7 +73,7 @@ impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, grad: std::array::from_fn(|i| self.grad[i] - other.grad[i]) }
+        Self { value: self.value - other.value, grad: each(|i| self.grad[i] - other.grad[i]) }
     }
 }
 

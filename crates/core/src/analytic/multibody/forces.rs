@@ -147,6 +147,11 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
     type Mode = mode::Mode<C>;
 
     #[inline(always)]
+    fn coordinates(&self) -> usize {
+        self.used()
+    }
+
+    #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> Rates<N, Z> {
         if Self::GRASP { self.rates_here(t, (q, v), mode) } else { self.rates_apart(t, (q, v), mode) }
     }

@@ -2,6 +2,7 @@
 
 use super::FINGERS;
 use super::model::Multibody;
+use crate::numeric::each;
 
 /// (M₁₁, M₁₂, M₂₂) of each finger with what turns with its driven link; the discs' are in the model.
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +30,12 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
 
     #[inline(always)]
     pub fn inverse(&self) -> Inverse<'a, N, C> {
-        let fingers = self.fingers.map(|[a, b, d]| {
+        let mut fingers = self.fingers;
+        for block in &mut fingers {
+            let [a, b, d] = *block;
             let inverse = 1.0 / (a * d - b * b);
-            [d * inverse, -b * inverse, a * inverse]
-        });
+            *block = [d * inverse, -b * inverse, a * inverse];
+        }
         let coupling = self.model.coupling;
         let remainder = 1.0 - coupling * coupling * fingers[0][0] * fingers[1][0];
         Inverse { model: self.model, fingers, remainder }
@@ -59,7 +62,12 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     /// M⁻¹ load.
     #[inline(always)]
     pub fn solve(&self, load: &[f64; N]) -> [f64; N] {
-        self.solve_columns(&load.map(|load| [load])).map(|[a]| a)
+        let mut column = [[0.0]; N];
+        for i in 0..N {
+            column[i] = [load[i]];
+        }
+        let a = self.solve_columns(&column);
+        each(|i| a[i][0])
     }
 
     /// M⁻¹ of a matrix of loads: row by row, so that its columns are worked on side by side.
@@ -77,8 +85,8 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
             // Each finger also feels −c times the other one's q̈11 on its own.
             let (c, [right, left]) = (self.model.coupling, [a[0], a[2]]);
             let alone = c * self.fingers[1][0];
-            let second: [f64; K] = std::array::from_fn(|j| (left[j] - alone * right[j]) / self.remainder);
-            let first: [f64; K] = std::array::from_fn(|j| right[j] - c * self.fingers[0][0] * second[j]);
+            let second: [f64; K] = each(|j| (left[j] - alone * right[j]) / self.remainder);
+            let first: [f64; K] = each(|j| right[j] - c * self.fingers[0][0] * second[j]);
             for (finger, other) in [second, first].into_iter().enumerate() {
                 let [m, n] = [c * self.fingers[finger][0], c * self.fingers[finger][1]];
                 for j in 0..K {
@@ -93,9 +101,11 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
                 continue;
             }
             let disc = &self.model.discs[index];
-            a[first] = loads[first].map(|load| load * disc.inverse_mass);
-            a[first + 1] = loads[first + 1].map(|load| load * disc.inverse_mass);
-            a[first + 2] = loads[first + 2].map(|load| load * disc.inverse_inertia);
+            for (i, inverse) in [disc.inverse_mass, disc.inverse_mass, disc.inverse_inertia].into_iter().enumerate() {
+                for j in 0..K {
+                    a[first + i][j] = loads[first + i][j] * inverse;
+                }
+            }
         }
         // Memories are no coordinates of masses.
         if !Multibody::<N, C>::GRASP {

@@ -2,7 +2,7 @@
 
 use super::drive::Drive;
 use super::parts::{DiscPart, FingerPart, Joined, Meet, Plane};
-use super::size::PAIRS;
+use super::size::{PAIRS, averaged};
 use super::{FINGERS, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::Landing;
@@ -36,6 +36,8 @@ pub struct Multibody<const N: usize, const C: usize> {
     pub(super) time: Option<usize>,
     /// Where the memories begin.
     pub(super) memories: usize,
+    /// How many coordinates errors are averaged over, and matrices have.
+    used: usize,
     half_palm: f64,
     pub(super) gravity: [f64; 2],
     pub(super) landing: Landing,
@@ -143,6 +145,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             palm_motion: system.palm_motion.clone(),
             time: system.palm_motion.is_some().then_some(time),
             memories,
+            used: if Self::DISCS { averaged(system) } else { N },
             half_palm,
             gravity: system.gravity_m_s2,
             landing: if system.fingers.is_empty() { COLLISIONS } else { GRASPS },
@@ -233,6 +236,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// Whether discs alone are all that there is room for: nothing of a finger is compiled then.
     pub(super) const DISCS: bool = C == PAIRS;
+
+    /// How many coordinates errors are averaged over, and matrices have.
+    #[inline(always)]
+    pub(super) fn used(&self) -> usize {
+        if Self::DISCS { self.used } else { N }
+    }
 
     /// How many fingers there are.
     #[inline(always)]

@@ -57,6 +57,13 @@ pub(super) const PAIRS: usize = 12;
 /// Pairs that may hold where so many discs move: as many memories are there.
 const HOLDING: [usize; MOVING + 1] = [0, 4, 6, 9];
 
+/// Coordinates over which errors of discs alone are averaged: with every memory that so many may have. Over those alone that there are,
+/// a wheel that comes to roll takes 333 steps instead of 33 (scenes/laws/bristle-rolls).
+pub(super) fn averaged(system: &System) -> usize {
+    let moving = system.discs.iter().filter(|disc| disc.motion.moves()).count();
+    3 * moving + if system.holds() { HOLDING[moving.min(MOVING)] } else { 0 }
+}
+
 /// How many of some discs alone move, where the model takes as many.
 pub fn of_discs(system: &System) -> Result<usize, TooMany> {
     let moving = system.discs.iter().filter(|disc| disc.motion.moves()).count();
