@@ -5,11 +5,12 @@ use std::path::Path;
 
 use phalanx::gripper::Design;
 use phalanx::scene::schema::schema_of;
-use phalanx::scene::table::bounds::FingerBounds;
-use phalanx::scene::table::drive::{Motor, Springs};
-use phalanx::scene::table::finger::{Material, Object, Start};
+use phalanx::scene::table::bounds::Bounds;
+use phalanx::scene::table::drive::{Motor, Shaft, Springs};
+use phalanx::scene::table::finger::{Material, Start};
 use phalanx::scene::table::law::{Contact, Limit};
-use phalanx::scene::table::{self, Table};
+use phalanx::scene::table::object::Object;
+use phalanx::scene::table::{self, Table, lines_of};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{Engine, Integrator, LogRates};
 
@@ -38,21 +39,23 @@ fn the_page_has_the_table_of_settings() {
 #[test]
 fn defaults_are_what_a_scene_has_that_says_nothing() {
     fn check<T: Table>(path: &str) {
-        let schema = &schema_of(SceneKind::Finger)["properties"][path]["properties"];
-        for line in T::LINES {
-            let (key, usual) = (line.about().key, T::usual());
-            let Some(default) = schema[key].get("default") else { continue };
-            let text = default.as_str().map_or_else(|| default.to_string(), str::to_string);
-            let mut with = usual.clone();
-            assert_eq!(table::set(&mut with, path, key, &text), Ok(true), "{path}.{key}");
-            if line.get(&mut usual.clone()).is_some() {
-                assert_eq!(line.get(&mut with), line.get(&mut usual.clone()), "{path}.{key}");
+        for kind in SceneKind::ALL {
+            let schema = &schema_of(kind)["properties"][path]["properties"];
+            for line in lines_of::<T>(kind) {
+                let (key, usual) = (line.about().key, T::usual_in(kind));
+                let Some(default) = schema[key].get("default") else { continue };
+                let text = default.as_str().map_or_else(|| default.to_string(), str::to_string);
+                let mut with = usual.clone();
+                assert_eq!(table::set(&mut with, path, key, &text), Ok(true), "{path}.{key}");
+                if line.get(&mut usual.clone()).is_some() {
+                    assert_eq!(line.get(&mut with), line.get(&mut usual.clone()), "{path}.{key}");
+                }
             }
         }
     }
     check::<Integrator>("integrator");
     check::<Engine>("engine");
-    check::<FingerBounds>("validate");
+    check::<Bounds>("validate");
     check::<LogRates>("log");
     check::<Contact>("contact");
     check::<Limit>("limit");
@@ -61,6 +64,7 @@ fn defaults_are_what_a_scene_has_that_says_nothing() {
     check::<Material>("material");
     check::<Start>("initial");
     check::<Motor>("motor");
+    check::<Shaft>("motor");
     check::<Springs>("spring");
 }
 

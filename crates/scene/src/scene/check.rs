@@ -148,12 +148,17 @@ impl<'a> Checker<'a> {
 
     /// Notes that a section lacks a key.
     pub fn missing<T>(&mut self, key: &str, section: &Section<T>, help: &str) {
+        self.lacks(key, section.span.clone(), help);
+    }
+
+    /// The same of the section at a place; of one that is not there without.
+    pub fn lacks(&mut self, key: &str, section: Option<Range<usize>>, help: &str) {
         if self.mistyped {
             return;
         }
         let key = if key.starts_with('[') { key.to_string() } else { format!("`{key}`") };
-        let label = if section.is_given() { "in this section" } else { "" };
-        self.push(section.span.clone(), format!("{key} is missing"), label, help);
+        let label = if section.is_some() { "in this section" } else { "" };
+        self.push(section, format!("{key} is missing"), label, help);
     }
 
     /// Refuses a key that would have no effect.

@@ -2,7 +2,8 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `raw`, `raw_bodies`, `raw_gripper`, `sections` | the file as it is written, of each kind; source of the JSON Schema |
+//! | `raw` | the file as it is written |
+//! | `sections`, `schema` | which sections a scene has; its JSON Schema |
 //! | `entry`, `kinds`, `words` | single values: read with their place, quantities and words |
 //! | `compose` | several texts → one: what a scene extends, and fields that are set besides |
 //! | `setting` | a field that is set besides, as a line of a scene |
@@ -37,8 +38,6 @@ mod pairs;
 mod palm_motion;
 mod place;
 mod raw;
-mod raw_bodies;
-mod raw_gripper;
 mod resolve;
 pub mod schema;
 mod sections;

@@ -1,31 +1,98 @@
-//! The file of a finger's scene as it is written.
+//! A scene file as it is written, whatever sections it has, to be read part by part.
+//!
+//! Of two fingers the sections of a finger are those of both; `[right]` and `[left]` have the same ones for that finger alone, over the
+//! common ones.
 
-use super::entry::Section;
-use super::sections::sections;
-use super::table::bounds::FingerBounds;
-use super::table::drive::{Motor, Springs};
-use super::table::finger::{Bodies, Material, Object, Start};
-use super::table::keys::Keys;
-use super::table::law::{Contact, Limit};
-use super::table::top::FingerKeys;
-use super::{Engine, Integrator, LogRates};
-use crate::gripper::{Design, Lengths};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
-sections! {
-    "scene of a finger", RawScene: FingerKeys {
-        design: Keys<Design>,
-        lengths: Keys<Lengths>,
-        material: Keys<Material>,
-        bodies: Keys<Bodies>,
-        object: Keys<Object>,
-        motor: Keys<Motor>,
-        spring: Keys<Springs>,
-        limit: Keys<Limit>,
-        contact: Keys<Contact>,
-        initial: Keys<Start>,
-        integrator: Keys<Integrator>,
-        engine: Keys<Engine>,
-        validate: Keys<FingerBounds>,
-        log: Keys<LogRates>,
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+use super::Side;
+use super::any::Any;
+use super::over::{EITHER, KINDS};
+use super::sections::OF_FINGER;
+use super::table::keys::{Given, Keys};
+use super::words::SceneKind;
+
+/// A scene without unknown keys.
+#[derive(Debug)]
+pub struct Raw {
+    pub kind: SceneKind,
+    given: Given,
+    /// What is said of each of two fingers.
+    fingers: Vec<Given>,
+    /// Where the names of discs stand.
+    names: BTreeMap<String, Range<usize>>,
+}
+
+impl Raw {
+    /// # Errors
+    /// That of the deserialisation.
+    pub fn of(kind: SceneKind, document: Spanned<DeTable<'_>>) -> Result<Self, toml::de::Error> {
+        let names = match document.get_ref().get("discs").map(Spanned::get_ref) {
+            Some(DeValue::Table(discs)) => discs.keys().map(|name| (name.get_ref().to_string(), name.span())).collect(),
+            _ => BTreeMap::new(),
+        };
+        let given = Given::deserialize(Deserializer::from(document))?;
+        let mut raw = Self { kind, given, fingers: Vec::new(), names };
+        if raw.sides().len() > 1 {
+            raw.fingers = Side::BOTH.map(|side| finger(&raw.given, side)).into();
+        }
+        Ok(raw)
+    }
+
+    /// The sides of its fingers; one that is alone is a right one.
+    pub fn sides(&self) -> &'static [Side] {
+        &Side::BOTH[..self.kind.fingers()]
+    }
+
+    /// Everything but what is said of single fingers.
+    pub fn whole(&self) -> Keys<'_> {
+        Keys::whole(self.kind, &self.given)
+    }
+
+    /// What is said of a finger: as the scene of it alone would say it.
+    pub fn finger(&self, side: Side) -> Keys<'_> {
+        Keys::whole(self.kind, self.fingers.get(side as usize).unwrap_or(&self.given))
+    }
+
+    /// Where the name of a disc stands.
+    pub fn name_span(&self, name: &str) -> Option<Range<usize>> {
+        self.names.get(name).cloned()
+    }
+}
+
+fn finger(given: &Given, side: Side) -> Given {
+    let common = OF_FINGER.into_iter().filter_map(|key| given.get_key_value(key));
+    let mut whole: Given = common.map(|(key, value)| (key.clone(), value.clone())).collect();
+    if let Some(Any::Table(own)) = given.get(side.word()).map(Spanned::get_ref) {
+        take_over(&mut whole, own);
+    }
+    whole
+}
+
+/// Puts one table over another as a scene that extends one does, and takes out what only one of both can say.
+fn take_over(whole: &mut Given, over: &Given) {
+    for (mine, other) in EITHER {
+        if over.contains_key(mine) && !over.contains_key(other) {
+            whole.remove(other);
+        }
+    }
+    merge(whole, over);
+}
+
+fn merge(whole: &mut Given, over: &Given) {
+    for (key, value) in over {
+        let (mut value, before) = (value.clone(), whole.remove(key).map(Spanned::into_inner));
+        if let (Any::Table(more), Some(Any::Table(mut inner))) = (value.get_mut(), before)
+            && !KINDS.iter().any(|kind| more.contains_key(*kind))
+        {
+            merge(&mut inner, more);
+            *more = inner;
+        }
+        whole.insert(key.clone(), value);
     }
 }

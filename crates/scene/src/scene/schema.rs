@@ -2,15 +2,11 @@
 
 use std::sync::LazyLock;
 
-use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::Side;
 use super::kinds::Words;
-use super::raw::RawScene;
-use super::raw_bodies::RawBodiesScene;
-use super::raw_gripper::{OF_FINGER, RawGripper};
+use super::sections::{OF_FINGER, listed};
 use super::words::SceneKind;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
@@ -36,14 +32,8 @@ pub fn schema() -> String {
 
 /// The schema of one kind of scene, made once: a sweep reads thousands of scenes.
 pub fn schema_of(kind: SceneKind) -> &'static Value {
-    static FINGER: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Finger));
-    static BODIES: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Bodies));
-    static GRIPPER: LazyLock<Value> = LazyLock::new(|| make(SceneKind::Gripper));
-    match kind {
-        SceneKind::Finger => &FINGER,
-        SceneKind::Bodies => &BODIES,
-        SceneKind::Gripper => &GRIPPER,
-    }
+    static MADE: LazyLock<[Value; 3]> = LazyLock::new(|| SceneKind::ALL.map(make));
+    &MADE[kind as usize]
 }
 
 /// The schemas of all other kinds, each with its word.
@@ -54,38 +44,30 @@ pub fn schemas_but(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
 
 /// Tables are nested in place: no references to follow.
 fn make(kind: SceneKind) -> Value {
-    fn generate<T: JsonSchema>() -> Value {
-        let settings = SchemaSettings::draft07().for_deserialize().with(|s| s.inline_subschemas = true);
-        settings.into_generator().into_root_schema_for::<T>().to_value()
+    let mut schema = listed(kind);
+    schema["$schema"] = "http://json-schema.org/draft-07/schema#".into();
+    schema["title"] = match kind {
+        SceneKind::Finger => "scene of a finger",
+        SceneKind::Bodies => "scene of discs",
+        SceneKind::Gripper => "scene of a gripper",
     }
-    let mut schema = match kind {
-        SceneKind::Finger => generate::<RawScene>(),
-        SceneKind::Bodies => generate::<RawBodiesScene>(),
-        SceneKind::Gripper => with_fingers(generate::<RawGripper>()),
-    };
+    .into();
+    if kind.fingers() > 1 {
+        let properties = &schema["properties"];
+        let mut own: Map<_, _> = OF_FINGER.iter().map(|key| (key.to_string(), properties[key].clone())).collect();
+        // Palm and table are those of both.
+        own.insert("contact".to_string(), listed(SceneKind::Finger)["properties"]["contact"].take());
+        for side in Side::BOTH.map(Side::word) {
+            schema["properties"][side] = json!({
+                "description": format!("What is different of the {side} finger. Everything of the left finger is that of its mirror image."),
+                "type": "object",
+                "properties": own,
+                "additionalProperties": false,
+            });
+        }
+    }
     unwrap_lines(&mut schema);
     schema
-}
-
-/// The schema of a gripper with the keys of a finger, which are those of both fingers, and of either.
-fn with_fingers(mut gripper: Value) -> Value {
-    let finger = &schema_of(SceneKind::Finger)["properties"];
-    let mut own = serde_json::Map::new();
-    for key in OF_FINGER {
-        gripper["properties"][key] = finger[key].clone();
-        own.insert(key.to_string(), finger[key].clone());
-    }
-    let motor = &gripper["properties"]["motor"];
-    own.extend([("motor".to_string(), motor.clone()), ("contact".to_string(), finger["contact"].clone())]);
-    for side in Side::BOTH.map(Side::word) {
-        gripper["properties"][side] = json!({
-            "description": format!("What is different of the {side} finger. Everything of the left finger is that of its mirror image."),
-            "type": "object",
-            "properties": own,
-            "additionalProperties": false,
-        });
-    }
-    gripper
 }
 
 /// Descriptions come from doc comments: their line breaks mean nothing.

@@ -1,120 +1,105 @@
-//! A scene as it is written: keys, and after them sections.
+//! Which sections scenes have: one list, from which come JSON Schemas, unknown keys and what is suggested in their place.
 
-use std::collections::BTreeMap;
-use std::fmt;
-use std::marker::PhantomData;
+use serde_json::{Value, json};
 
-use schemars::{Schema, SchemaGenerator};
-use serde::de::{Deserializer, MapAccess, Visitor};
-use serde_json::Value;
-
-use super::entry::Section;
 use super::table::Table;
-use super::table::keys::{self, Keys};
+use super::table::bounds::Bounds;
+use super::table::differential::Seesaw;
+use super::table::disc::DiscKeys;
+use super::table::drive::{Motor, Shaft, Springs};
+use super::table::finger::{Bodies, Links, Material, Start};
+use super::table::keys::schema;
+use super::table::law::{Contact, Limit};
+use super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
+use super::table::object::Object;
+use super::table::plane::{Ground, Support};
+use super::table::top::Top;
+use super::words::{ANY, FINGERS, NO_FINGER, SceneKind, TWO_FINGERS};
+use super::{Engine, Integrator, LogRates};
+use crate::gripper::{Design, Lengths};
 
-/// A scene of one kind; `T` has the keys before its sections.
-pub trait Sections<T>: Default {
-    const TITLE: &'static str;
+/// A section, or some of its keys: its name (none before all sections), in which kinds of scene it is, and what is in it.
+type Listed = (&'static str, &'static [SceneKind], fn(SceneKind) -> Value);
 
-    /// Reads the section of this name, if there is one of it.
-    ///
-    /// # Errors
-    /// That of the deserialisation.
-    fn take<'de, A: MapAccess<'de>>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error>;
+const LIST: &[Listed] = &[
+    ("", ANY, schema::<Top>),
+    ("", FINGERS, schema::<Links>),
+    ("design", FINGERS, schema::<Design>),
+    ("lengths", FINGERS, schema::<Lengths>),
+    ("material", FINGERS, schema::<Material>),
+    ("bodies", FINGERS, schema::<Bodies>),
+    ("object", FINGERS, schema::<Object>),
+    ("discs", NO_FINGER, discs),
+    ("half_plane", NO_FINGER, schema::<Ground>),
+    ("table", TWO_FINGERS, schema::<Support>),
+    ("differential", TWO_FINGERS, schema::<Seesaw>),
+    ("motor", FINGERS, schema::<Motor>),
+    ("motor", TWO_FINGERS, schema::<Shaft>),
+    ("spring", FINGERS, schema::<Springs>),
+    ("limit", FINGERS, schema::<Limit>),
+    ("contact", ANY, schema::<Contact>),
+    ("initial", FINGERS, schema::<Start>),
+    ("moves", TWO_FINGERS, named::<MoveKeys>),
+    ("vibrations", TWO_FINGERS, named::<VibrationKeys>),
+    ("path", TWO_FINGERS, schema::<PathKeys>),
+    ("integrator", ANY, schema::<Integrator>),
+    ("engine", ANY, schema::<Engine>),
+    ("validate", ANY, schema::<Bounds>),
+    ("log", ANY, schema::<LogRates>),
+];
 
-    fn put(&mut self, keys: Section<Keys<T>>);
+/// Keys and sections of a finger: of two, those of both, and of either.
+pub const OF_FINGER: [&str; 13] = [
+    "half_width",
+    "assembly",
+    "sizing",
+    "closing_time",
+    "design",
+    "lengths",
+    "material",
+    "bodies",
+    "spring",
+    "limit",
+    "initial",
+    "motor",
+    "contact",
+];
 
-    fn schemas(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)>;
-}
-
-/// Makes the struct of a scene as it is written from its title, its name, what has the keys before its sections (these are its
-/// `keys`), and its sections with what is in them.
-macro_rules! sections {
-    ($title:literal, $raw:ident: $keys:ty { $($section:ident: $body:ty,)* }) => {
-        #[derive(Debug, Default)]
-        pub struct $raw {
-            pub keys: Section<Keys<$keys>>,
-            $(pub $section: Section<$body>,)*
-        }
-
-        impl $crate::scene::sections::Sections<$keys> for $raw {
-            const TITLE: &'static str = $title;
-
-            fn take<'de, A>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error>
-            where
-                A: serde::de::MapAccess<'de>,
-            {
-                match name {
-                    $(stringify!($section) => self.$section = map.next_value()?,)*
-                    _ => return Ok(false),
+/// JSON Schema of all that the scenes of a kind say of no single finger.
+pub fn listed(kind: SceneKind) -> Value {
+    let mut whole = json!({});
+    for (name, _, schema) in LIST.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
+        let section = if name.is_empty() { &mut whole } else { &mut whole["properties"][name] };
+        let mut made = schema(kind);
+        match (section.get_mut("properties"), made["properties"].take()) {
+            (Some(Value::Object(known)), Value::Object(more)) => known.extend(more),
+            (_, keys) => {
+                *section = made;
+                if !keys.is_null() {
+                    section["properties"] = keys;
                 }
-                Ok(true)
-            }
-
-            fn put(&mut self, keys: Section<Keys<$keys>>) {
-                self.keys = keys;
-            }
-
-            fn schemas(generator: &mut schemars::SchemaGenerator) -> Vec<(&'static str, schemars::Schema)> {
-                vec![$((stringify!($section), <$body as schemars::JsonSchema>::json_schema(generator))),*]
             }
         }
-
-        impl<'de> serde::Deserialize<'de> for $raw {
-            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                $crate::scene::sections::read(deserializer)
-            }
-        }
-
-        impl schemars::JsonSchema for $raw {
-            fn schema_name() -> std::borrow::Cow<'static, str> {
-                stringify!($raw).into()
-            }
-
-            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-                $crate::scene::sections::schema::<Self, $keys>(generator)
-            }
-        }
-    };
+    }
+    whole
 }
 
-pub(super) use sections;
-
-/// A scene whose keys are known.
-///
-/// # Errors
-/// That of the deserialisation.
-pub fn read<'de, T, R: Sections<T>, D: Deserializer<'de>>(deserializer: D) -> Result<R, D::Error> {
-    deserializer.deserialize_map(Whole(PhantomData))
+/// Sections of one kind, each under a name of its own.
+fn named<T: Table>(kind: SceneKind) -> Value {
+    json!({
+        "description": format!("Each under a name of its own. {}", T::doc(kind)),
+        "type": "object",
+        "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" },
+        "additionalProperties": schema::<T>(kind),
+    })
 }
 
-struct Whole<T, R>(PhantomData<(T, R)>);
-
-impl<'de, T, R: Sections<T>> Visitor<'de> for Whole<T, R> {
-    type Value = R;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a scene")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<R, A::Error> {
-        let (mut raw, mut given) = (R::default(), BTreeMap::new());
-        while let Some(key) = map.next_key::<String>()? {
-            if !raw.take(&key, &mut map)? {
-                given.insert(key, map.next_value()?);
-            }
-        }
-        raw.put(Section::whole(Keys::of(given)));
-        Ok(raw)
-    }
-}
-
-/// JSON Schema of a scene.
-pub fn schema<R: Sections<T>, T: Table>(generator: &mut SchemaGenerator) -> Schema {
-    let mut schema = keys::schema::<T>();
-    schema.insert("title".into(), R::TITLE.into());
-    if let Some(Value::Object(properties)) = schema.get_mut("properties") {
-        properties.extend(R::schemas(generator).into_iter().map(|(name, section)| (name.into(), section.to_value())));
-    }
-    schema
+fn discs(kind: SceneKind) -> Value {
+    json!({
+        "description": "Discs, each under a name of its own: [discs.hammer]. At least one must move.",
+        "type": "object",
+        "minProperties": 1,
+        "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "plane" } },
+        "additionalProperties": schema::<DiscKeys>(kind),
+    })
 }

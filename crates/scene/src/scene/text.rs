@@ -1,14 +1,11 @@
 //! From a text to a scene.
 
-use serde::Deserialize;
-use toml::de::{DeTable, Deserializer};
+use toml::de::DeTable;
 
 use super::check::Checker;
 use super::error::{Problem, SceneError};
 use super::kinds::Words;
-use super::raw::RawScene;
-use super::raw_bodies::RawBodiesScene;
-use super::raw_gripper::{RawGripper, take_fingers};
+use super::raw::Raw;
 use super::schema::{schema_of, schemas_but};
 use super::suggest::nearest;
 use super::words::SceneKind;
@@ -44,7 +41,7 @@ pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneErro
     // Whatever is wrong with the scene by itself is said first.
     let scene = parse(text, file_name)?;
     let refuse = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
-    let read = Deserializer::parse(text).and_then(RawScene::deserialize);
+    let read = DeTable::parse(text).and_then(|document| Raw::of(SceneKind::Finger, document));
     let raw = read.map_err(|e| refuse(vec![syntax(&e)]))?;
     resolve::template(&raw, Checker::new(text, Vec::new()), &scene).map_err(refuse)
 }
@@ -55,22 +52,8 @@ fn any(text: &str, file_name: &str) -> Result<Scene, Vec<Problem>> {
     let allowed = keys::Allowed { kind: kind.word(), schema: schema_of(kind), others: &|| schemas_but(kind) };
     let weeds = keys::weed(document.get_mut(), &allowed);
     let checker = Checker::new(text, weeds);
-    let wrong = |e: toml::de::Error| vec![syntax(&e)];
-    match kind {
-        SceneKind::Finger => {
-            let raw = RawScene::deserialize(Deserializer::from(document)).map_err(wrong)?;
-            resolve::finger(&raw, checker, file_name)
-        }
-        SceneKind::Bodies => {
-            let raw = RawBodiesScene::deserialize(Deserializer::from(document)).map_err(wrong)?;
-            resolve::bodies(&raw, checker, file_name)
-        }
-        SceneKind::Gripper => {
-            let fingers = take_fingers(document.get_mut()).map_err(wrong)?;
-            let raw = RawGripper::deserialize(Deserializer::from(document)).map_err(wrong)?;
-            resolve::gripper(&raw, &fingers, checker, file_name)
-        }
-    }
+    let raw = Raw::of(kind, document).map_err(|e| vec![syntax(&e)])?;
+    resolve::scene(&raw, checker, file_name)
 }
 
 /// The kind of a scene, or the one it was probably meant to be: all else is judged by it.

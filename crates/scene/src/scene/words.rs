@@ -15,7 +15,26 @@ pub enum SceneKind {
 
 impl SceneKind {
     pub const ALL: [Self; 3] = [SceneKind::Finger, SceneKind::Bodies, SceneKind::Gripper];
+
+    /// How many fingers its scenes have.
+    pub const fn fingers(self) -> usize {
+        match self {
+            SceneKind::Bodies => 0,
+            SceneKind::Finger => 1,
+            SceneKind::Gripper => 2,
+        }
+    }
 }
+
+/// Kinds of scene by how many fingers they have.
+pub const ANY: &[SceneKind] = &SceneKind::ALL;
+pub const NO_FINGER: &[SceneKind] = &[SceneKind::Bodies];
+pub const ONE_FINGER: &[SceneKind] = &[SceneKind::Finger];
+pub const TWO_FINGERS: &[SceneKind] = &[SceneKind::Gripper];
+/// One or two.
+pub const FINGERS: &[SceneKind] = &[SceneKind::Finger, SceneKind::Gripper];
+/// None or two.
+pub const NOT_ONE: &[SceneKind] = &[SceneKind::Bodies, SceneKind::Gripper];
 
 /// What moves a disc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

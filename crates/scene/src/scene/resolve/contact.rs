@@ -5,9 +5,8 @@ use std::ops::Range;
 use super::super::Contacts;
 use super::super::check::Checker;
 use super::super::defaults;
-use super::super::entry::Section;
 use super::super::table::keys::Keys;
-use super::super::table::law::{BodiesContact, Contact, Elastic, GripperContact, Limit, Materials, Side};
+use super::super::table::law::{Contact, Elastic, Limit, Side};
 use super::super::table::{Table, read};
 use crate::law::{ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 
@@ -21,13 +20,13 @@ struct Level<'a> {
     normal: NormalLaw,
     /// Where its stiffness or its damping is given.
     place: &'a Option<Range<usize>>,
-    friction: &'a Section<Keys<FrictionLaw>>,
+    friction: &'a Keys<'a>,
 }
 
 /// Laws of both contacts.
-pub fn contacts(c: &mut Checker<'_>, raw: &Section<Keys<Contact>>, object_radius_m: f64) -> Option<Contacts> {
+pub fn contacts(c: &mut Checker<'_>, raw: &Keys<'_>, object_radius_m: f64) -> Option<Contacts> {
     let (friction, place) = (raw.inner("friction"), place(raw));
-    let normal = normal(c, "contact", raw, Contact::usual().0, object_radius_m);
+    let normal = normal(c, "contact", raw, Contact::usual(), object_radius_m);
     let common = Level { path: "contact", normal, place: &place, friction: &friction };
     let proximal = side(c, "contact.proximal", &raw.inner("proximal"), common, object_radius_m);
     let distal = side(c, "contact.distal", &raw.inner("distal"), common, object_radius_m);
@@ -37,24 +36,24 @@ pub fn contacts(c: &mut Checker<'_>, raw: &Section<Keys<Contact>>, object_radius
 fn side(
     c: &mut Checker<'_>,
     path: &'static str,
-    raw: &Section<Keys<Side>>,
+    raw: &Keys<'_>,
     common: Level<'_>,
     object_radius_m: f64,
 ) -> Option<ContactLaw> {
     let (friction, place) = (raw.inner("friction"), place(raw));
-    let normal = normal(c, path, raw, common.normal, object_radius_m);
+    let normal = normal(c, path, raw, Side(common.normal), object_radius_m);
     law(c, &[common, Level { path, normal, place: &place, friction: &friction }])
 }
 
 /// Laws of the object on palm and table, as far as they are there.
 pub fn planes(
     c: &mut Checker<'_>,
-    raw: &Section<Keys<GripperContact>>,
+    raw: &Keys<'_>,
     present: [bool; 2],
     object_radius_m: f64,
 ) -> Option<[Option<ContactLaw>; 2]> {
     let (friction, place) = (raw.inner("friction"), place(raw));
-    let normal = normal(c, "contact", raw, GripperContact::usual().0, object_radius_m);
+    let normal = normal(c, "contact", raw, Contact::usual(), object_radius_m);
     let common = Level { path: "contact", normal, place: &place, friction: &friction };
     let mut laws = [None; 2];
     for (index, (key, path)) in [("palm", "contact.palm"), ("table", "contact.table")].into_iter().enumerate() {
@@ -66,14 +65,14 @@ pub fn planes(
     Some(laws)
 }
 
-/// Law of every contact of a scene of discs.
-pub fn contact(c: &mut Checker<'_>, raw: &Section<Keys<BodiesContact>>) -> Option<ContactLaw> {
+/// The one law of all contacts.
+pub fn common(c: &mut Checker<'_>, raw: &Keys<'_>) -> Option<ContactLaw> {
     let (friction, place) = (raw.inner("friction"), place(raw));
-    let normal = normal(c, "contact", raw, BodiesContact::usual().0, 0.0);
+    let normal = normal(c, "contact", raw, Contact::usual(), 0.0);
     law(c, &[Level { path: "contact", normal, place: &place, friction: &friction }])
 }
 
-fn place<T>(raw: &Keys<T>) -> Option<Range<usize>> {
+fn place(raw: &Keys<'_>) -> Option<Range<usize>> {
     raw.span("stiffness_si").or(raw.span("damping"))
 }
 
@@ -94,16 +93,16 @@ fn law(c: &mut Checker<'_>, levels: &[Level<'_>]) -> Option<ContactLaw> {
 }
 
 /// The normal law with what a section says of it; the radius is for materials.
-fn normal<T: Table + From<NormalLaw> + Into<NormalLaw>>(
+fn normal<T: Table + Into<NormalLaw>>(
     c: &mut Checker<'_>,
     path: &str,
-    raw: &Section<Keys<T>>,
-    base: NormalLaw,
+    raw: &Keys<'_>,
+    base: T,
     object_radius_m: f64,
 ) -> NormalLaw {
-    let normal = read(c, path, raw, T::from(base)).into();
+    let normal = read(c, path, raw, base).into();
     judge_exponent(c, path, raw);
-    let materials = raw.inner::<Materials>("materials");
+    let materials = raw.inner("materials");
     if !materials.is_given() {
         return normal;
     }
@@ -118,7 +117,7 @@ fn normal<T: Table + From<NormalLaw> + Into<NormalLaw>>(
 }
 
 /// Stiffness and exponent only mean something together.
-fn judge_exponent<T>(c: &mut Checker<'_>, path: &str, raw: &Keys<T>) {
+fn judge_exponent(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>) {
     if raw.has("exponent") && !raw.has("stiffness_si") {
         c.push(
             raw.span("exponent"),
@@ -130,7 +129,7 @@ fn judge_exponent<T>(c: &mut Checker<'_>, path: &str, raw: &Keys<T>) {
 }
 
 /// Hertz: k = 4/3 E* √R (thesis (2.33), (2.34), errata 6).
-fn hertz(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<Materials>>, object_radius_m: f64) -> Option<f64> {
+fn hertz(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, object_radius_m: f64) -> Option<f64> {
     let object = elastic(c, path, "object", raw, object_radius_m);
     let phalanx = elastic(c, path, "phalanx", raw, f64::INFINITY);
     let ((object, object_radius), (phalanx, phalanx_radius)) = (object?, phalanx?);
@@ -144,16 +143,14 @@ fn hertz(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<Materials>>, object
 }
 
 /// A surface and its radius, which is `usual_m` unless given.
-fn elastic(
-    c: &mut Checker<'_>,
-    path: &str,
-    which: &str,
-    parent: &Section<Keys<Materials>>,
-    usual_m: f64,
-) -> Option<(Material, f64)> {
-    let (path, raw) = (format!("{path}.{which}"), parent.inner::<Elastic>(which));
+fn elastic(c: &mut Checker<'_>, path: &str, which: &str, parent: &Keys<'_>, usual_m: f64) -> Option<(Material, f64)> {
+    let (path, raw) = (format!("{path}.{which}"), parent.inner(which));
     if !raw.is_given() {
-        c.missing(&path, parent, "give both surfaces: object and phalanx = { modulus = \"2.3 GPa\", poisson = 0.35 }");
+        c.lacks(
+            &path,
+            parent.span.clone(),
+            "give both surfaces: object and phalanx = { modulus = \"2.3 GPa\", poisson = 0.35 }",
+        );
         return None;
     }
     let Elastic { modulus_pa, poisson, radius_m } =
@@ -178,7 +175,7 @@ fn friction(c: &mut Checker<'_>, levels: &[Level<'_>]) -> Option<Option<Friction
     };
     if law.mu_static.is_nan() {
         let help = "add the static coefficient: mu_static = 0.8; 0 is frictionless";
-        c.missing(&format!("{path}.friction.mu_static"), raw, help);
+        c.lacks(&format!("{path}.friction.mu_static"), raw.span.clone(), help);
         return None;
     }
     if law.mu_dynamic.is_nan() {
@@ -211,7 +208,7 @@ fn friction(c: &mut Checker<'_>, levels: &[Level<'_>]) -> Option<Option<Friction
 }
 
 /// The joint limit; `None` where it is switched off.
-pub fn limit(c: &mut Checker<'_>, raw: &Section<Keys<Limit>>) -> Option<NormalLaw> {
+pub fn limit(c: &mut Checker<'_>, raw: &Keys<'_>) -> Option<NormalLaw> {
     let Limit { enabled, law } = read(c, "limit", raw, Limit::usual());
     judge_exponent(c, "limit", raw);
     enabled.then_some(law)

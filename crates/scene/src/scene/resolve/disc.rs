@@ -1,34 +1,62 @@
-//! Discs: one by one, and whether they can start where they are.
+//! Discs: one by one, all, and whether they can start where they are.
 
 use std::ops::Range;
 
-use toml::Spanned;
-
 use super::super::check::Checker;
-use super::super::entry::Section;
 use super::super::kinds::Choice;
+use super::super::raw::Raw;
 use super::super::table::disc::DiscKeys;
-use super::super::table::half_plane::Ground;
 use super::super::table::keys::Keys;
+use super::super::table::top::Top;
 use super::super::table::{Table, read};
 use super::super::words::Motion;
-use super::super::{Disc, DiscMotion};
+use super::super::{Disc, DiscMotion, System};
+use crate::limits::MOST_DISCS;
 use crate::numeric::elementary::{hypot, powi};
 use crate::units::{Dimension, format};
 
 /// Name of the half plane in pairs.
 const PLANE: &str = "plane";
 
-/// A sound disc, and the place of its centre in the file.
-pub struct Placed {
-    pub disc: Disc,
-    pub span: Option<Range<usize>>,
+/// All discs in the order of their names; `None` where something is wrong with one, or with all.
+pub fn discs(c: &mut Checker<'_>, raw: &Raw, gravity_m_s2: [f64; 2]) -> Option<Vec<Disc>> {
+    let section = raw.whole().inner("discs");
+    let count = section.named().count();
+    if count == 0 {
+        let help = "a scene of discs needs one that moves: [discs.hammer] with radius, centre and mass";
+        c.lacks("[discs.NAME]", section.span, help);
+        return None;
+    }
+    if count > MOST_DISCS {
+        c.push(
+            section.span,
+            format!("there are {count} discs, but at most {MOST_DISCS} are simulated: any two of them may touch"),
+            "",
+            format!("leave {} of them out", count - MOST_DISCS),
+        );
+        return None;
+    }
+    let all: Vec<Option<Disc>> =
+        section.named().map(|(name, keys)| disc(c, name, raw.name_span(name), &keys)).collect();
+    let all: Vec<Disc> = all.into_iter().collect::<Option<_>>()?;
+    if !all.iter().any(|disc| disc.motion.moves()) {
+        c.push(
+            section.span,
+            "every disc is fixed: nothing would happen",
+            "",
+            "let one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity",
+        );
+    }
+    let free = |disc: &Disc| matches!(disc.motion, DiscMotion::Free { .. });
+    if gravity_m_s2 != Top::usual_gravity_m_s2(raw.kind) && !all.iter().any(free) {
+        c.unused_at("gravity", raw.whole().span("gravity"), "without a disc of motion = \"free\"");
+    }
+    Some(all)
 }
 
 /// One disc; `None` where something is wrong with it.
-pub fn disc(c: &mut Checker<'_>, name: &Spanned<String>, raw: &Section<Keys<DiscKeys>>) -> Option<Placed> {
-    let named = judge_name(c, name);
-    let name = name.get_ref();
+fn disc(c: &mut Checker<'_>, name: &str, place: Option<Range<usize>>, raw: &Keys<'_>) -> Option<Disc> {
+    let named = judge_name(c, name, place);
     let said = read(c, &format!("discs.{name}"), raw, DiscKeys::usual());
     // An unknown motion says nothing about the other keys.
     if !raw.is_known::<Choice<Motion>>("motion") {
@@ -49,12 +77,11 @@ pub fn disc(c: &mut Checker<'_>, name: &Spanned<String>, raw: &Section<Keys<Disc
     if radius_m.is_nan() || centre_m[0].is_nan() {
         return None;
     }
-    Some(Placed { disc: Disc { name: named?, radius_m, centre_m, angle_rad: 0.0, motion }, span: raw.span("centre") })
+    Some(Disc { name: named?, radius_m, centre_m, angle_rad: 0.0, motion })
 }
 
 /// Names stand in topics, keys and columns, joined by `-` in those of pairs.
-fn judge_name(c: &mut Checker<'_>, name: &Spanned<String>) -> Option<String> {
-    let text = name.get_ref();
+fn judge_name(c: &mut Checker<'_>, text: &str, place: Option<Range<usize>>) -> Option<String> {
     let fit = text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
     let problem = if text.is_empty() {
@@ -64,16 +91,16 @@ fn judge_name(c: &mut Checker<'_>, name: &Spanned<String>) -> Option<String> {
     } else if !fit {
         format!("`{}` cannot be the name of a disc", text.escape_debug())
     } else {
-        return Some(text.clone());
+        return Some(text.to_string());
     };
     let help =
         "begin with a letter, go on with letters, digits and _ : [discs.hammer_2]; topics and keys are made of it";
-    c.push(Some(name.span()), problem, "not a name", help);
+    c.push(place, problem, "not a name", help);
     None
 }
 
 /// Inertia of a free disc: `Some(None)` if it does not turn, `None` where it is wrong.
-fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<DiscKeys>, said: &DiscKeys) -> Option<Option<f64>> {
+fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<'_>, said: &DiscKeys) -> Option<Option<f64>> {
     if !said.rotates {
         for key in ["inertia", "spin"] {
             c.unused_at(&format!("discs.{name}.{key}"), raw.span(key), "with rotates = false");
@@ -100,10 +127,11 @@ fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<DiscKeys>, said: &DiscKey
 }
 
 /// Refuses starts in which the centre of one disc is within the other, or in the half plane: no penetration is so deep.
-pub fn judge_starts(c: &mut Checker<'_>, discs: &[Placed], half_plane: Option<Ground>) {
-    for (index, second) in discs.iter().enumerate() {
-        for first in &discs[..index] {
-            let (a, b) = (&first.disc, &second.disc);
+pub fn judge_starts(c: &mut Checker<'_>, raw: &Raw, system: &System) {
+    let section = raw.whole().inner("discs");
+    for (index, b) in system.discs.iter().enumerate() {
+        let place = section.inner(&b.name).span("centre");
+        for a in &system.discs[..index] {
             let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
             let moves = a.motion.moves() || b.motion.moves();
             if !moves || distance_m > a.radius_m.max(b.radius_m) {
@@ -111,7 +139,7 @@ pub fn judge_starts(c: &mut Checker<'_>, discs: &[Placed], half_plane: Option<Gr
             }
             let length = |metres| format(metres, Dimension::Length);
             c.push(
-                second.span.clone(),
+                place.clone(),
                 format!(
                     "the centre of one of `{}` and `{}` starts within the other: the centres are {} apart, the radii are \
                      {} and {}",
@@ -125,16 +153,16 @@ pub fn judge_starts(c: &mut Checker<'_>, discs: &[Placed], half_plane: Option<Gr
                 "move them apart: surfaces may overlap at the start, but a centre must be outside of the other disc",
             );
         }
-        if let Some(plane) = half_plane
-            && second.disc.motion.moves()
-            && second.disc.centre_m[1] <= plane.level_m
+        if let Some(plane) = system.palm
+            && b.motion.moves()
+            && b.centre_m[1] <= plane.level_m
         {
-            let (height, level) = (second.disc.centre_m[1], plane.level_m);
+            let (height, level) = (b.centre_m[1], plane.level_m);
             c.push(
-                second.span.clone(),
+                place.clone(),
                 format!(
                     "the centre of `{}` starts in the half plane: y = {}, level {}",
-                    second.disc.name,
+                    b.name,
                     format(height, Dimension::Length),
                     format(level, Dimension::Length)
                 ),

@@ -1,18 +1,35 @@
 //! What drives the finger: motor and spring.
 
 use super::super::check::{Checker, POSITIVE};
-use super::super::entry::{Section, item_span};
+use super::super::entry::item_span;
 use super::super::kinds::{Choice, List, Time, Torque};
-use super::super::table::drive::{Motor, Springs};
+use super::super::table::drive::{Motor, Shaft, Springs};
 use super::super::table::keys::Keys;
 use super::super::table::{Table, read};
-use super::super::{Actuation, Spring, SpringKind};
+use super::super::{self as scene, Actuation, Spring, SpringKind};
 use super::sizing::Sized;
 
 const TORQUE: &str = "add the motor's torque on l11: [motor] torque = \"480 N*mm\"";
 
-/// Motor torque over time, with the torque of the scene's sizing if it is [`Sized::By`] one.
-pub fn motor(c: &mut Checker<'_>, raw: &Section<Keys<Motor>>, sized: Sized) -> Option<Actuation> {
+/// The motor, with the torque of the scene's sizing if it is [`Sized::By`] one.
+pub fn motor(c: &mut Checker<'_>, raw: &Keys<'_>, sized: Sized) -> Option<scene::Motor> {
+    let actuation = actuation(c, raw, sized)?;
+    let shaft = read(c, "motor", raw, Shaft::usual());
+    if let Some(brake) = shaft.brake
+        && shaft.release_s().is_some_and(|release_s| release_s < brake.start_s + brake.rise_s)
+    {
+        c.push(
+            raw.span("brake_release"),
+            "`motor.brake_release` is before the brake has gripped, at brake_at + brake_rise",
+            "too early",
+            "release it later, or leave it out: it holds for good then",
+        );
+    }
+    Some(shaft.with(actuation))
+}
+
+/// Its torque over time.
+fn actuation(c: &mut Checker<'_>, raw: &Keys<'_>, sized: Sized) -> Option<Actuation> {
     let mut motor = read(c, "motor", raw, Motor::usual());
     // An unknown profile says nothing about the other keys.
     raw.is_known::<Choice<Actuation>>("profile").then_some(())?;
@@ -20,7 +37,7 @@ pub fn motor(c: &mut Checker<'_>, raw: &Section<Keys<Motor>>, sized: Sized) -> O
         return Some(Actuation::Table { points: table(c, raw)?, interpolation });
     }
     match sized {
-        Sized::Not if !raw.has("torque") => c.missing("motor.torque", raw, TORQUE),
+        Sized::Not if !raw.has("torque") => c.lacks("motor.torque", raw.span.clone(), TORQUE),
         Sized::Not | Sized::Wrong => {}
         Sized::By(sizing) => motor.torque_n_m().into_iter().for_each(|torque| *torque = sizing.motor_n_m),
     }
@@ -28,11 +45,11 @@ pub fn motor(c: &mut Checker<'_>, raw: &Section<Keys<Motor>>, sized: Sized) -> O
 }
 
 /// The points of a table.
-fn table(c: &mut Checker<'_>, raw: &Section<Keys<Motor>>) -> Option<Vec<(f64, f64)>> {
+fn table(c: &mut Checker<'_>, raw: &Keys<'_>) -> Option<Vec<(f64, f64)>> {
     for key in ["times", "torques"] {
         if !raw.has(key) {
             let help = "a table has both: times = [\"0 ms\", \"5 ms\"] and torques = [\"0 N*mm\", \"480 N*mm\"]";
-            c.missing(&format!("motor.{key}"), raw, help);
+            c.lacks(&format!("motor.{key}"), raw.span.clone(), help);
         }
     }
     let (times, torques) = (raw.value::<List<Time>>("times")?, raw.value::<List<Torque>>("torques")?);
@@ -55,7 +72,7 @@ fn table(c: &mut Checker<'_>, raw: &Section<Keys<Motor>>) -> Option<Vec<(f64, f6
 }
 
 /// The spring: `Some(None)` where the scene has none, `None` where it is wrong.
-pub fn spring(c: &mut Checker<'_>, raw: &Section<Keys<Springs>>, sized: Sized) -> Option<Option<Spring>> {
+pub fn spring(c: &mut Checker<'_>, raw: &Keys<'_>, sized: Sized) -> Option<Option<Spring>> {
     let before = c.count();
     let mut spring = read(c, "spring", raw, Springs::usual());
     let sound = c.count() == before;
@@ -65,10 +82,10 @@ pub fn spring(c: &mut Checker<'_>, raw: &Section<Keys<Springs>>, sized: Sized) -
         (Some(SpringKind::Constant { .. }), Sized::Not) if !raw.has("torque") => {
             let help =
                 "add the spring's torque: [spring] torque = \"132.6 N*mm\"; or leave it out: [spring] type = \"none\"";
-            c.missing("spring.torque", raw, help);
+            c.lacks("spring.torque", raw.span.clone(), help);
         }
         (Some(SpringKind::Torsional { .. }), Sized::Not) if !raw.has("stiffness") => {
-            c.missing("spring.stiffness", raw, "add the spring's stiffness: stiffness = \"100 N*mm/rad\"");
+            c.lacks("spring.stiffness", raw.span.clone(), "add the spring's stiffness: stiffness = \"100 N*mm/rad\"");
         }
         (Some(_), Sized::Not) => {}
         (Some(SpringKind::Constant { torque_n_m }), Sized::Wrong | Sized::By(_)) => {
@@ -78,7 +95,7 @@ pub fn spring(c: &mut Checker<'_>, raw: &Section<Keys<Springs>>, sized: Sized) -
         (Some(SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad }), Sized::Wrong | Sized::By(_)) => {
             if !raw.has("preload") {
                 let help = "the sizing says the torque of the straight finger, its preload the stiffness: preload = \"90 deg\"";
-                c.missing("spring.preload", raw, help);
+                c.lacks("spring.preload", raw.span.clone(), help);
             } else if sound && *preload_rad == 0.0 {
                 c.beyond("spring.preload", raw.span("preload"), POSITIVE);
             }

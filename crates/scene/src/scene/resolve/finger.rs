@@ -1,61 +1,55 @@
-//! The finger: lengths from a design or as given, and bodies from outlines, material and overrides.
+//! The links of a finger: lengths from a design or as given, and bodies from outlines, material and overrides.
 
 use std::ops::Range;
 
 use super::super::check::Checker;
-use super::super::entry::Section;
-use super::super::raw::RawScene;
-use super::super::table::finger::{Bodies, Material};
+use super::super::table::finger::{Bodies, Links, Material};
 use super::super::table::keys::Keys;
-use super::super::table::top::FingerKeys;
 use super::super::table::{Table, read};
 use crate::gripper::{self, Assembly, BodyOverride, Design, DesignError, Finger, Lengths, MassError, ProximalLength};
 use crate::numeric::elementary::{cos, hypot, sin};
 
 /// The finger as far as its lengths.
 pub struct Plan {
+    /// What is said of it before all sections.
+    pub said: Links,
     pub lengths: Option<Lengths>,
-    pub assembly: Assembly,
     /// Base of the design; `None` for a finger given by its lengths.
     pub base_m: Option<f64>,
 }
 
 /// Lengths from [design] or [lengths].
-pub fn plan(c: &mut Checker<'_>, raw: &RawScene, keys: &FingerKeys, object_radius_m: f64) -> Plan {
-    let FingerKeys { half_width_m, assembly, .. } = *keys;
+pub fn plan(c: &mut Checker<'_>, raw: &Keys<'_>, object_radius_m: f64) -> Plan {
+    let said = read(c, "", raw, Links::usual());
+    let (design_said, lengths_said) = (raw.inner("design"), raw.inner("lengths"));
     let (mut lengths, mut base_m) = (None, None);
-    match (raw.design.is_given(), raw.lengths.is_given()) {
+    match (design_said.is_given(), lengths_said.is_given()) {
         (true, true) => c.push(
-            raw.lengths.span.clone(),
+            lengths_said.span,
             "the finger is given twice, by [design] and by [lengths]",
             "and here again",
             "keep one of them: [design] for the few free numbers, [lengths] for all lengths",
         ),
-        (false, false) => c.missing(
+        (false, false) => c.lacks(
             "[design] or [lengths]",
-            &raw.design,
+            None,
             "give the finger: [design] with base, l21_fraction, phi22 and arm_ratio, or [lengths] with l21, l22, t22 and \
              phi22",
         ),
         (true, false) => {
-            let design = design(c, &raw.design, half_width_m, object_radius_m);
+            let design = design(c, &design_said, said.half_width_m, object_radius_m);
             base_m = design.map(|d| d.base_m);
             lengths = design.and_then(|d| {
                 let solved = gripper::lengths(&d);
-                solved.map_err(|e| refuse_design(c, &raw.design, &e)).ok()
+                solved.map_err(|e| refuse_design(c, &design_said, &e)).ok()
             });
         }
-        (false, true) => lengths = given_lengths(c, &raw.lengths, half_width_m),
+        (false, true) => lengths = given_lengths(c, &lengths_said, said.half_width_m),
     }
-    Plan { lengths, assembly, base_m }
+    Plan { said, lengths, base_m }
 }
 
-pub fn design(
-    c: &mut Checker<'_>,
-    raw: &Section<Keys<Design>>,
-    half_width_m: f64,
-    object_radius_m: f64,
-) -> Option<Design> {
+pub fn design(c: &mut Checker<'_>, raw: &Keys<'_>, half_width_m: f64, object_radius_m: f64) -> Option<Design> {
     let mut usual = Design { half_width_m, object_radius_m, ..Design::usual() };
     if raw.has("l21") {
         usual.l21 = ProximalLength::Length(f64::NAN);
@@ -75,7 +69,7 @@ pub fn design(
     is_whole.then_some(design)
 }
 
-fn refuse_design(c: &mut Checker<'_>, raw: &Section<Keys<Design>>, error: &DesignError) {
+fn refuse_design(c: &mut Checker<'_>, raw: &Keys<'_>, error: &DesignError) {
     let place = match error {
         DesignError::BaseTooSmall { .. } | DesignError::BaseTooLarge { .. } | DesignError::NoProximalRange { .. } => {
             raw.span("base")
@@ -90,7 +84,7 @@ fn refuse_design(c: &mut Checker<'_>, raw: &Section<Keys<Design>>, error: &Desig
     geometry(c, place.or(raw.span.clone()), "no finger has this design", &error.to_string());
 }
 
-fn given_lengths(c: &mut Checker<'_>, raw: &Section<Keys<Lengths>>, half_width_m: f64) -> Option<Lengths> {
+fn given_lengths(c: &mut Checker<'_>, raw: &Keys<'_>, half_width_m: f64) -> Option<Lengths> {
     let mut lengths = read(c, "lengths", raw, Lengths { half_width_m, ..Lengths::usual() });
     let Lengths { l11_m, l21_m, l22_m, t22_m, phi22_rad, .. } = lengths;
     if !raw.has("l12") {
@@ -112,15 +106,17 @@ fn given_lengths(c: &mut Checker<'_>, raw: &Section<Keys<Lengths>>, half_width_m
 }
 
 /// Bodies from the outlines, with the scene's overrides.
-pub fn finger(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan) -> Option<Finger> {
+pub fn finger(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan) -> Option<Finger> {
     let Matter { material: Material { density_kg_m3, depth_m }, overrides } = matter(c, raw);
     let lengths = plan.lengths?;
     match gripper::bodies_with(&lengths, density_kg_m3, depth_m, &overrides) {
-        Ok(bodies) => Some(Finger { lengths, bodies, assembly: plan.assembly }),
+        Ok(bodies) => Some(Finger { lengths, bodies, assembly: plan.said.assembly }),
         Err(e) => {
             let place = match e {
-                MassError::DegenerateTriangle { .. } => raw.lengths.span("phi22").or(raw.design.span("phi22")),
-                _ => raw.material.span.clone(),
+                MassError::DegenerateTriangle { .. } => {
+                    raw.inner("lengths").span("phi22").or(raw.inner("design").span("phi22"))
+                }
+                _ => raw.inner("material").span,
             };
             geometry(c, place, "the links have no mass", &e.to_string());
             None
@@ -134,11 +130,12 @@ pub struct Matter {
     pub overrides: [BodyOverride; 4],
 }
 
-pub fn matter(c: &mut Checker<'_>, raw: &RawScene) -> Matter {
+pub fn matter(c: &mut Checker<'_>, raw: &Keys<'_>) -> Matter {
+    let bodies = raw.inner("bodies");
     Matter {
-        material: read(c, "material", &raw.material, Material::usual()),
+        material: read(c, "material", &raw.inner("material"), Material::usual()),
         overrides: Bodies::NAMES
-            .map(|name| read(c, &format!("bodies.{name}"), &raw.bodies.inner(name), BodyOverride::default())),
+            .map(|name| read(c, &format!("bodies.{name}"), &bodies.inner(name), BodyOverride::default())),
     }
 }
 

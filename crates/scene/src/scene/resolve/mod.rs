@@ -1,92 +1,65 @@
 //! From the scene as written to the scene as simulated: defaults filled in, physics checked.
 //!
 //! Every part is resolved even after another one failed, so that all problems are reported at once.
+//!
+//! | file | job |
+//! |---|---|
+//! | `system` | all of the system, of its parts |
+//! | `finger`, `start`, `driven` | the links of a finger, where it starts, all of it |
+//! | `drive`, `sizing`, `differential` | motor and spring, as given or sized; one motor for two fingers |
+//! | `object`, `disc`, `plane` | what fingers grasp, discs, palm, ground and table |
+//! | `room` | where the object may be, as each finger sees it |
+//! | `contact` | the laws of contacts |
+//! | `motion` | how the palm moves |
+//! | `run` | how the scene is run |
+//! | `template` | a scene as the template of many designs |
 
-mod bodies;
 mod contact;
+mod differential;
 mod disc;
 mod drive;
+mod driven;
 mod finger;
-mod gripper;
 mod motion;
 mod object;
+mod plane;
+mod room;
 mod run;
 mod sizing;
 mod start;
+mod system;
 mod template;
 
-pub use bodies::bodies;
-pub use gripper::gripper;
 pub use template::template;
 
 use std::path::Path;
 
+use super::Scene;
 use super::check::{Checker, POSITIVE};
 use super::error::Problem;
 use super::kinds::Time;
-use super::raw::RawScene;
-use super::table::finger::Object;
+use super::raw::Raw;
 use super::table::keys::Keys;
-use super::table::top::{FingerKeys, Heading};
+use super::table::top::Top;
 use super::table::{Table, read};
-use super::{Disc, DrivenFinger, HalfPlane, Integrator, Motor, Scene, System};
 
-/// Resolves the scene of a finger; `file_name` gives its default name.
-pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
-    let keys = read(&mut c, "", &raw.keys, FingerKeys::usual());
-    let (name, duration) = heading(&mut c, &raw.keys, &keys.heading, file_name);
-    let gravity_m_s2 = keys.heading.gravity_m_s2;
-
-    let said = read(&mut c, "object", &raw.object, Object::usual());
-    let radius_m = said.radius_m;
-    let plan = finger::plan(&mut c, raw, &keys, radius_m);
-    let finger = finger::finger(&mut c, raw, &plan);
-    let object = object::object(&mut c, raw, said, plan.base_m);
-    let sized = sizing::sizing(&mut c, raw, &keys, finger.as_ref().zip(object.as_ref()), gravity_m_s2);
-    let actuation = drive::motor(&mut c, &raw.motor, sized);
-    let spring = drive::spring(&mut c, &raw.spring, sized);
-    let limit = contact::limit(&mut c, &raw.limit);
-    let contact = contact::contacts(&mut c, &raw.contact, radius_m);
-    let integrator = read(&mut c, "integrator", &raw.integrator, Integrator::usual());
-    let mu_static = contact.map(|contacts| contacts.proximal.friction.map_or(0.0, |law| law.mu_static));
-    let engine = run::engine(&mut c, &raw.engine, mu_static);
-    let bounds = run::bounds(&mut c, &raw.validate, duration);
-    let log = run::log(&mut c, &raw.log, duration);
-    // The start is judged only if what it stands on is sound.
-    let sound = finger.zip(object).map(|sound| (sound, limit));
-    let initial = start::initial(&mut c, raw, &plan, sound, &[]);
-
-    let run = duration.zip(initial);
-    match (sound, actuation, spring, contact, run) {
-        (
-            Some(((finger, object), limit)),
-            Some(actuation),
-            Some(spring),
-            Some(contact),
-            Some((duration_s, initial)),
-        ) if c.is_clean() => Ok(Scene {
+/// Resolves a scene; `file_name` gives its default name.
+pub fn scene(raw: &Raw, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Vec<Problem>> {
+    let top = read(&mut c, "", &raw.whole(), Top::usual_in(raw.kind));
+    let (name, duration_s) = heading(&mut c, &raw.whole(), &top, file_name);
+    let system = system::system(&mut c, raw, &top);
+    let mu_static = system.as_ref().and_then(system::mu_static);
+    let run::Run { integrator, engine, bounds, log } = run::run(&mut c, &raw.whole(), mu_static, duration_s);
+    // Starts are judged only if everything they stand on is sound.
+    if let (Some(system), true) = (&system, c.is_clean()) {
+        disc::judge_starts(&mut c, raw, system);
+    }
+    match (system, duration_s) {
+        (Some(system), Some(duration_s)) if c.is_clean() => Ok(Scene {
             name,
-            description: keys.heading.description,
+            description: top.description,
             source: c.text.to_string(),
-            system: System {
-                fingers: vec![DrivenFinger {
-                    linkage: finger,
-                    motor: Motor::of(actuation),
-                    spring,
-                    limit,
-                    contact,
-                    initial,
-                }],
-                palm_width_m: 0.0,
-                differential: None,
-                discs: object.map(Disc::object).into_iter().collect(),
-                between_discs: None,
-                // Nothing that moves can reach it.
-                palm: keys.palm.then_some(HalfPlane { level_m: 0.0, contact: None }),
-                table: None,
-                palm_motion: None,
-                gravity_m_s2,
-            },
+            system,
             duration_s,
             integrator,
             engine,
@@ -98,7 +71,7 @@ pub fn finger(raw: &RawScene, mut c: Checker<'_>, file_name: &str) -> Result<Sce
 }
 
 /// What every scene begins with: its name, and how long it is unless that is wrong.
-fn heading<T>(c: &mut Checker<'_>, raw: &Keys<T>, said: &Heading, file_name: &str) -> (String, Option<f64>) {
+fn heading(c: &mut Checker<'_>, raw: &Keys<'_>, said: &Top, file_name: &str) -> (String, Option<f64>) {
     if !said.extends.is_empty() {
         let message = "`extends` names another file, but this text is read by itself".to_string();
         c.push(

@@ -3,29 +3,57 @@
 use std::ops::Range;
 
 use super::super::check::Checker;
-use super::super::entry::Section;
 use super::super::table::Table;
-use super::super::table::bounds::Said;
 use super::super::table::keys::Keys;
 use super::super::table::read;
-use super::super::{Bounds, Engine, LogRates, Response, defaults};
+use super::super::words::SceneKind;
+use super::super::{Bounds, Construction, Engine, Integrator, LogRates, Response, defaults};
 use crate::units::{Dimension, format};
 
-/// The engine model; rapier's friction is `mu_static`, that of the scene's contact, unless given.
-pub fn engine(c: &mut Checker<'_>, raw: &Section<Keys<Engine>>, mu_static: Option<f64>) -> Engine {
+/// All settings of a run.
+pub struct Run {
+    pub integrator: Integrator,
+    pub engine: Engine,
+    pub bounds: Bounds,
+    pub log: LogRates,
+}
+
+/// Judged even where the duration is wrong (`None`). rapier's friction is `mu_static`, that of the scene's contact, unless given.
+pub fn run(c: &mut Checker<'_>, raw: &Keys<'_>, mu_static: Option<f64>, duration_s: Option<f64>) -> Run {
+    let integrator = read(c, "integrator", &raw.inner("integrator"), Integrator::everyday(raw.kind));
+    let engine = engine(c, &raw.inner("engine"), mu_static);
+    let bounds = bounds(c, &raw.inner("validate"), duration_s);
+    Run { integrator, engine, bounds, log: log(c, &raw.inner("log"), duration_s) }
+}
+
+/// The engine model.
+fn engine(c: &mut Checker<'_>, raw: &Keys<'_>, mu_static: Option<f64>) -> Engine {
     let mut engine = read(c, "engine", raw, Engine::DEFAULT);
     if let (Response::Rapier { friction, .. }, Some(mu_static), None) =
         (&mut engine.response, mu_static, raw.get("friction"))
     {
         *friction = mu_static;
     }
+    if engine.construction == Construction::Reduced && raw.kind != SceneKind::Finger {
+        let (why, label) = match raw.kind {
+            SceneKind::Bodies => ("a scene of discs has no joints to make coordinates of", "no joints"),
+            _ => ("joint coordinates are for one finger, not for grippers", "one finger only"),
+        };
+        let what = if raw.kind == SceneKind::Bodies { "disc" } else { "body" };
+        c.push(
+            raw.span("construction"),
+            format!("`engine.construction` is \"reduced\", but {why}"),
+            label,
+            format!("leave it out: every {what} moves freely in the engine"),
+        );
+    }
     engine
 }
 
-/// Bounds of the validation, judged even where the duration is wrong (`None`): only the end of the comparison needs it.
-pub fn bounds<T: Said>(c: &mut Checker<'_>, raw: &Section<Keys<T>>, duration_s: Option<f64>) -> Bounds {
-    let usual = Bounds::over(T::KIND, duration_s.unwrap_or(defaults::DURATION_S));
-    let bounds = read(c, "validate", raw, T::from(usual)).bounds();
+/// Bounds of the validation: only the end of the comparison needs the duration.
+fn bounds(c: &mut Checker<'_>, raw: &Keys<'_>, duration_s: Option<f64>) -> Bounds {
+    let usual = Bounds::over(raw.kind, duration_s.unwrap_or(defaults::DURATION_S));
+    let bounds = read(c, "validate", raw, usual);
     judge_until(c, raw.span("until"), bounds.until_s, duration_s);
     bounds
 }
@@ -43,7 +71,7 @@ fn judge_until(c: &mut Checker<'_>, span: Option<Range<usize>>, until_s: f64, du
 }
 
 /// What is logged, and whether a log takes it.
-pub fn log(c: &mut Checker<'_>, raw: &Section<Keys<LogRates>>, duration_s: Option<f64>) -> LogRates {
+fn log(c: &mut Checker<'_>, raw: &Keys<'_>, duration_s: Option<f64>) -> LogRates {
     let rates = read(c, "log", raw, LogRates::usual());
     if let Some(excess) = duration_s.and_then(|duration_s| rates.excess(duration_s)) {
         let span = raw.span(if excess.pictures { "picture_rate" } else { "numeric_rate" });

@@ -2,8 +2,8 @@
 
 use super::super::check::Checker;
 use super::super::kinds::Choice;
-use super::super::raw::RawScene;
-use super::super::table::top::FingerKeys;
+use super::super::table::finger::Links;
+use super::super::table::keys::Keys;
 use super::super::{Actuation, Placement, SpringKind};
 use super::finger::geometry;
 use crate::gripper::{Circle, Finger, contact_angle_proximal};
@@ -52,24 +52,24 @@ impl Sized {
 /// Sizes motor and spring, if the scene asks for it; `sound` is what of the scene it stands on.
 pub fn sizing(
     c: &mut Checker<'_>,
-    raw: &RawScene,
-    keys: &FingerKeys,
+    raw: &Keys<'_>,
+    said: &Links,
     sound: Option<(&Finger, &Option<Circle>)>,
     gravity_m_s2: [f64; 2],
 ) -> Sized {
-    if !raw.keys.has("sizing") {
-        c.unused_at("closing_time", raw.keys.span("closing_time"), "without sizing = \"rigid\" or \"whole\"");
+    if !raw.has("sizing") {
+        c.unused_at("closing_time", raw.span("closing_time"), "without sizing = \"rigid\" or \"whole\"");
         return Sized::Not;
     }
     refuse_given(c, raw);
-    let FingerKeys { sizing: rule, closing_s, .. } = *keys;
-    let placement = raw.spring.value::<Choice<Placement>>("placement").unwrap_or(Placement::Phalanges);
+    let Links { sizing: rule, closing_s, .. } = *said;
+    let placement = raw.inner("spring").value::<Choice<Placement>>("placement").unwrap_or(Placement::Phalanges);
     let (Some((finger, object)), Some(rule)) = (sound, rule) else {
         return Sized::Wrong;
     };
     let Some(disc) = object else {
         c.push(
-            raw.keys.span("sizing"),
+            raw.span("sizing"),
             "`sizing` needs the object that the finger closes on, and this scene has none",
             "nothing to close on",
             "give [motor] torque and [spring] torque instead, or remove [object] present = false",
@@ -90,11 +90,11 @@ pub fn sizing(
 }
 
 /// What would be given twice.
-fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
+fn refuse_given(c: &mut Checker<'_>, raw: &Keys<'_>) {
     let given = [
-        ("motor.torque", raw.motor.span("torque")),
-        ("spring.torque", raw.spring.span("torque")),
-        ("spring.stiffness", raw.spring.span("stiffness")),
+        ("motor.torque", raw.inner("motor").span("torque")),
+        ("spring.torque", raw.inner("spring").span("torque")),
+        ("spring.stiffness", raw.inner("spring").span("stiffness")),
     ];
     for (key, span) in given {
         if span.is_some() {
@@ -102,17 +102,17 @@ fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
             c.push(span, message, "and here again", "keep one of them: remove this, or remove `sizing`");
         }
     }
-    if let Some(Actuation::Table { .. }) = raw.motor.value::<Choice<Actuation>>("profile") {
+    if let Some(Actuation::Table { .. }) = raw.inner("motor").value::<Choice<Actuation>>("profile") {
         c.push(
-            raw.motor.span("profile"),
+            raw.inner("motor").span("profile"),
             "`sizing` sizes the motor, but the torques of a table are all given",
             "has its own torques",
             "remove `sizing` and give [spring] torque, or choose another profile",
         );
     }
-    if raw.spring.value::<Choice<Option<SpringKind>>>("type") == Some(None) {
+    if raw.inner("spring").value::<Choice<Option<SpringKind>>>("type") == Some(None) {
         c.push(
-            raw.spring.span("type"),
+            raw.inner("spring").span("type"),
             "`sizing` sizes motor and spring together, but this scene has no spring",
             "no spring",
             "remove `sizing` and give [motor] torque, or let the scene have a spring",
@@ -121,8 +121,8 @@ fn refuse_given(c: &mut Checker<'_>, raw: &RawScene) {
 }
 
 /// q_0: how far before the proximal contact the finger starts.
-fn opening(c: &mut Checker<'_>, raw: &RawScene, finger: &Finger, disc: Circle) -> Option<f64> {
-    let start = &raw.initial;
+fn opening(c: &mut Checker<'_>, raw: &Keys<'_>, finger: &Finger, disc: Circle) -> Option<f64> {
+    let start = raw.inner("initial");
     if start.has("q11") {
         c.push(
             start.span("q11"),
@@ -145,6 +145,6 @@ fn opening(c: &mut Checker<'_>, raw: &RawScene, finger: &Finger, disc: Circle) -
 /// What is said at the place of a sizing that is refused.
 pub const NOT_SIZED: &str = "this finger cannot be sized";
 
-fn refuse(c: &mut Checker<'_>, raw: &RawScene, error: &SizingError) {
-    geometry(c, raw.keys.span("sizing"), NOT_SIZED, &error.to_string());
+fn refuse(c: &mut Checker<'_>, raw: &Keys<'_>, error: &SizingError) {
+    geometry(c, raw.span("sizing"), NOT_SIZED, &error.to_string());
 }

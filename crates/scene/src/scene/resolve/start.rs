@@ -4,10 +4,12 @@ use std::ops::Range;
 
 use super::super::Initial;
 use super::super::check::Checker;
-use super::super::raw::RawScene;
-use super::super::table::finger::{Object, Start};
+use super::super::table::finger::Start;
+use super::super::table::keys::Keys;
+use super::super::table::object::Object;
 use super::super::table::{Table, read};
 use super::finger::{Plan, geometry};
+use super::room::Seen;
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
 use crate::numeric::elementary::hypot;
@@ -18,34 +20,31 @@ const MAX_PENETRATION_M: f64 = 1e-3;
 /// How far beyond the joint limit a start may be: a torque of about 0.01 N·m with the default law.
 const LIMIT_SLACK_RAD: f64 = 1e-6;
 
-/// Object and limit a start is judged by.
-type Sound = ((Finger, Option<Circle>), Option<NormalLaw>);
-
 /// How far before the contact a start is unless angles are given, and these: not a number where they are not.
-pub fn start(c: &mut Checker<'_>, raw: &RawScene) -> (f64, Initial) {
-    let Start { offset_rad, joints } = read(c, "initial", &raw.initial, Start::usual());
+pub fn start(c: &mut Checker<'_>, raw: &Keys<'_>) -> (f64, Initial) {
+    let Start { offset_rad, joints } = read(c, "initial", &raw.inner("initial"), Start::usual());
     (offset_rad.unwrap_or(f64::NAN), joints)
 }
 
-/// Initial angles and rates; checked as far as the rest of the scene is `sound`. A start that is before the object is so wherever else
-/// the object may be.
+/// Initial angles and rates; checked as far as the rest of the scene is `sound`. A start that is before the object is so wherever it
+/// may be.
 pub fn initial(
     c: &mut Checker<'_>,
-    raw: &RawScene,
+    raw: &Keys<'_>,
     plan: &Plan,
-    sound: Option<Sound>,
-    elsewhere: &[Circle],
+    sound: Option<(&Finger, &Seen)>,
+    limit: Option<NormalLaw>,
 ) -> Option<Initial> {
     let (offset, Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s }) = start(c, raw);
     let [q11, q21] = [q11_rad, q21_rad].map(|angle| Some(angle).filter(|angle| !angle.is_nan()));
-    let start = &raw.initial;
+    let start = raw.inner("initial");
 
-    let ((finger, object), limit) = sound?;
-    let lengths = &finger.lengths;
+    let (Finger { lengths, .. }, seen) = sound?;
+    let object = seen.object;
     let (q11_rad, q21_rad) = match (start.has("q11"), start.has("q21")) {
         (true, false) => {
             let help = "add the proximal phalanx: q21 = \"40 deg\"; or leave both out for a straight start";
-            c.missing("initial.q21", &raw.initial, help);
+            c.lacks("initial.q21", raw.inner("initial").span, help);
             return None;
         }
         (true, true) => {
@@ -58,14 +57,14 @@ pub fn initial(
                     c.unused_at("initial.offset", start.span("offset"), "beside q21");
                     q21?
                 }
-                false => before_contact(c, raw, plan, object, offset, elsewhere)?,
+                false => before_contact(c, raw, plan, seen, offset)?,
             };
             (straight(c, raw, plan, lengths, q21_rad)?, q21_rad)
         }
     };
 
     let place = place(raw);
-    let posture = match gripper::close(lengths, plan.assembly, q11_rad, q21_rad) {
+    let posture = match gripper::close(lengths, plan.said.assembly, q11_rad, q21_rad) {
         Ok(posture) => posture,
         Err(e) => {
             geometry(c, place, "cannot be assembled here", &e.to_string());
@@ -82,41 +81,34 @@ pub fn initial(
 }
 
 /// What stands for the start in messages.
-fn place(raw: &RawScene) -> Option<Range<usize>> {
-    let given = ["q11", "q21", "offset"].into_iter().find_map(|key| raw.initial.span(key));
-    given.or(raw.initial.span.clone()).or(raw.object.span("centre")).or(raw.design.span("base"))
+fn place(raw: &Keys<'_>) -> Option<Range<usize>> {
+    let given = ["q11", "q21", "offset"].into_iter().find_map(|key| raw.inner("initial").span(key));
+    given.or(raw.inner("initial").span).or(raw.inner("object").span("centre")).or(raw.inner("design").span("base"))
 }
 
 /// q21 = q_c21 − q_0 (2-design §2.1), for the object or else for the one the design is made for.
-fn before_contact(
-    c: &mut Checker<'_>,
-    raw: &RawScene,
-    plan: &Plan,
-    object: Option<Circle>,
-    offset: f64,
-    elsewhere: &[Circle],
-) -> Option<f64> {
+fn before_contact(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, seen: &Seen, offset: f64) -> Option<f64> {
     let lengths = plan.lengths?;
-    let circle = match (object, plan.base_m) {
+    let circle = match (seen.object, plan.base_m) {
         (Some(disc), _) => disc,
         (None, Some(base_m)) => {
-            let Object { radius_m, .. } = read(c, "object", &raw.object, Object::usual());
+            let Object { radius_m, .. } = read(c, "object", &raw.inner("object"), Object::usual());
             Circle { radius_m, centre_m: [-base_m, radius_m] }
         }
         (None, None) => {
             let help = "without object and [design] nothing says where to start: add [initial] q21 = \"40 deg\"";
-            c.missing("initial.q21", &raw.initial, help);
+            c.lacks("initial.q21", raw.inner("initial").span, help);
             return None;
         }
     };
-    let mut circles = std::iter::once(&circle).chain(elsewhere);
+    let mut circles = std::iter::once(&circle).chain(&seen.ends);
     let first = circles.try_fold(f64::INFINITY, |first, circle| {
         gripper::contact_angle_proximal(lengths.half_width_m, *circle).map(|contact| first.min(contact))
     });
     match first {
         Ok(contact) => Some(contact - offset),
         Err(e) => {
-            let place = raw.object.span("centre").or(place(raw));
+            let place = raw.inner("object").span("centre").or(place(raw));
             geometry(c, place, "leaves no place to start from", &e.to_string());
             None
         }
@@ -124,10 +116,10 @@ fn before_contact(
 }
 
 /// q11 of the straight finger.
-fn straight(c: &mut Checker<'_>, raw: &RawScene, plan: &Plan, lengths: &Lengths, q21_rad: f64) -> Option<f64> {
-    if plan.assembly == Assembly::Other {
+fn straight(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, lengths: &Lengths, q21_rad: f64) -> Option<f64> {
+    if plan.said.assembly == Assembly::Other {
         c.push(
-            raw.keys.span("assembly"),
+            raw.span("assembly"),
             "the other assembly mode has no straight configuration to start from",
             "needs a start",
             "give both angles: [initial] q11 = \"...\" and q21 = \"...\"",

@@ -2,31 +2,34 @@
 
 use super::super::check::Checker;
 use super::super::error::Problem;
-use super::super::raw::RawScene;
-use super::super::table::finger::Object;
-use super::super::table::top::FingerKeys;
+use super::super::raw::Raw;
+use super::super::table::finger::Links;
+use super::super::table::keys::Keys;
+use super::super::table::object::Object;
 use super::super::table::{Table, read};
-use super::super::{Scene, Template};
+use super::super::{Scene, Side, Template};
 use super::{finger, start};
 use crate::gripper::Design;
 use crate::law::ContactLaw;
 
 /// Reads once more what a resolved scene does not keep; `scene` is the same one, resolved.
-pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
-    let keys = read(&mut c, "", &raw.keys, FingerKeys::usual());
-    let design = design(&mut c, raw, &keys);
-    if raw.object.has("centre") {
+pub fn template(raw: &Raw, mut c: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
+    let raw = &raw.finger(Side::Right);
+    let said = read(&mut c, "", raw, Links::usual());
+    let design = design(&mut c, raw, said.half_width_m);
+    let (object, initial) = (raw.inner("object"), raw.inner("initial"));
+    if object.has("centre") {
         c.push(
-            raw.object.span("centre"),
+            object.span("centre"),
             "designs are made for an object that stands on the palm at their base, but this scene places it",
             "one place for all bases",
             "leave the centre out: the base places the object",
         );
     }
     for key in ["q11", "q21"] {
-        if raw.initial.has(key) {
+        if initial.has(key) {
             c.push(
-                raw.initial.span(key),
+                initial.span(key),
                 format!(
                     "`initial.{key}` is the start of one finger, but the contact it closes to moves with the design"
                 ),
@@ -48,24 +51,24 @@ pub fn template(raw: &RawScene, mut c: Checker<'_>, scene: &Scene) -> Result<Tem
             assembly: scene.finger().linkage.assembly,
             opening_rad,
             gravity_m_s2: scene.system.gravity_m_s2,
-            closing_s: keys.closing_s,
-            rule: keys.sizing,
+            closing_s: said.closing_s,
+            rule: said.sizing,
             mu_static: [mu(&scene.finger().contact.proximal), mu(&scene.finger().contact.distal)],
         }),
         _ => Err(c.into_problems()),
     }
 }
 
-fn design(c: &mut Checker<'_>, raw: &RawScene, keys: &FingerKeys) -> Option<Design> {
-    if raw.lengths.is_given() {
+fn design(c: &mut Checker<'_>, raw: &Keys<'_>, half_width_m: f64) -> Option<Design> {
+    if raw.inner("lengths").is_given() {
         c.push(
-            raw.lengths.span.clone(),
+            raw.inner("lengths").span,
             "this scene gives the lengths of one finger, but a template gives a design of which some numbers are free",
             "one finger",
             "replace [lengths] by [design] with base, l21_fraction, phi22 and arm_ratio; see scenes/experiment-95.toml",
         );
         return None;
     }
-    let Object { radius_m, .. } = read(c, "object", &raw.object, Object::usual());
-    finger::design(c, &raw.design, keys.half_width_m, radius_m)
+    let Object { radius_m, .. } = read(c, "object", &raw.inner("object"), Object::usual());
+    finger::design(c, &raw.inner("design"), half_width_m, radius_m)
 }

@@ -1,41 +1,38 @@
-//! One finger, and what every finger is shown by.
+//! A finger, in sections whose names begin with `path`.
 
-use super::super::table::drive::{Motor, Springs};
-use super::super::table::finger::{Object, Start};
+use super::super::table::drive::{Motor, Shaft, Springs};
+use super::super::table::finger::{Links, Start};
 use super::super::table::law::Limit;
-use super::super::table::top::{FingerKeys, Heading};
+use super::super::table::object::Object;
 use super::super::table::{Table, show as show_table, show_keys};
-use super::super::{Contacts, Disc, DrivenFinger, Initial, Side, Spring, System};
+use super::super::{self as scene, DrivenFinger};
+use super::law::contact;
 use super::out::Out;
-use super::parts::contact;
 use crate::gripper::{Body, BodyOverride, Finger};
-use crate::law::NormalLaw;
 
-pub fn system(out: &mut Out, heading: Heading, system: &System) {
-    let DrivenFinger { linkage, motor, spring, limit, contact, initial } = system.finger(Side::Right);
-    show_keys(out, &FingerKeys { heading, palm: system.palm.is_some(), ..links(linkage) }, |_| true);
-    bodies(out, "", linkage);
-    show_table(out, "object", &object(system.object()));
-    show_table(out, "motor", &Motor::of(&motor.actuation));
-    spring_and_limit(out, "", *spring, *limit);
-    laws(out, "", contact);
-    start(out, "", *initial);
-}
-
-/// What stands before the sections of a finger, as far as the finger says it.
-fn links(finger: &Finger) -> FingerKeys {
+/// What stands before the sections of a finger; what a sizing came to is shown in its place.
+pub fn links(out: &mut Out, finger: &Finger) {
     let half_width_m = finger.lengths.half_width_m;
-    // What a sizing came to is shown in its place.
-    FingerKeys { half_width_m, assembly: finger.assembly, closing_s: f64::NAN, ..FingerKeys::usual() }
+    let links = Links { half_width_m, assembly: finger.assembly, closing_s: f64::NAN, ..Links::usual() };
+    show_keys(out, &links, |_| true);
 }
 
-/// The same alone.
-pub(super) fn show_links(out: &mut Out, finger: &Finger) {
-    show_keys(out, &links(finger), |key| ["half_width", "assembly"].contains(&key));
+/// All sections of a finger; of one that is alone with its object.
+pub fn finger(out: &mut Out, path: &str, finger: &DrivenFinger, object: Option<Object>, has_motor: bool) {
+    bodies(out, path, &finger.linkage);
+    object.iter().for_each(|object| show_table(out, "object", object));
+    if has_motor {
+        motor(out, path, &finger.motor, finger.motor.inertia_kg_m2);
+    }
+    show_table(out, &format!("{path}spring"), &Springs::of(finger.spring));
+    let limit = finger.limit.map_or(Limit::OFF, |law| Limit { enabled: true, law });
+    show_table(out, &format!("{path}limit"), &limit);
+    contact(out, &format!("{path}contact.proximal"), &finger.contact.proximal);
+    contact(out, &format!("{path}contact.distal"), &finger.contact.distal);
+    show_table(out, &format!("{path}initial"), &Start { offset_rad: None, joints: finger.initial });
 }
 
-/// Lengths and bodies, in sections whose names begin with `path`.
-pub(super) fn bodies(out: &mut Out, path: &str, finger: &Finger) {
+fn bodies(out: &mut Out, path: &str, finger: &Finger) {
     show_table(out, &format!("{path}lengths"), &finger.lengths);
     let bodies = &finger.bodies;
     for (key, body) in [("l11", &bodies.l11), ("l12", &bodies.l12), ("l21", &bodies.l21), ("l22", &bodies.l22)] {
@@ -45,23 +42,8 @@ pub(super) fn bodies(out: &mut Out, path: &str, finger: &Finger) {
     }
 }
 
-fn object(disc: Option<&Disc>) -> Object {
-    // Without an object its size means nothing.
-    let none = Object { present: false, radius_m: f64::NAN, centre_m: [f64::NAN; 2] };
-    disc.map_or(none, |disc| Object { present: true, radius_m: disc.radius_m, centre_m: disc.centre_m })
-}
-
-pub(super) fn spring_and_limit(out: &mut Out, path: &str, spring: Option<Spring>, limit: Option<NormalLaw>) {
-    show_table(out, &format!("{path}spring"), &Springs::of(spring));
-    let limit = limit.map_or(Limit::OFF, |law| Limit { enabled: true, law });
-    show_table(out, &format!("{path}limit"), &limit);
-}
-
-pub(super) fn laws(out: &mut Out, path: &str, laws: &Contacts) {
-    contact(out, &format!("{path}contact.proximal"), &laws.proximal);
-    contact(out, &format!("{path}contact.distal"), &laws.distal);
-}
-
-pub(super) fn start(out: &mut Out, path: &str, joints: Initial) {
-    show_table(out, &format!("{path}initial"), &Start { offset_rad: None, joints });
+/// A motor; what turns with it is `inertia_kg_m2`.
+pub fn motor(out: &mut Out, path: &str, motor: &scene::Motor, inertia_kg_m2: f64) {
+    show_table(out, &format!("{path}motor"), &Motor::of(&motor.actuation));
+    show_keys(out, &Shaft::of(motor, inertia_kg_m2), |_| true);
 }

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
+use super::super::words::SceneKind;
 use crate::units::{self, Dimension, number};
 
-/// TOML text that grows line by line.
-#[derive(Default)]
+/// TOML text of a scene of some kind that grows line by line.
 pub struct Out {
     pub text: String,
+    pub kind: SceneKind,
     /// Significant digits of quantities; all of them if `None`.
     digits: Option<usize>,
 }
@@ -16,9 +17,13 @@ pub struct Out {
 const NOTHING: f64 = 1e-12;
 
 impl Out {
+    pub fn new(kind: SceneKind) -> Self {
+        Out { text: String::new(), kind, digits: None }
+    }
+
     /// Quantities and floats in so many digits.
-    pub fn rounded(digits: usize) -> Self {
-        Out { digits: Some(digits), ..Out::default() }
+    pub fn rounded(kind: SceneKind, digits: usize) -> Self {
+        Out { digits: Some(digits), ..Out::new(kind) }
     }
 
     fn written(&self, value: f64, dimension: Option<Dimension>) -> f64 {

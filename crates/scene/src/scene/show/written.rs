@@ -79,7 +79,7 @@ pub fn show_written(scene: &Scene) -> String {
     for _ in 0..2 {
         fill(&mut root, schema_of(scene.kind()), &mut Vec::new(), scene);
     }
-    let whole = super::shown(scene, Out::rounded(DIGITS));
+    let whole = super::shown(scene, Out::rounded(scene.kind(), DIGITS));
     sort(&mut root, &whole, "");
     let mut text = "# As it was written, with every default filled in.\n".to_string();
     text += &rendered(&root);

@@ -1,10 +1,9 @@
 //! `[validate]`: how far the engine model may be from the analytic one before `phalanx validate` says no.
 
-use super::{Table, lines};
+use super::lines;
 use crate::scene::check::POSITIVE;
 use crate::scene::kinds::{Angle, Length, Number, Time};
-
-use crate::scene::words::SceneKind;
+use crate::scene::words::{FINGERS, NO_FINGER, NOT_ONE, ONE_FINGER, SceneKind, TWO_FINGERS};
 
 /// Bounds of a scene of any kind; each kind looks at those that its section has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,93 +46,38 @@ impl Bounds {
     }
 }
 
-/// Bounds as the scenes of a kind say them.
-pub trait Said: Table + From<Bounds> {
-    const KIND: SceneKind;
-
-    fn bounds(self) -> Bounds;
-}
-
-macro_rules! said {
-    ($($(#[$doc:meta])* $name:ident of $kind:ident;)*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug)]
-        pub struct $name(Bounds);
-
-        impl From<Bounds> for $name {
-            fn from(bounds: Bounds) -> Self {
-                Self(bounds)
-            }
-        }
-
-        impl Said for $name {
-            const KIND: SceneKind = SceneKind::$kind;
-
-            fn bounds(self) -> Bounds {
-                self.0
-            }
-        }
-    )*};
-}
-
-said! {
-    /// Of a finger.
-    FingerBounds of Finger;
-    /// Of discs.
-    DiscBounds of Bodies;
-    /// Of a gripper.
-    GripperBounds of Gripper;
-}
-
 lines! {
     /// How far the engine model may be from the analytic one before `phalanx validate` says no.
-    FingerBounds = Self(Bounds::over(SceneKind::Finger, f64::NAN)), b;
+    Bounds = Self::over(SceneKind::Finger, f64::NAN), b, where {
+        fn usual_in(kind: SceneKind) -> Self {
+            Self::over(kind, f64::NAN)
+        }
+    };
     /// Difference of any joint angle, over the run up to `until`.
-    "angle": Angle = Some(&mut b.0.angle_rad), allowed(POSITIVE);
-    /// Difference of the times a phalanx first touches the object.
-    "contact_time": Time = Some(&mut b.0.contact_time_s), allowed(POSITIVE);
-    /// Relative difference of a normal force at the end.
-    "final_force": Number = Some(&mut b.0.final_force), allowed(POSITIVE);
-    /// Relative difference of the normal impulse of an impact.
-    "impulse": Number = Some(&mut b.0.impulse), allowed(POSITIVE);
-    /// Opening of a joint of the engine model.
-    "loop_gap": Length = Some(&mut b.0.loop_gap_m), allowed(POSITIVE), said("1e-4 mm");
-    /// End of the comparison of trajectories, at most the duration: rebounds beyond may be chaotic. Default: the
-    /// duration.
-    "until": Time = Some(&mut b.0.until_s), allowed(POSITIVE);
-}
-
-lines! {
-    /// How far the engine model may be from the analytic one before `phalanx validate` says no.
-    DiscBounds = Self(Bounds::over(SceneKind::Bodies, f64::NAN)), b;
-    /// Distance between the centres of a disc in both models, over the run up to `until`.
-    "position": Length = Some(&mut b.0.position_m), allowed(POSITIVE);
-    /// Difference of the times two surfaces first touch.
-    "contact_time": Time = Some(&mut b.0.contact_time_s), allowed(POSITIVE);
-    /// Relative difference of the normal impulse of a pair, over the run up to `until`.
-    "impulse": Number = Some(&mut b.0.impulse), allowed(POSITIVE);
-    /// Relative difference of the largest normal force of a pair.
-    "peak_force": Number = Some(&mut b.0.peak_force), allowed(POSITIVE);
-    /// End of the comparison, at most the duration: rebounds beyond may be chaotic. Default: the duration.
-    "until": Time = Some(&mut b.0.until_s), allowed(POSITIVE);
-}
-
-lines! {
-    /// How far the engine model may be from the analytic one before `phalanx validate` says no.
-    GripperBounds = Self(Bounds::over(SceneKind::Gripper, f64::NAN)), b;
+    "angle": Angle = Some(&mut b.angle_rad), allowed(POSITIVE), of(ONE_FINGER);
     /// Difference of any joint angle of either finger, over the run up to `until`.
-    "angle": Angle = Some(&mut b.0.angle_rad), allowed(POSITIVE), said("1e-4 rad");
+    "angle": Angle = Some(&mut b.angle_rad), allowed(POSITIVE), said("1e-4 rad"), of(TWO_FINGERS);
+    /// Distance between the centres of a disc in both models, over the run up to `until`.
+    "position": Length = Some(&mut b.position_m), allowed(POSITIVE), of(NO_FINGER);
     /// Distance between the object's centres in both models, over the run up to `until`.
-    "position": Length = Some(&mut b.0.position_m), allowed(POSITIVE);
+    "position": Length = Some(&mut b.position_m), allowed(POSITIVE), of(TWO_FINGERS);
+    /// Difference of the times a phalanx first touches the object.
+    "contact_time": Time = Some(&mut b.contact_time_s), allowed(POSITIVE), of(ONE_FINGER);
     /// Difference of the times two surfaces first touch.
-    "contact_time": Time = Some(&mut b.0.contact_time_s), allowed(POSITIVE);
+    "contact_time": Time = Some(&mut b.contact_time_s), allowed(POSITIVE), of(NOT_ONE);
     /// Relative difference of a normal force at the end.
-    "final_force": Number = Some(&mut b.0.final_force), allowed(POSITIVE);
+    "final_force": Number = Some(&mut b.final_force), allowed(POSITIVE), of(FINGERS);
     /// Relative difference of the normal impulse of an impact.
-    "impulse": Number = Some(&mut b.0.impulse), allowed(POSITIVE);
+    "impulse": Number = Some(&mut b.impulse), allowed(POSITIVE), of(FINGERS);
+    /// Relative difference of the normal impulse of a pair, over the run up to `until`.
+    "impulse": Number = Some(&mut b.impulse), allowed(POSITIVE), of(NO_FINGER);
+    /// Relative difference of the largest normal force of a pair.
+    "peak_force": Number = Some(&mut b.peak_force), allowed(POSITIVE), of(NO_FINGER);
     /// Opening of a joint of the engine model.
-    "loop_gap": Length = Some(&mut b.0.loop_gap_m), allowed(POSITIVE), said("1e-4 mm");
+    "loop_gap": Length = Some(&mut b.loop_gap_m), allowed(POSITIVE), said("1e-4 mm"), of(FINGERS);
     /// End of the comparison of trajectories, at most the duration: rebounds beyond may be chaotic. Default: the
     /// duration.
-    "until": Time = Some(&mut b.0.until_s), allowed(POSITIVE);
+    "until": Time = Some(&mut b.until_s), allowed(POSITIVE), of(FINGERS);
+    /// End of the comparison, at most the duration: rebounds beyond may be chaotic. Default: the duration.
+    "until": Time = Some(&mut b.until_s), allowed(POSITIVE), of(NO_FINGER);
 }

@@ -2,79 +2,85 @@
 
 use serde_json::Value;
 
-use super::bounds::{DiscBounds, FingerBounds, GripperBounds};
+use super::bounds::Bounds;
+use super::differential::Seesaw;
 use super::disc::DiscKeys;
-use super::drive::{BoughtMotor, Motor, Springs};
+use super::drive::{Motor, Shaft, Springs};
 use super::engine::Engine;
-use super::finger::{Material, Object, Start};
-use super::gripper::{Grasped, Seesaw, Support};
-use super::half_plane::Ground;
+use super::finger::{Links, Material, Start};
 use super::integrator::Integrator;
 use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
 use super::motion::{MoveKeys, PathKeys, VibrationKeys};
-use super::top::{BodiesKeys, FingerKeys, GripperKeys};
-use super::{Field, Table, default, range};
+use super::object::Object;
+use super::plane::{Ground, Support};
+use super::top::Top;
+use super::{Field, Table, default, lines_of, range};
 use crate::gripper::{BodyOverride, Design, Lengths};
 use crate::law::FrictionLaw;
 use crate::scene::check::ANY;
+use crate::scene::words::SceneKind::{self, Bodies, Finger, Gripper};
 use crate::units::Dimension;
 
 /// Every section of the table with its keys.
 pub fn markdown() -> String {
     [
-        section::<FingerKeys>("Before the sections of a finger"),
-        section::<BodiesKeys>("Before the sections of a scene of discs"),
-        section::<GripperKeys>(
+        section::<Top>("Before the sections of a finger", Finger) + &rows::<Links>(Finger),
+        section::<Top>("Before the sections of a scene of discs", Bodies),
+        section::<Top>(
             "Before the sections of a gripper, besides `half_width`, `assembly`, `sizing` and `closing_time`",
+            Gripper,
         ),
-        section::<Design>("`[design]`"),
-        section::<Lengths>("`[lengths]`"),
-        section::<Material>("`[material]`"),
-        section::<BodyOverride>("`[bodies.NAME]`, of `l11`, `l12`, `l21` and `l22`"),
-        section::<Object>("`[object]`"),
-        section::<Motor>("`[motor]`"),
-        section::<Springs>("`[spring]`"),
-        section::<Start>("`[initial]`"),
-        section::<DiscKeys>("`[discs.NAME]` of a scene of discs"),
-        section::<Ground>("`[half_plane]` of a scene of discs"),
-        section::<Grasped>("`[object]` of a gripper"),
-        section::<Support>("`[table]` of a gripper"),
-        section::<Seesaw>("`[differential]` of a gripper"),
-        section::<BoughtMotor>("`[motor]` of a gripper"),
-        section::<MoveKeys>("`[moves.NAME]` of a gripper"),
-        section::<VibrationKeys>("`[vibrations.NAME]` of a gripper"),
-        section::<PathKeys>("`[path]` of a gripper"),
-        section::<Integrator>("`[integrator]`"),
-        section::<Engine>("`[engine]`"),
-        section::<FingerBounds>("`[validate]`"),
-        section::<DiscBounds>("`[validate]` of a scene of discs"),
-        section::<GripperBounds>("`[validate]` of a gripper"),
-        section::<LogRates>("`[log]`"),
-        section::<Contact>("`[contact]`"),
-        section::<FrictionLaw>("`[contact.friction]`"),
-        section::<Elastic>("`[contact.materials.object]` and `.phalanx`"),
-        section::<Limit>("`[limit]`"),
+        section::<Design>("`[design]`", Finger),
+        section::<Lengths>("`[lengths]`", Finger),
+        section::<Material>("`[material]`", Finger),
+        section::<BodyOverride>("`[bodies.NAME]`, of `l11`, `l12`, `l21` and `l22`", Finger),
+        section::<Object>("`[object]`", Finger),
+        section::<Motor>("`[motor]`", Finger),
+        section::<Springs>("`[spring]`", Finger),
+        section::<Start>("`[initial]`", Finger),
+        section::<DiscKeys>("`[discs.NAME]` of a scene of discs", Bodies),
+        section::<Ground>("`[half_plane]` of a scene of discs", Bodies),
+        section::<Object>("`[object]` of a gripper", Gripper),
+        section::<Support>("`[table]` of a gripper", Gripper),
+        section::<Seesaw>("`[differential]` of a gripper", Gripper),
+        section::<Motor>("`[motor]` of a gripper", Gripper) + &rows::<Shaft>(Gripper),
+        section::<MoveKeys>("`[moves.NAME]` of a gripper", Gripper),
+        section::<VibrationKeys>("`[vibrations.NAME]` of a gripper", Gripper),
+        section::<PathKeys>("`[path]` of a gripper", Gripper),
+        section::<Integrator>("`[integrator]`", Finger),
+        section::<Engine>("`[engine]`", Finger),
+        section::<Bounds>("`[validate]`", Finger),
+        section::<Bounds>("`[validate]` of a scene of discs", Bodies),
+        section::<Bounds>("`[validate]` of a gripper", Gripper),
+        section::<LogRates>("`[log]`", Finger),
+        section::<Contact>("`[contact]`", Finger),
+        section::<FrictionLaw>("`[contact.friction]`", Finger),
+        section::<Elastic>("`[contact.materials.object]` and `.phalanx`", Finger),
+        section::<Limit>("`[limit]`", Finger),
     ]
     .join("\n")
 }
 
-fn section<T: Table>(title: &str) -> String {
-    let rows: String = T::LINES.iter().map(|line| row(*line)).collect();
-    let doc = escaped(T::DOC);
-    format!("{title}: {doc}\n\n| key | default | allowed | what it is |\n|---|---|---|---|\n{rows}")
+fn section<T: Table>(title: &str, kind: SceneKind) -> String {
+    let doc = escaped(T::doc(kind));
+    format!("{title}: {doc}\n\n| key | default | allowed | what it is |\n|---|---|---|---|\n{}", rows::<T>(kind))
 }
 
-fn row<T: Table>(line: &dyn Field<T>) -> String {
+fn rows<T: Table>(kind: SceneKind) -> String {
+    lines_of::<T>(kind).map(|line| row(line, kind)).collect()
+}
+
+fn row<T: Table>(line: &dyn Field<T>, kind: SceneKind) -> String {
     let about = line.about();
-    let default = match default(line) {
+    let default = match default(line, kind) {
         Some(Value::String(text)) => text,
         Some(value) => value.to_string(),
         None => about.needed.map_or("", |_| "required").to_string(),
     };
     // Quantities are said by their unit.
-    let kind = line.kind();
-    let quantity = kind["items"].get("x-units").or(kind.get("x-units")).and_then(|units| units[0].as_str());
+    let held = line.kind();
+    let quantity = held["items"].get("x-units").or(held.get("x-units")).and_then(|units| units[0].as_str());
     let dimension = Dimension::ALL.into_iter().find(|dimension| Some(dimension.units()[0].name) == quantity);
     let allowed = match dimension {
         Some(dimension) if about.allowed.text == ANY.text => dimension.name().to_string(),

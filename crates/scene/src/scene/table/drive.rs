@@ -1,4 +1,4 @@
-//! `[motor]` and `[spring]` of a finger, and the motor of a gripper.
+//! `[motor]` and `[spring]` of a finger; with two fingers the motor is one as bought.
 
 use super::{lines, of};
 use crate::law::Bristle;
@@ -6,6 +6,7 @@ use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
 use crate::scene::kinds::{
     Angle, AngularDamping, AngularRate, AngularStiffness, Choice, Inertia, List, Time, Torque, Words,
 };
+use crate::scene::words::TWO_FINGERS;
 use crate::scene::{self, Actuation, Brake, Interpolation, Placement, Spring, SpringKind};
 
 const GIVEN: f64 = f64::NAN;
@@ -53,48 +54,37 @@ impl Motor {
     }
 }
 
-/// A section that has the keys of a motor.
-macro_rules! motor {
-    ($section:ident = $usual:expr, $m:ident, $motor:expr; $($more:tt)*) => {
-        lines! {
-            /// Torque of the motor on the driven link; counter-clockwise (closing) is positive.
-            $section = $usual, $m;
-            /// How the torque goes over time: "constant"; "ramp": rises smoothly over `rise`; "half-sine": one pulse;
-            /// "reversal": changes sign at `reverse_at`; "table": `times` and `torques`.
-            "profile": Choice<Actuation> = Some(&mut $motor.actuation);
-            /// Full torque. Required, except with profile = "table" or `sizing`.
-            "torque": Torque = $motor.torque_n_m(), beside("profile", "with profile = \"table\"");
-            /// Time of the smooth rise from 0 (profile = "ramp").
-            "rise": Time = of!($motor.actuation, Actuation::Ramp, rise_s), allowed(POSITIVE),
-                beside("profile", "without profile = \"ramp\""), needed("add the time of the rise: rise = \"2 ms\"");
-            /// Length of the pulse, after which the torque is 0 (profile = "half-sine").
-            "pulse": Time = of!($motor.actuation, Actuation::HalfSine, length_s), allowed(POSITIVE),
-                beside("profile", "without profile = \"half-sine\""), needed("add the length of the pulse: pulse = \"10 ms\"");
-            /// When the torque changes sign (profile = "reversal").
-            "reverse_at": Time = of!($motor.actuation, Actuation::Reversal, at_s), allowed(NOT_NEGATIVE),
-                beside("profile", "without profile = \"reversal\""),
-                needed("add when the torque changes sign: reverse_at = \"10 ms\"");
-            /// Times of the table, increasing; the first torque holds before, the last one after (profile = "table").
-            "times": List<Time> = $motor.is_table().then_some(&mut $motor.times_s), beside("profile", "without profile = \"table\"");
-            /// Torques of the table, one for each time (profile = "table").
-            "torques": List<Torque> = $motor.is_table().then_some(&mut $motor.torques_n_m),
-                beside("profile", "without profile = \"table\"");
-            /// Between the times of the table: "linear", or "step", where each torque holds until the next time.
-            "interpolation": Choice<Interpolation> = of!($motor.actuation, Actuation::Table, interpolation),
-                beside("profile", "without profile = \"table\"");
-            $($more)*
-        }
-    };
+lines! {
+    /// Torque of the motor on the driven link; counter-clockwise (closing) is positive.
+    Motor = Self::of(&Actuation::Constant { torque_n_m: GIVEN }), m;
+    /// How the torque goes over time: "constant"; "ramp": rises smoothly over `rise`; "half-sine": one pulse;
+    /// "reversal": changes sign at `reverse_at`; "table": `times` and `torques`.
+    "profile": Choice<Actuation> = Some(&mut m.actuation);
+    /// Full torque. Required, except with profile = "table" or `sizing`.
+    "torque": Torque = m.torque_n_m(), beside("profile", "with profile = \"table\"");
+    /// Time of the smooth rise from 0 (profile = "ramp").
+    "rise": Time = of!(m.actuation, Actuation::Ramp, rise_s), allowed(POSITIVE),
+        beside("profile", "without profile = \"ramp\""), needed("add the time of the rise: rise = \"2 ms\"");
+    /// Length of the pulse, after which the torque is 0 (profile = "half-sine").
+    "pulse": Time = of!(m.actuation, Actuation::HalfSine, length_s), allowed(POSITIVE),
+        beside("profile", "without profile = \"half-sine\""), needed("add the length of the pulse: pulse = \"10 ms\"");
+    /// When the torque changes sign (profile = "reversal").
+    "reverse_at": Time = of!(m.actuation, Actuation::Reversal, at_s), allowed(NOT_NEGATIVE),
+        beside("profile", "without profile = \"reversal\""),
+        needed("add when the torque changes sign: reverse_at = \"10 ms\"");
+    /// Times of the table, increasing; the first torque holds before, the last one after (profile = "table").
+    "times": List<Time> = m.is_table().then_some(&mut m.times_s), beside("profile", "without profile = \"table\"");
+    /// Torques of the table, one for each time (profile = "table").
+    "torques": List<Torque> = m.is_table().then_some(&mut m.torques_n_m),
+        beside("profile", "without profile = \"table\"");
+    /// Between the times of the table: "linear", or "step", where each torque holds until the next time.
+    "interpolation": Choice<Interpolation> = of!(m.actuation, Actuation::Table, interpolation),
+        beside("profile", "without profile = \"table\"");
 }
 
-motor! {
-    Motor = Self::of(&Actuation::Constant { torque_n_m: GIVEN }), m, m;
-}
-
-/// A motor as bought, of a gripper.
-#[derive(Clone, Debug)]
-pub struct BoughtMotor {
-    pub motor: Motor,
+/// What else a motor as bought has: what turns with it, and what holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaft {
     pub inertia_kg_m2: f64,
     /// `None` where the motor has no such speed; infinite where nothing is said of it.
     pub no_load_speed_rad_s: Option<f64>,
@@ -103,20 +93,15 @@ pub struct BoughtMotor {
     brake_release_s: Option<f64>,
 }
 
-impl BoughtMotor {
+impl Shaft {
     /// As a scene says it; what turns with it is `inertia_kg_m2`.
     pub fn of(motor: &scene::Motor, inertia_kg_m2: f64) -> Self {
-        let scene::Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
-        BoughtMotor {
-            motor: Motor::of(actuation),
-            inertia_kg_m2,
-            no_load_speed_rad_s: *no_load_speed_rad_s,
-            brake: *brake,
-            brake_release_s: brake.and_then(|brake| brake.release_s),
-        }
+        let scene::Motor { no_load_speed_rad_s, brake, .. } = *motor;
+        let brake_release_s = brake.and_then(|brake| brake.release_s);
+        Shaft { inertia_kg_m2, no_load_speed_rad_s, brake, brake_release_s }
     }
 
-    /// What it is with this torque.
+    /// The motor that has this torque.
     pub fn with(self, actuation: Actuation) -> scene::Motor {
         let release_s = self.release_s();
         scene::Motor {
@@ -167,43 +152,43 @@ const GRIPS: Brake = Brake {
     bristle: None,
 };
 
-motor! {
-    BoughtMotor = Self {
-        motor: Motor::usual(),
+lines! {
+    /// A motor as bought.
+    Shaft = Self {
         inertia_kg_m2: 0.0,
         no_load_speed_rad_s: Some(f64::INFINITY),
         brake: None,
         brake_release_s: Some(f64::INFINITY),
-    }, m, m.motor;
+    }, s;
     /// Inertia of rotor and gear, as the driven link feels it.
-    "inertia": Inertia = Some(&mut m.inertia_kg_m2), allowed(NOT_NEGATIVE), said("0 kg*m^2");
+    "inertia": Inertia = Some(&mut s.inertia_kg_m2), allowed(NOT_NEGATIVE), said("0 kg*m^2"), of(TWO_FINGERS);
     /// Rate of the driven link at which nothing is left of the torque, which falls in proportion. Default: the torque stays.
-    "no_load_speed": AngularRate = m.no_load_speed_rad_s.as_mut(), allowed(POSITIVE);
+    "no_load_speed": AngularRate = s.no_load_speed_rad_s.as_mut(), allowed(POSITIVE), of(TWO_FINGERS);
     /// What blocks it: "two-way"; "one-way": against opening only; "none".
-    "brake": Choice<Option<Brake>> = Some(&mut m.brake);
+    "brake": Choice<Option<Brake>> = Some(&mut s.brake), of(TWO_FINGERS);
     /// Most that the brake holds; beyond it slips.
-    "brake_torque": Torque = m.brake.as_mut().map(|brake| &mut brake.torque_n_m), allowed(POSITIVE),
-        beside("brake", "with brake = \"none\""), needed("add what it holds: brake_torque = \"2 N*m\"");
+    "brake_torque": Torque = s.brake.as_mut().map(|brake| &mut brake.torque_n_m), allowed(POSITIVE),
+        beside("brake", "with brake = \"none\""), needed("add what it holds: brake_torque = \"2 N*m\""), of(TWO_FINGERS);
     /// When it begins to grip.
-    "brake_at": Time = m.brake.as_mut().map(|brake| &mut brake.start_s), allowed(NOT_NEGATIVE),
-        beside("brake", "with brake = \"none\""), needed("add when it grips: brake_at = \"15 ms\"");
+    "brake_at": Time = s.brake.as_mut().map(|brake| &mut brake.start_s), allowed(NOT_NEGATIVE),
+        beside("brake", "with brake = \"none\""), needed("add when it grips: brake_at = \"15 ms\""), of(TWO_FINGERS);
     /// Time in which it grips, and in which it lets go.
-    "brake_rise": Time = m.brake.as_mut().map(|brake| &mut brake.rise_s), allowed(POSITIVE),
-        beside("brake", "with brake = \"none\"");
+    "brake_rise": Time = s.brake.as_mut().map(|brake| &mut brake.rise_s), allowed(POSITIVE),
+        beside("brake", "with brake = \"none\""), of(TWO_FINGERS);
     /// When it begins to let go. Default: never.
-    "brake_release": Time = m.release_place(), allowed(POSITIVE), beside("brake", "with brake = \"none\"");
+    "brake_release": Time = s.release_place(), allowed(POSITIVE), beside("brake", "with brake = \"none\""), of(TWO_FINGERS);
     /// Half width of the range of rates in which it sticks: its torque rises from 0 to all of it up to there.
-    "brake_v_static": AngularRate = m.brake.as_mut().map(|brake| &mut brake.v_static_rad_s), allowed(POSITIVE),
-        beside("brake", "with brake = \"none\"");
+    "brake_v_static": AngularRate = s.brake.as_mut().map(|brake| &mut brake.v_static_rad_s), allowed(POSITIVE),
+        beside("brake", "with brake = \"none\""), of(TWO_FINGERS);
     /// "regularised": creeps within `brake_v_static`; "bristle": holds, like a shaft with a spring and a damper.
-    "brake_law": Choice<Option<Bristle>> = m.brake.as_mut().map(|brake| &mut brake.bristle),
-        put(|m, law| m.hold_by(law)), beside("brake", "with brake = \"none\"");
+    "brake_law": Choice<Option<Bristle>> = s.brake.as_mut().map(|brake| &mut brake.bristle),
+        put(|s, law| s.hold_by(law)), beside("brake", "with brake = \"none\""), of(TWO_FINGERS);
     /// Damping of that.
-    "brake_damping": AngularDamping = m.bristle().map(|bristle| &mut bristle.damping_n_s_per_m), allowed(POSITIVE),
-        beside("brake_law", "without brake_law = \"bristle\"");
+    "brake_damping": AngularDamping = s.bristle().map(|bristle| &mut bristle.damping_n_s_per_m), allowed(POSITIVE),
+        beside("brake_law", "without brake_law = \"bristle\""), of(TWO_FINGERS);
     /// Time in which it relaxes: its damping over its stiffness.
-    "brake_relaxation": Time = m.bristle().map(|bristle| &mut bristle.relaxation_s), allowed(POSITIVE),
-        beside("brake_law", "without brake_law = \"bristle\"");
+    "brake_relaxation": Time = s.bristle().map(|bristle| &mut bristle.relaxation_s), allowed(POSITIVE),
+        beside("brake_law", "without brake_law = \"bristle\""), of(TWO_FINGERS);
 }
 
 impl Words for Option<SpringKind> {

@@ -1,12 +1,14 @@
-//! `[design]`, `[lengths]`, `[material]`, `[bodies]`, `[object]` and `[initial]` of a finger.
+//! `[design]`, `[lengths]`, `[material]`, `[bodies]` and `[initial]` of a finger, and what is said of it before all sections.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::lines;
-use crate::gripper::{BodyOverride, Design, HEIGHT_RATIO, Lengths, ProximalLength, TIP_CONTACT_MIN_RAD};
+use crate::gripper::{Assembly, BodyOverride, Design, HEIGHT_RATIO, Lengths, ProximalLength, TIP_CONTACT_MIN_RAD};
 use crate::scene::check::{Bound, POSITIVE};
-use crate::scene::kinds::{Angle, AngularRate, Density, Flag, Inertia, Length, Mass, Number, Pair};
+use crate::scene::kinds::{Angle, AngularRate, Choice, Density, Inertia, Length, Mass, Number, Pair, Time};
+use crate::scene::words::FINGERS;
 use crate::scene::{Initial, defaults};
+use crate::sizing::{CLOSING_S, Rule};
 
 const PHI22: Bound = Bound { allowed: |x| x > 0.0 && x < PI, text: "between 0 and 180 deg, both excluded" };
 
@@ -14,6 +16,37 @@ const FRACTION: Bound = Bound { allowed: |x| (0.0..=1.0).contains(&x), text: "fr
 const TIP_CONTACT: Bound = Bound { allowed: |x| x.abs() < FRAC_PI_2, text: "between -90 and 90 deg, both excluded" };
 
 const GIVEN: f64 = f64::NAN;
+
+/// What is said of a finger before all sections.
+#[derive(Clone, Copy, Debug)]
+pub struct Links {
+    pub half_width_m: f64,
+    pub assembly: Assembly,
+    /// `None` where motor and spring are given.
+    pub sizing: Option<Rule>,
+    /// Means nothing without a sizing.
+    pub closing_s: f64,
+}
+
+lines! {
+    /// The links of a finger, and what it is sized for.
+    Links = Self {
+        half_width_m: defaults::HALF_WIDTH_M,
+        assembly: Assembly::Reference,
+        sizing: None,
+        closing_s: CLOSING_S,
+    }, k;
+    /// Half width w of every link; a phalanx is a capsule of this radius.
+    "half_width": Length = Some(&mut k.half_width_m), allowed(POSITIVE);
+    /// Way the five-bar is put together: the mode of the straight configuration, or its mirror image.
+    "assembly": Choice<Assembly> = Some(&mut k.assembly);
+    /// Sizes motor and spring to the finger instead of [motor] torque and [spring] torque (or the stiffness of a torsional
+    /// spring with a preload): the spring holds the finger straight on a test trajectory up to the object; the motor has the
+    /// RMS torque of this "rigid" phase, or of the "whole" trajectory.
+    "sizing": Choice<Rule> = k.sizing.as_mut(), put(|k, rule| k.sizing = Some(rule)), follows();
+    /// Length of the test trajectory that `sizing` sizes for.
+    "closing_time": Time = Some(&mut k.closing_s), allowed(POSITIVE);
+}
 
 lines! {
     /// The finger by the few free numbers of a design, made for the object. Either this or [lengths].
@@ -100,7 +133,8 @@ impl Bodies {
 
 lines! {
     /// Mass properties that replace those from the outlines, body by body.
-    Bodies = Self, _none, "l11": BodyOverride, "l12": BodyOverride, "l21": BodyOverride, "l22": BodyOverride;
+    Bodies = Self, _none, "l11" in FINGERS: BodyOverride, "l12" in FINGERS: BodyOverride,
+        "l21" in FINGERS: BodyOverride, "l22" in FINGERS: BodyOverride;
 }
 
 lines! {
@@ -112,25 +146,6 @@ lines! {
     /// Moment of inertia about the centre of mass.
     "inertia": Inertia = b.inertia_kg_m2.as_mut(), put(|b, inertia_kg_m2| b.inertia_kg_m2 = Some(inertia_kg_m2)),
         allowed(POSITIVE);
-}
-
-/// A disc or none.
-#[derive(Clone, Copy, Debug)]
-pub struct Object {
-    pub present: bool,
-    pub radius_m: f64,
-    pub centre_m: [f64; 2],
-}
-
-lines! {
-    /// The disc to be grasped; it is fixed.
-    Object = Self { present: true, radius_m: defaults::OBJECT_RADIUS_M, centre_m: [GIVEN; 2] }, o;
-    /// Whether there is an object; false lets the finger swing freely.
-    "present": Flag = Some(&mut o.present);
-    "radius": Length = Some(&mut o.radius_m), allowed(POSITIVE);
-    /// Default with [design]: (−base, radius), resting on the palm. Required with [lengths].
-    "centre": Pair<Length> = o.present.then_some(&mut o.centre_m), follows(),
-        beside("present", "with present = false");
 }
 
 /// A start; not a number what is not given.

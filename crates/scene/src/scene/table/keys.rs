@@ -1,41 +1,45 @@
-//! A section as it is written: values by their keys, to be read by the lines of its table.
+//! A section as it is written: values by their keys, to be read by the lines of a table; and its JSON Schema.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::marker::PhantomData;
 use std::ops::Range;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 use toml::Spanned;
 
-use super::section::{Field, Table, default};
+use super::section::{Field, Table, default, lines_of};
 use crate::scene::any::Any;
 use crate::scene::check::End;
-use crate::scene::entry::Section;
 use crate::scene::kinds::Kind;
+use crate::scene::words::SceneKind;
 
-/// What a scene says in the section of `T`.
-#[derive(Debug, Deserialize)]
-#[serde(transparent)]
-pub struct Keys<T> {
-    given: BTreeMap<String, Spanned<Any>>,
-    #[serde(skip)]
-    table: PhantomData<T>,
+/// What stands in a section.
+pub type Given = BTreeMap<String, Spanned<Any>>;
+
+/// What a scene of some kind says in a section, which may be left out.
+#[derive(Clone, Debug)]
+pub struct Keys<'a> {
+    pub kind: SceneKind,
+    /// Place of its header; what stands before all sections has none.
+    pub span: Option<Range<usize>>,
+    given: Option<&'a Given>,
 }
 
-impl<T> Keys<T> {
-    pub fn of(given: BTreeMap<String, Spanned<Any>>) -> Self {
-        Keys { given, table: PhantomData }
+impl<'a> Keys<'a> {
+    /// What stands before all sections, with these.
+    pub fn whole(kind: SceneKind, given: &'a Given) -> Self {
+        Keys { kind, span: None, given: Some(given) }
     }
 
-    pub fn get(&self, key: &str) -> Option<&Spanned<Any>> {
-        self.given.get(key)
+    pub fn is_given(&self) -> bool {
+        self.span.is_some()
+    }
+
+    pub fn get(&self, key: &str) -> Option<&'a Spanned<Any>> {
+        self.given?.get(key)
     }
 
     pub fn has(&self, key: &str) -> bool {
-        self.given.contains_key(key)
+        self.get(key).is_some()
     }
 
     /// The value of a key, if it is there and of that kind.
@@ -49,11 +53,18 @@ impl<T> Keys<T> {
     }
 
     /// The section under a key.
-    pub fn inner<U>(&self, key: &str) -> Section<Keys<U>> {
+    pub fn inner(&self, key: &str) -> Self {
+        let none = Keys { kind: self.kind, span: None, given: None };
         match self.get(key).map(|given| (given.span(), given.get_ref())) {
-            Some((span, Any::Table(given))) => Section::of(span, Keys::of(given.clone())),
-            _ => Section::default(),
+            Some((span, Any::Table(given))) => Keys { span: Some(span), given: Some(given), ..none },
+            _ => none,
         }
+    }
+
+    /// All sections in it, by their names.
+    pub fn named(&self) -> impl Iterator<Item = (&'a str, Self)> + use<'a> {
+        let whole = self.clone();
+        self.given.into_iter().flatten().map(move |(name, _)| (name.as_str(), whole.inner(name)))
     }
 
     /// The place of a key's value.
@@ -62,52 +73,23 @@ impl<T> Keys<T> {
     }
 }
 
-impl<T> Section<Keys<T>> {
-    /// The same section with some of its keys as those of another table.
-    pub fn recast<U>(&self) -> Section<Keys<U>> {
-        match &self.span {
-            Some(span) => Section::of(span.clone(), Keys::of(self.given.clone())),
-            None => Section::default(),
-        }
+/// JSON Schema of a section in scenes of a kind.
+pub fn schema<T: Table>(kind: SceneKind) -> Value {
+    let mut properties = Map::new();
+    lines_of::<T>(kind).for_each(|line| _ = properties.insert(line.about().key.to_string(), property(line, kind)));
+    for (key, _, schema) in T::INNER.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
+        properties.insert(key.to_string(), schema(kind));
     }
+    json!({ "description": T::doc(kind), "type": "object", "properties": properties, "additionalProperties": false })
 }
 
-impl<T> Default for Keys<T> {
-    fn default() -> Self {
-        Keys::of(BTreeMap::new())
-    }
-}
-
-impl<T: Table> JsonSchema for Keys<T> {
-    fn schema_name() -> Cow<'static, str> {
-        std::any::type_name::<T>().into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        schema::<T>()
-    }
-
-    fn inline_schema() -> bool {
-        true
-    }
-}
-
-/// JSON Schema of a section.
-pub fn schema<T: Table>() -> Schema {
-    let lines = T::LINES.iter().map(|line| (line.about().key.to_string(), property(*line)));
-    let inner = T::INNER.iter().map(|(key, schema)| (key.to_string(), schema().to_value()));
-    let properties: serde_json::Map<_, _> = lines.chain(inner).collect();
-    let doc = T::DOC.trim_start();
-    json_schema!({ "description": doc, "type": "object", "properties": properties, "additionalProperties": false })
-}
-
-fn property<T: Table>(line: &dyn Field<T>) -> Value {
+fn property<T: Table>(line: &dyn Field<T>, kind: SceneKind) -> Value {
     let mut schema = line.kind();
     let doc = line.about().doc.trim_start();
     if !doc.is_empty() {
         schema["description"] = doc.into();
     }
-    if let Some(default) = default(line) {
+    if let Some(default) = default(line, kind) {
         schema["default"] = default;
     }
     let number = schema["type"] == "number";

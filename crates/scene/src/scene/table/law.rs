@@ -6,6 +6,7 @@ use crate::scene::check::{Bound, NOT_NEGATIVE, POSITIVE};
 use crate::scene::kinds::{
     Angle, AngularDamping, Choice, Flag, Length, LinearDamping, Number, Pressure, Speed, Time, Words,
 };
+use crate::scene::words::{ANY, FINGERS, SceneKind, TWO_FINGERS};
 
 const EXPONENT: Bound = Bound { allowed: |x| x >= 1.0, text: "at least 1" };
 const POISSON: Bound = Bound { allowed: |x| x > -1.0 && x <= 0.5, text: "above -1 and up to 0.5" };
@@ -28,16 +29,10 @@ const NONE: NormalLaw = NormalLaw {
 
 /// A section that has the keys of a normal law.
 macro_rules! law {
-    ($(#[doc = $doc:literal])+ $section:ident = $usual:expr $(, $inner:literal: $table:ty)*) => {
+    ($(#[doc = $doc:literal])+ $section:ident = $usual:expr $(, $inner:literal in $of:ident: $table:ty)* $(, where { $($other:tt)* })?) => {
         /// The normal law of one section.
         #[derive(Clone, Copy, Debug)]
         pub struct $section(pub NormalLaw);
-
-        impl From<NormalLaw> for $section {
-            fn from(law: NormalLaw) -> Self {
-                Self(law)
-            }
-        }
 
         impl From<$section> for NormalLaw {
             fn from(law: $section) -> Self {
@@ -47,7 +42,7 @@ macro_rules! law {
 
         lines! {
             $(#[doc = $doc])+
-            $section = Self($usual), l $(, $inner: $table)*;
+            $section = Self($usual), l $(, $inner in $of: $table)* $(, where { $($other)* })?;
             /// Stiffness k in N/m^e, a plain number because its unit depends on the exponent e; 0 leaves the damper alone.
             "stiffness_si": Number = Some(&mut l.0.stiffness_n_per_m_e), allowed(NOT_NEGATIVE);
             /// Exponent e, at least 1; give it together with stiffness_si.
@@ -62,24 +57,22 @@ macro_rules! law {
 
 law! {
     /// Laws of both contacts with the object; [contact.proximal] and [contact.distal] replace single keys for one of them.
-    Contact = CONTACT, "materials": Materials, "friction": FrictionLaw, "proximal": Side, "distal": Side
-}
-
-law! {
-    /// Laws of all contacts with the object; [contact.proximal] and [contact.distal] replace single keys for those phalanges, of either
-    /// finger, [contact.palm] and [contact.table] for those.
-    GripperContact = CONTACT, "materials": Materials, "friction": FrictionLaw, "proximal": Side, "distal": Side, "palm": Side,
-        "table": Side
+    Contact = CONTACT, "materials" in FINGERS: Materials, "friction" in ANY: FrictionLaw, "proximal" in FINGERS: Side,
+        "distal" in FINGERS: Side, "palm" in TWO_FINGERS: Side, "table" in TWO_FINGERS: Side, where {
+        const DOCS: &'static [(SceneKind, &'static str)] = &[
+            (SceneKind::Bodies, "Law of every contact."),
+            (
+                SceneKind::Gripper,
+                "Laws of all contacts with the object; [contact.proximal] and [contact.distal] replace single keys for those \
+                 phalanges, of either finger, [contact.palm] and [contact.table] for those.",
+            ),
+        ];
+    }
 }
 
 law! {
     /// Law of one contact where it differs from [contact].
-    Side = NONE, "materials": Materials, "friction": FrictionLaw
-}
-
-law! {
-    /// Law of every contact.
-    BodiesContact = CONTACT, "friction": FrictionLaw
+    Side = NONE, "materials" in FINGERS: Materials, "friction" in FINGERS: FrictionLaw
 }
 
 lines! {
@@ -117,7 +110,7 @@ pub struct Materials;
 
 lines! {
     /// Materials and radii of the two surfaces instead of stiffness and exponent: Hertz, k = 4/3 E* √R and e = 3/2.
-    Materials = Self, _m, "object": Elastic, "phalanx": Elastic;
+    Materials = Self, _m, "object" in FINGERS: Elastic, "phalanx" in FINGERS: Elastic;
 }
 
 /// One surface; not a number what is not given.

@@ -8,6 +8,7 @@ use super::section::{About, Field, Table};
 use crate::scene::any::Any;
 use crate::scene::check::{ANY, Bound};
 use crate::scene::error::Problem;
+use crate::scene::words::{self as kinds, SceneKind};
 
 /// Puts a text that few keys have into what is said of this one.
 macro_rules! said {
@@ -32,7 +33,7 @@ impl<T, K: Held> Line<T, K> {
     /// A key that may be left out, what it is for, and where it stands.
     pub const fn new(key: &'static str, doc: &'static str, place: fn(&mut T) -> Option<&mut K::Value>) -> Self {
         let (beside, needed, said, column) = (None, None, None, None);
-        let about = About { key, doc, allowed: ANY, beside, needed, follows: false, said, column };
+        let about = About { key, doc, allowed: ANY, beside, needed, follows: false, said, column, of: kinds::ANY };
         Line { about, place, put: None }
     }
 
@@ -43,6 +44,12 @@ impl<T, K: Held> Line<T, K> {
 
     pub const fn allowed(mut self, bound: Bound) -> Self {
         self.about.allowed = bound;
+        self
+    }
+
+    /// The kinds of scene that have it, where that is not all.
+    pub const fn of(mut self, kinds: &'static [SceneKind]) -> Self {
+        self.about.of = kinds;
         self
     }
 

@@ -12,16 +12,17 @@
 //! | `held` | kinds of values: as they are shown, recorded, and read back |
 //! | `keys` | a section as it is written, and its JSON Schema |
 //! | `document` | the whole table as Markdown |
-//! | all others | a section each |
+//! | all others | a part of a scene each: its sections |
+//!
+//! A section may have other keys in scenes of one kind than in those of another: a line is `of` the kinds that have it.
 
 pub mod bounds;
+pub mod differential;
 pub mod disc;
 mod document;
 pub mod drive;
 pub mod engine;
 pub mod finger;
-pub mod gripper;
-pub mod half_plane;
 pub mod held;
 pub mod integrator;
 pub mod keys;
@@ -29,6 +30,8 @@ pub mod law;
 mod line;
 pub mod log;
 pub mod motion;
+pub mod object;
+pub mod plane;
 mod section;
 pub mod top;
 
@@ -37,26 +40,26 @@ use toml::Spanned;
 
 pub use document::markdown;
 pub use line::Line;
-pub use section::{About, Field, Inner, Table, default};
+pub use section::{About, Field, Inner, Table, default, lines_of};
 
 use super::any::Any;
 use super::check::{ANY, Checker};
-use super::entry::Section;
 use super::show::Out;
 use held::Written;
 use keys::Keys;
 
 /// Makes a struct a [`Table`]: what its section is for and is usually, then its lines: what a key is for, its name, the kind of its
-/// value, where that stands in the struct, and what else is to be said of it.
+/// value, where that stands in the struct, and what else is to be said of it. Behind `where` stands what is other in some kinds of
+/// scene.
 macro_rules! lines {
     (
         $(#[doc = $doc:literal])+
-        $section:ident = $usual:expr, $s:ident $(, $inner:literal: $table:ty)*;
+        $section:ident = $usual:expr, $s:ident $(, $inner:literal in $of:ident: $table:ty)* $(, where { $($other:tt)* })?;
         $($(#[doc = $about:literal])* $key:literal: $kind:ty = $place:expr $(, $and:ident($($with:expr),*))*;)*
     ) => {
         impl $crate::scene::table::Table for $section {
             const DOC: &'static str = concat!($($doc),+);
-            const INNER: $crate::scene::table::Inner = &[$(($inner, $crate::scene::table::keys::schema::<$table>)),*];
+            const INNER: $crate::scene::table::Inner = &[$(($inner, $of, $crate::scene::table::keys::schema::<$table>)),*];
             const LINES: &'static [&'static dyn $crate::scene::table::Field<Self>] = &[$(
                 &$crate::scene::table::Line::<Self, $kind>::new($key, concat!("" $(, $about)*), |$s| $place)
                     $(.$and($($with),*))*
@@ -65,6 +68,8 @@ macro_rules! lines {
             fn usual() -> Self {
                 $usual
             }
+
+            $($($other)*)?
         }
     };
 }
@@ -83,9 +88,9 @@ use {lines, of};
 
 /// A section with what the scene says put in place of `base`; `path` is its own, such as `engine`, or empty for what stands before all
 /// sections. What is wrong is noted.
-pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<T>>, mut base: T) -> T {
+pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base: T) -> T {
     let mut unknown: Vec<&str> = Vec::new();
-    for line in T::LINES {
+    for line in lines_of::<T>(raw.kind) {
         let About { key, beside, needed, allowed, .. } = *line.about();
         // A choice that cannot be read says nothing about the keys beside it.
         if beside.is_some_and(|(choice, _)| unknown.contains(&choice)) {
@@ -93,7 +98,7 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Section<Keys<T>>, m
         }
         let whole = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
         match (raw.get(key), line.get(&mut base).is_some()) {
-            (None, true) => needed.into_iter().for_each(|help| c.missing(&whole, raw, help)),
+            (None, true) => needed.into_iter().for_each(|help| c.lacks(&whole, raw.span.clone(), help)),
             (None, false) => {}
             (Some(given), false) if beside.is_some() => {
                 beside.into_iter().for_each(|(_, why)| c.unused_at(&whole, Some(given.span()), why));
@@ -143,8 +148,9 @@ pub fn show<T: Table>(out: &mut Out, path: &str, section: &T) {
 
 /// Writes the keys that are wanted of a section, as far as they have a value.
 pub fn show_keys<T: Table>(out: &mut Out, section: &T, wanted: impl Fn(&str) -> bool) {
-    let shown = values(section).filter(|(about, value)| wanted(about.key) && value.is_given());
-    shown.for_each(|(about, value)| value.show(out, about.key));
+    let of = |about: &About| about.of.contains(&out.kind) && wanted(about.key);
+    let shown: Vec<_> = values(section).filter(|(about, value)| of(about) && value.is_given()).collect();
+    shown.into_iter().for_each(|(about, value)| value.show(out, about.key));
 }
 
 /// What a log keeps of a section: keys with their units, and values that read back to the same bits.

@@ -1,6 +1,5 @@
 //! A section of a scene as a table of lines, and what is said of each.
 
-use schemars::Schema;
 use serde_json::Value;
 use toml::Spanned;
 
@@ -8,6 +7,7 @@ use super::held::Written;
 use crate::scene::any::Any;
 use crate::scene::check::Bound;
 use crate::scene::error::Problem;
+use crate::scene::words::SceneKind;
 
 /// What is said of a key.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,8 @@ pub struct About {
     pub said: Option<&'static str>,
     /// Its name in records, where that is not the key and its unit.
     pub column: Option<&'static str>,
+    /// The kinds of scene that have it.
+    pub of: &'static [SceneKind],
 }
 
 /// A line, whatever kind of value it holds.
@@ -55,6 +57,8 @@ pub trait Field<T>: Sync {
 pub trait Table: Clone + 'static {
     /// What the section is for.
     const DOC: &'static str;
+    /// The same in scenes of kinds in which it is for something else.
+    const DOCS: &'static [(SceneKind, &'static str)] = &[];
     /// Its keys in the order in which they are read and shown: a choice before what has a meaning beside it only.
     const LINES: &'static [&'static dyn Field<Self>];
     /// Sections in it, with their schemas.
@@ -62,19 +66,35 @@ pub trait Table: Clone + 'static {
 
     /// The section of a scene that does not have it; not a number where no number is usual.
     fn usual() -> Self;
+
+    /// The same of a scene of some kind.
+    fn usual_in(_: SceneKind) -> Self {
+        Self::usual()
+    }
+
+    /// What the section is for in scenes of a kind.
+    fn doc(kind: SceneKind) -> &'static str {
+        let own = Self::DOCS.iter().find(|(of, _)| *of == kind);
+        own.map_or(Self::DOC, |(_, doc)| doc).trim_start()
+    }
+}
+
+/// The lines of a section in scenes of a kind.
+pub fn lines_of<T: Table>(kind: SceneKind) -> impl Iterator<Item = &'static dyn Field<T>> {
+    T::LINES.iter().copied().filter(move |line| line.about().of.contains(&kind))
 }
 
 /// The value of a section that says nothing, as it would be written; `None` where it is required or follows from something else.
-pub fn default<T: Table>(line: &dyn Field<T>) -> Option<Value> {
+pub fn default<T: Table>(line: &dyn Field<T>, kind: SceneKind) -> Option<Value> {
     let About { follows, said, .. } = *line.about();
     if follows || said.is_some() {
         return said.map(Value::from);
     }
     // What has a meaning beside a choice only is looked for where that is made.
     let chosen = T::LINES.iter().flat_map(|choice| choice.variants());
-    let value = std::iter::once(T::usual()).chain(chosen).find_map(|mut section| line.get(&mut section))?;
+    let value = std::iter::once(T::usual_in(kind)).chain(chosen).find_map(|mut section| line.get(&mut section))?;
     value.is_given().then(|| value.json())
 }
 
-/// Sections by their keys, with their schemas.
-pub type Inner = &'static [(&'static str, fn() -> Schema)];
+/// Sections by their keys, with the kinds of scene that have them, and their schemas.
+pub type Inner = &'static [(&'static str, &'static [SceneKind], fn(SceneKind) -> Value)];
