@@ -71,13 +71,12 @@ pub fn listed(kind: SceneKind) -> Value {
     for (name, _, schema) in LIST.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
         let section = if name.is_empty() { &mut whole } else { &mut whole["properties"][name] };
         let mut made = schema(kind);
-        match (section.get_mut("properties"), made["properties"].take()) {
-            (Some(Value::Object(known)), Value::Object(more)) => known.extend(more),
+        let keys = made.get_mut("properties").map(Value::take);
+        match (section.get_mut("properties"), keys) {
+            (Some(Value::Object(known)), Some(Value::Object(more))) => known.extend(more),
             (_, keys) => {
                 *section = made;
-                if !keys.is_null() {
-                    section["properties"] = keys;
-                }
+                keys.into_iter().for_each(|keys| section["properties"] = keys);
             }
         }
     }
