@@ -43,7 +43,8 @@ fn defaults_are_what_a_scene_has_that_says_nothing() {
             let schema = &schema_of(kind)["properties"][path]["properties"];
             for line in lines_of::<T>(kind) {
                 let (key, usual) = (line.about().key, T::usual_in(kind));
-                let Some(default) = schema[key].get("default") else { continue };
+                // Lists are set in files only.
+                let Some(default) = schema[key].get("default").filter(|default| !default.is_array()) else { continue };
                 let text = default.as_str().map_or_else(|| default.to_string(), str::to_string);
                 let mut with = usual.clone();
                 assert_eq!(table::set(&mut with, path, key, &text), Ok(true), "{path}.{key}");

@@ -4,7 +4,8 @@ use super::super::check::Checker;
 use super::super::table::keys::Keys;
 use super::super::{DrivenFinger, Motor, Side};
 use super::finger::Plan;
-use super::room::{Seen, ends_sized};
+use super::room::ends_sized;
+use super::seen::Seen;
 use super::sizing::Sized;
 use super::{contact, drive, finger, start};
 

@@ -8,7 +8,7 @@
 //! | `finger`, `start`, `driven` | the links of a finger, where it starts, all of it |
 //! | `drive`, `sizing`, `differential` | motor and spring, as given or sized; one motor for two fingers |
 //! | `object`, `disc`, `plane` | what fingers grasp, discs, palm, ground and table |
-//! | `room` | where the object may be, as each finger sees it |
+//! | `room`, `seen` | where the object may be, as each finger sees it |
 //! | `contact` | the laws of contacts |
 //! | `motion` | how the palm moves |
 //! | `run` | how the scene is run |
@@ -25,6 +25,7 @@ mod object;
 mod plane;
 mod room;
 mod run;
+mod seen;
 mod sizing;
 mod start;
 mod system;

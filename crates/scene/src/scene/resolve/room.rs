@@ -10,28 +10,12 @@ use super::super::table::object::Object;
 use super::super::table::top::Top;
 use super::super::{Disc, Side};
 use super::finger::Plan;
+use super::seen::Seen;
 use super::sizing::Sized;
 use super::{plane, sizing};
 use crate::gripper::{Circle, Finger};
 use crate::numeric::elementary::hypot;
 use crate::units::{Dimension, format};
-
-/// What a finger closes on, in its own frame.
-#[derive(Clone, Debug)]
-pub struct Seen {
-    /// `None` where there is nothing.
-    pub object: Option<Circle>,
-    /// Where it may be: at either end of the positioning error of two fingers.
-    pub ends: Vec<Circle>,
-}
-
-impl Seen {
-    /// Of one finger, whose frame is the scene's.
-    fn alone(discs: &[Disc]) -> Self {
-        let object = discs.first().map(Disc::circle);
-        Self { object, ends: object.into_iter().collect() }
-    }
-}
 
 /// Given, or twice the base that both fingers are made for; 0 of one finger, and of none.
 pub fn palm_width(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, plans: &[Plan]) -> Option<f64> {

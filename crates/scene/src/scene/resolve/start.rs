@@ -9,7 +9,7 @@ use super::super::table::keys::Keys;
 use super::super::table::object::Object;
 use super::super::table::{Table, read};
 use super::finger::{Plan, geometry};
-use super::room::Seen;
+use super::seen::Seen;
 use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
 use crate::numeric::elementary::hypot;
