@@ -1,7 +1,5 @@
 //! Palm or ground, and the table.
 
-use std::ops::Range;
-
 use super::super::check::Checker;
 use super::super::table::keys::Keys;
 use super::super::table::object::Object;
@@ -32,7 +30,7 @@ pub fn levels(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, object: Object) ->
 pub fn judge_object(c: &mut Checker<'_>, raw: &Keys<'_>, object: Object, [palm, table]: [Option<f64>; 2]) {
     let [_, y] = object.centre_m;
     let said = raw.inner("object");
-    let planes: [(&str, Option<f64>, Option<Range<usize>>); 2] = [
+    let planes = [
         ("palm", palm.map(|_| object.radius_m - y), said.span("height").or(said.span)),
         ("table", table.map(|level_m| y + object.radius_m - level_m), raw.inner("table").span("level")),
     ];
