@@ -32,7 +32,7 @@ pub enum TooMany {
 impl Size {
     /// That of a system.
     pub fn of(system: &System) -> Self {
-        let moving = system.discs.iter().filter(|disc| disc.motion.moves()).count();
+        let moving = moving(system);
         let touching = system.touching();
         let holding = touching.iter().filter_map(|touching| system.laws(*touching)?.1?.bristle).count();
         let input = system.differential.iter().map(|differential| &differential.motor);
@@ -51,6 +51,11 @@ impl Size {
 /// Discs alone that may move.
 const MOVING: usize = 3;
 
+/// How many discs of a system move.
+fn moving(system: &System) -> usize {
+    system.discs.iter().filter(|disc| disc.motion.moves()).count()
+}
+
 /// Pairs of discs alone.
 pub(super) const PAIRS: usize = 12;
 
@@ -60,13 +65,13 @@ const HOLDING: [usize; MOVING + 1] = [0, 4, 6, 9];
 /// Coordinates over which errors of discs alone are averaged: with every memory that so many may have. Over those alone that there are,
 /// a wheel that comes to roll takes 333 steps instead of 33 (scenes/laws/bristle-rolls).
 pub(super) fn averaged(system: &System) -> usize {
-    let moving = system.discs.iter().filter(|disc| disc.motion.moves()).count();
+    let moving = moving(system);
     3 * moving + if system.holds() { HOLDING[moving.min(MOVING)] } else { 0 }
 }
 
 /// How many of some discs alone move, where the model takes as many.
 pub fn of_discs(system: &System) -> Result<usize, TooMany> {
-    let moving = system.discs.iter().filter(|disc| disc.motion.moves()).count();
+    let moving = moving(system);
     let pairs = system.touching().len();
     let most = if system.holds() { HOLDING[moving.min(MOVING)] } else { PAIRS };
     if moving > MOVING || pairs > most { Err(TooMany::Discs { moving, pairs, most }) } else { Ok(moving) }
