@@ -8,7 +8,7 @@ use crate::gripper::{Assembly, Finger, Site, Spring};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, angle_between, opening_angle, rotate};
-use crate::numeric::{Dual, Real};
+use crate::numeric::{Dual, Real, from_each};
 use crate::scene::{Contacts, Initial};
 
 /// A finger with everything that does not change in time worked out.
@@ -117,7 +117,7 @@ impl FingerModel {
     #[inline(always)]
     pub(super) fn load_with_slopes(&self, terms: &Terms<Dual<2>>, v: [f64; 2]) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
         let turning = |row: [Dual<2>; 2]| row[0] * v[0] + row[1] * v[1];
-        let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], v.map(Dual::constant));
+        let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], from_each(v, Dual::constant));
         let rates = [first, second, turning(a3), turning(a4)];
         let c = bias(terms, rates);
         let by_rates = terms.quadratic.map(|row| {

@@ -16,7 +16,7 @@ use crate::law::{
     normal_over_gap, unclamped_normal_force,
 };
 use crate::numeric::plane::dot;
-use crate::numeric::{Dual, Real};
+use crate::numeric::{Dual, Real, each, from_each};
 use crate::scene::{self, Actuation, DrivenFinger, Initial, Side, torque};
 
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
@@ -144,7 +144,12 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             return self.finger.limit.map(|_| self.finger.limit_geometry(pose, rates));
         }
         let disc = self.object?;
-        Some(self.finger.phalanx(pose, rates, site, (disc.centre_m.map(T::constant), disc.radius_m)))
+        Some(self.finger.phalanx(
+            pose,
+            rates,
+            site,
+            ([T::constant(disc.centre_m[0]), T::constant(disc.centre_m[1])], disc.radius_m),
+        ))
     }
 
     /// q̈_a and the rates of the memories and of the quadratures (2.24), from the position-dependent terms and the geometry of the sites
@@ -192,7 +197,10 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         quadratures[3] = contact_power;
         quadratures[4] = motor_torque * own[0];
         let turning = solve_mass(&terms.mass, load);
-        (std::array::from_fn(|i| if i < OWN { turning[i] } else { driven[i - OWN] }), quadratures)
+        let mut all = [T::zero(); N];
+        all[..OWN].copy_from_slice(&turning);
+        all[OWN..].copy_from_slice(&driven[..N - OWN]);
+        (all, quadratures)
     }
 
     /// Everything there is to know of one site in one state; `None` where the scene has no such contact.
@@ -302,23 +310,41 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
         // Positions first, with two derivatives; rates only then, with all.
         let narrow = self.finger.terms([Dual::<OWN>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let wide = narrow.widen();
-        let rate = std::array::from_fn(|i| Dual::<W>::variable(v[i], OWN + i));
+        let rate = each(|i| Dual::<W>::variable(v[i], OWN + i));
         let (torque, slope) = torque(&self.actuation, t);
         let geometry = |site| self.geometry(&narrow.pose, &narrow.rates, site).map(Geometry::widen);
         let (a, g) = self.accelerations(Dual::constant(torque), &wide, geometry, mode, rate);
-        let mass = narrow.mass.map(|m| m.value);
-        let by_q = |x: Dual<W>| std::array::from_fn(|j| if j < OWN { x.grad[j] } else { 0.0 });
-        let by_v = |x: Dual<W>| std::array::from_fn(|j| x.grad[OWN + j]);
+        let mass = from_each(narrow.mass, |m| m.value);
         Linearised {
-            rates: Rates { a: a.map(|x| x.value), g: g.map(|x| x.value) },
-            a_q: a.map(by_q),
-            a_v: a.map(by_v),
+            rates: Rates { a: from_each(a, |x| x.value), g: from_each(g, |x| x.value) },
+            a_q: by_q(&a),
+            a_v: by_v(&a),
             a_t: spread(solve_mass(&mass, [slope, 0.0])),
-            g_q: g.map(by_q),
-            g_v: g.map(by_v),
+            g_q: by_q(&g),
+            g_v: by_v(&g),
             g_t: [0.0, 0.0, 0.0, 0.0, slope * v[0]],
         }
     }
+}
+
+/// Derivatives of R numbers by N positions, of which a finger's own alone have any.
+#[inline(always)]
+fn by_q<const N: usize, const W: usize, const R: usize>(of: &[Dual<W>; R]) -> [[f64; N]; R] {
+    let mut rows = [[0.0; N]; R];
+    for (row, x) in rows.iter_mut().zip(of) {
+        row[..OWN].copy_from_slice(&x.grad[..OWN]);
+    }
+    rows
+}
+
+/// By N rates.
+#[inline(always)]
+fn by_v<const N: usize, const W: usize, const R: usize>(of: &[Dual<W>; R]) -> [[f64; N]; R] {
+    let mut rows = [[0.0; N]; R];
+    for (row, x) in rows.iter_mut().zip(of) {
+        row.copy_from_slice(&x.grad[OWN..]);
+    }
+    rows
 }
 
 impl Geometry<Dual<2>> {
@@ -326,10 +352,10 @@ impl Geometry<Dual<2>> {
     fn widen<const W: usize>(self) -> Geometry<Dual<W>> {
         Geometry {
             gap: self.gap.among(),
-            normal_row: self.normal_row.map(Dual::among),
-            tangent_row: self.tangent_row.map(Dual::among),
-            normal: self.normal.map(Dual::among),
-            point: self.point.map(Dual::among),
+            normal_row: from_each(self.normal_row, Dual::among),
+            tangent_row: from_each(self.tangent_row, Dual::among),
+            normal: from_each(self.normal, Dual::among),
+            point: from_each(self.point, Dual::among),
         }
     }
 }

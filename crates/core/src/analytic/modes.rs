@@ -7,6 +7,7 @@ use crate::fivebar::kinematics::{Directions, PassiveRates, SINGULAR_SINE, neares
 use crate::gripper::Site;
 use crate::integrator::{Guard, Hybrid, Settled, System, Tolerances, Watch};
 use crate::law::{NormalLaw, damping};
+use crate::numeric::each;
 use crate::numeric::elementary::{cbrt, pow, powi};
 use crate::numeric::plane::{cross, dot};
 use crate::scene::next_corner;
@@ -141,8 +142,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         let (gap, rate) = ((at.delta - depth) / mobility, at.rate / mobility);
         let response: [f64; N] = spread(response);
         Some(Settled {
-            q: std::array::from_fn(|i| q[i] + gap * response[i]),
-            v: std::array::from_fn(|i| v[i] + rate * response[i]),
+            q: each(|i| q[i] + gap * response[i]),
+            v: each(|i| v[i] + rate * response[i]),
             decay: 0.5 * damping(law, depth).0 * mobility,
         })
     }

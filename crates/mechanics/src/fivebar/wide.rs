@@ -2,7 +2,7 @@
 
 use super::dynamics::Terms;
 use super::kinematics::{Directions, PassiveRates};
-use crate::numeric::Dual;
+use crate::numeric::{Dual, from_each};
 
 impl Directions<Dual<2>> {
     /// The same among the derivatives of a longer list of coordinates.
@@ -10,10 +10,10 @@ impl Directions<Dual<2>> {
     pub fn widen<const W: usize>(&self) -> Directions<Dual<W>> {
         let Directions { e1, e2, e3, e4 } = *self;
         Directions {
-            e1: e1.map(Dual::among),
-            e2: e2.map(Dual::among),
-            e3: e3.map(Dual::among),
-            e4: e4.map(Dual::among),
+            e1: from_each(e1, Dual::among),
+            e2: from_each(e2, Dual::among),
+            e3: from_each(e3, Dual::among),
+            e4: from_each(e4, Dual::among),
         }
     }
 }
@@ -23,8 +23,8 @@ impl PassiveRates<Dual<2>> {
     #[inline(always)]
     pub fn widen<const W: usize>(&self) -> PassiveRates<Dual<W>> {
         PassiveRates {
-            a3: self.a3.map(Dual::among),
-            a4: self.a4.map(Dual::among),
+            a3: from_each(self.a3, Dual::among),
+            a4: from_each(self.a4, Dual::among),
             inverse_sine: self.inverse_sine.among(),
         }
     }
@@ -37,9 +37,9 @@ impl Terms<Dual<2>> {
         Terms {
             pose: self.pose.widen(),
             rates: self.rates.widen(),
-            mass: self.mass.map(Dual::among),
-            quadratic: self.quadratic.map(|row| row.map(Dual::among)),
-            gravity: self.gravity.map(Dual::among),
+            mass: from_each(self.mass, Dual::among),
+            quadratic: from_each(self.quadratic, |row| from_each(row, Dual::among)),
+            gravity: from_each(self.gravity, Dual::among),
         }
     }
 }

@@ -11,6 +11,13 @@ pub struct Dual<const N: usize> {
     pub grad: [f64; N],
 }
 
+impl<const N: usize> Default for Dual<N> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self::constant(0.0)
+    }
+}
+
 impl<const N: usize> Dual<N> {
     /// The `index`-th independent variable.
     #[inline(always)]

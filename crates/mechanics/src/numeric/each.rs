@@ -13,6 +13,16 @@ pub fn each<T: Copy + Default, const N: usize>(mut of: impl FnMut(usize) -> T) -
     all
 }
 
+/// `[of(all[0]), of(all[1]), …]`.
+#[inline(always)]
+pub fn from_each<T: Copy, U: Copy + Default, const N: usize>(all: [T; N], of: impl Fn(T) -> U) -> [U; N] {
+    let mut found = [U::default(); N];
+    for (part, of_part) in found.iter_mut().zip(all) {
+        *part = of(of_part);
+    }
+    found
+}
+
 /// `all` with every part changed.
 #[inline(always)]
 pub fn changed<T: Copy, const N: usize>(mut all: [T; N], of: impl Fn(T) -> T) -> [T; N] {

@@ -7,5 +7,5 @@ pub mod plane;
 mod real;
 
 pub use dual::Dual;
-pub use each::{changed, each};
+pub use each::{changed, each, from_each};
 pub use real::Real;

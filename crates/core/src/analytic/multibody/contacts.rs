@@ -27,10 +27,25 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Those of all that there are, of others anything.
     #[inline(always)]
     pub(super) fn postures(&self, q: &[f64; N]) -> [Posture; FINGERS] {
-        std::array::from_fn(|finger| if finger < self.count() { self.posture(finger, q) } else { NONE })
+        let mut postures = [NONE; FINGERS];
+        for (finger, posture) in postures.iter_mut().enumerate().take(self.count()) {
+            *posture = self.posture(finger, q);
+        }
+        postures
     }
 
-    /// A contact, its rows among all coordinates.
+    /// A contact, its rows among all coordinates. Compiled once for all who ask now and then.
+    #[inline(never)]
+    pub(super) fn touch_apart(
+        &self,
+        q: &[f64; N],
+        posture: &dyn Fn(usize) -> Posture,
+        contact: &Joined,
+    ) -> Touch<f64, N> {
+        self.touch(q, posture, contact)
+    }
+
+    /// The same.
     #[inline(always)]
     pub(super) fn touch(
         &self,
@@ -56,9 +71,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 spread(&touch::limit(&self.fingers[finger].model.limit_geometry(&pose, &rates)), &of_finger(finger))
             }
             Meet::Discs { disc, other } => {
-                let parts = [disc, other].map(|disc| &self.discs[disc]);
-                let touch = touch::discs([centre(disc), centre(other)], parts.map(|disc| disc.radius));
-                spread(&touch, &of_discs(parts.map(|disc| disc.first)))
+                let [one, two] = [&self.discs[disc], &self.discs[other]];
+                let touch = touch::discs([centre(disc), centre(other)], [one.radius, two.radius]);
+                spread(&touch, &of_discs([one.first, two.first]))
             }
             Meet::Plane { disc, plane } => {
                 let part = &self.discs[disc];

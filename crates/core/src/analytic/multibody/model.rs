@@ -10,8 +10,8 @@ use crate::fivebar::carried::Carried;
 use crate::gripper::Site;
 use crate::integrator::State;
 use crate::law::Bristle;
-use crate::numeric::Dual;
 use crate::numeric::plane::Vector;
+use crate::numeric::{Dual, each};
 use crate::scene::{DiscMotion, DrivenFinger, PalmMotion, Place, Side, System, Touching};
 
 /// The model of a system with at most N coordinates and C contacts.
@@ -209,7 +209,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Rates of the driven links: of both fingers, 0 of one that is not there.
     #[inline(always)]
     pub(super) fn driven(&self, v: &[f64; N]) -> [f64; FINGERS] {
-        std::array::from_fn(|finger| if finger < self.count() { v[2 * finger] } else { 0.0 })
+        each(|finger| if finger < self.count() { v[2 * finger] } else { 0.0 })
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.

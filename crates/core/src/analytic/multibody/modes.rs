@@ -5,6 +5,7 @@ use std::cell::OnceCell;
 use super::contacts::Posture;
 use super::model::Multibody;
 use super::parts::{Joined, Meet};
+use super::touch::Touch;
 use super::{FINGERS, first_step, guards, mode};
 use crate::analytic::SiteState;
 use crate::analytic::mode::{Contact, Press, along};
@@ -12,6 +13,7 @@ use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{Guard, Hybrid, System, Watch};
 use crate::law::{FrictionLaw, NormalLaw};
+use crate::numeric::from_each;
 use crate::numeric::plane::{cross, dot};
 
 /// Part of the law's scales that a contact between driven or fixed surfaces may cross in a step: nothing it does is felt by
@@ -30,7 +32,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         posture: impl Fn(usize) -> Posture,
         index: usize,
     ) -> Option<Asked<'_, N>> {
-        if Self::GRASP { self.asked_here(state, posture, index) } else { self.asked_apart(state, &posture, index) }
+        match Self::GRASP {
+            true => self.told(state.1, index, |contact| self.touch(state.0, posture, contact)),
+            false => self.asked_apart(state, &posture, index),
+        }
     }
 
     /// The same, compiled once.
@@ -41,18 +46,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         posture: &dyn Fn(usize) -> Posture,
         index: usize,
     ) -> Option<Asked<'_, N>> {
-        self.asked_here(state, posture, index)
+        self.told(state.1, index, |contact| self.touch_apart(state.0, posture, contact))
     }
 
     #[inline(always)]
-    fn asked_here(
-        &self,
-        (q, v): (&[f64; N], &[f64; N]),
-        posture: impl Fn(usize) -> Posture,
-        index: usize,
-    ) -> Option<Asked<'_, N>> {
+    fn told(&self, v: &[f64; N], index: usize, touch: impl FnOnce(&Joined) -> Touch<f64, N>) -> Option<Asked<'_, N>> {
         let contact = self.contacts.get(index)?.as_ref()?;
-        let touch = self.touch(q, posture, contact);
+        let touch = touch(contact);
         let (rate, slip) = (-along(&touch.normal_row, v), along(&touch.tangent_row, v));
         let (mut row, mut tangent) = (touch.normal_row, touch.tangent_row);
         // Nothing moves time.
@@ -124,7 +124,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
                 continue;
             }
             let posture = |finger| self.posture(finger, q);
-            let Some((at, law, friction)) = self.asked((q, v), posture, *index) else { continue };
+            let Some((at, law, friction)) = self.asked_apart((q, v), &posture, *index) else { continue };
             longest = longest.min(DRIVEN_FRACTION * at.delta.max(law.transition_m) / at.rate.abs());
             if let Some(friction) = friction {
                 let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
@@ -165,9 +165,11 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     fn values(&self, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>, wanted: &[bool; G]) -> [f64; G] {
         let postures = [const { OnceCell::new() }; FINGERS];
         let posture = |finger: usize| *postures[finger].get_or_init(|| self.posture(finger, q));
-        std::array::from_fn(
-            |guard| if wanted[guard] { self.guard((q, v), posture, mode, guard).value } else { f64::NAN },
-        )
+        let mut values = [f64::NAN; G];
+        for guard in (0..G).filter(|guard| wanted[*guard]) {
+            values[guard] = self.guard((q, v), posture, mode, guard).value;
+        }
+        values
     }
 
     fn landing_tolerance(&self, guard: usize, mode: &mode::Mode<C>) -> f64 {
@@ -177,7 +179,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     fn switch(&self, guard: usize, q: &[f64; N], v: &[f64; N], mode: &mode::Mode<C>) -> mode::Mode<C> {
-        let asked = self.asked((q, v), |finger| self.posture(finger, q), guard % C);
+        let asked = self.asked_apart((q, v), &|finger| self.posture(finger, q), guard % C);
         asked.map_or(*mode, |(at, law, friction)| mode.switched(guard, law, friction, &at))
     }
 
@@ -194,7 +196,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     fn read_mode(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> mode::Mode<C> {
-        let at = |index: usize| self.asked((q, v), |finger| self.posture(finger, q), index);
+        let at = |index: usize| self.asked_apart((q, v), &|finger| self.posture(finger, q), index);
         mode::Mode::read(&self.landing, at, |mode| <Self as System<N, Z>>::rates(self, t, q, v, mode).a)
     }
 
@@ -203,14 +205,14 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         if mode[index] != SiteState::Active {
             return None;
         }
-        let (at, law, _) = self.asked((q, v), |finger| self.posture(finger, q), index)?;
+        let (at, law, _) = self.asked_apart((q, v), &|finger| self.posture(finger, q), index)?;
         let mobility = self.mobility(q, &at.row);
         // A fixed disc on a plane: nothing moves.
         (mobility > 0.0).then(|| first_step(law, at.rate.abs(), 1.0 / mobility))
     }
 
     fn obstacle(&self, q: &[f64; N]) -> String {
-        let [right, left] = self.postures(q).map(|(pose, _)| cross(pose.e3, pose.e4).abs());
+        let [right, left] = from_each(self.postures(q), |(pose, _)| cross(pose.e3, pose.e4).abs());
         let finger = match self.fingers.len() {
             0 => return "two discs have the same centre".to_string(),
             FINGERS if right > left || left.is_nan() => 1,

@@ -12,16 +12,19 @@ use crate::analytic::model::{Energies, SiteReading};
 use crate::fivebar::dynamics::Terms;
 use crate::law::{elastic_energy, friction_with_memory};
 use crate::numeric::plane::dot;
+use crate::numeric::{changed, from_each};
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     fn terms(&self, q: &[f64; N]) -> [Option<Terms<f64>>; FINGERS] {
-        std::array::from_fn(|finger| {
-            (finger < self.count()).then(|| self.fingers[finger].model.terms(Self::own(finger, q)))
-        })
+        let mut all = [None; FINGERS];
+        for (finger, terms) in all.iter_mut().enumerate().take(self.count()) {
+            *terms = Some(self.fingers[finger].model.terms(Self::own(finger, q)));
+        }
+        all
     }
 
     fn inertia(&self, terms: &[Option<Terms<f64>>; FINGERS]) -> Inertia<'_, N, C> {
-        Inertia::new(self, terms.map(|terms| terms.map_or([0.0; 3], |terms| terms.mass)))
+        Inertia::new(self, from_each(*terms, |terms| terms.map_or([0.0; 3], |terms| terms.mass)))
     }
 
     /// What solves the mass matrix in a posture.
@@ -36,7 +39,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// left phalanx too: of two that do the same in their mirror, signs differ.
     pub fn reading(&self, q: &[f64; N], v: &[f64; N], index: usize, state: SiteState) -> Option<SiteReading> {
         let contact = self.contacts.get(index)?.as_ref()?;
-        let touch = self.touch(q, |finger| self.posture(finger, q), contact);
+        let touch = self.touch_apart(q, &|finger| self.posture(finger, q), contact);
         let (delta, delta_rate, slip) = (-touch.gap, -along(&touch.normal_row, v), along(&touch.tangent_row, v));
         let normal = branch(&contact.normal, state, delta, delta_rate).force.max(0.0);
         let friction = |law| friction_with_memory(law, slip, self.remembered(contact, v), normal);
@@ -55,7 +58,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             }
             Meet::Discs { .. } => (touch.point, touch.normal),
             Meet::Plane { .. } if !self.meets_in_one_point() => (touch.point, touch.normal),
-            Meet::Plane { .. } | Meet::PassingPlane { .. } => (touch.point, touch.normal.map(|part| -part)),
+            Meet::Plane { .. } | Meet::PassingPlane { .. } => (touch.point, changed(touch.normal, |part| -part)),
         };
         let geometry = Geometry { gap: touch.gap, normal_row: none, tangent_row: none, normal: direction, point };
         Some(SiteReading { geometry, delta, delta_rate, slip: turned * slip, normal, tangential: turned * tangential })
@@ -88,7 +91,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             None => self.posture(finger, q),
         };
         for contact in self.contacts.iter().flatten() {
-            energies.elastic += elastic_energy(&contact.normal, -self.touch(q, posture, contact).gap);
+            energies.elastic += elastic_energy(&contact.normal, -self.touch_apart(q, &posture, contact).gap);
         }
         energies
     }

@@ -12,7 +12,7 @@ use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates};
-use crate::numeric::{Dual, Real};
+use crate::numeric::{Dual, Real, changed, each, from_each};
 
 /// Loads on all coordinates and rates of all quadratures, with their derivatives.
 struct Sums<const N: usize, const Z: usize> {
@@ -50,8 +50,8 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
         for (part, (row, sign)) in press.load.iter().zip(at) {
             if *row < N {
                 self.load[*row] += sign * part.value;
-                scatter(&mut self.load_q[*row], at, &part.by_q.map(|slope| sign * slope));
-                scatter(&mut self.load_v[*row], at, &part.by_v.map(|slope| sign * slope));
+                scatter(&mut self.load_q[*row], at, &changed(part.by_q, |slope| sign * slope));
+                scatter(&mut self.load_v[*row], at, &changed(part.by_v, |slope| sign * slope));
                 memory.into_iter().for_each(|memory| self.load_v[*row][memory] += sign * part.by_memory);
             }
         }
@@ -135,13 +135,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 self.add_disc_slopes(index, (q, v), &felt, &mut sums);
             }
         }
-        let inverse = Inertia::new(self, masses.map(|mass| mass.map(|m| m.value))).inverse();
+        let inverse = Inertia::new(self, from_each(masses, |mass| from_each(mass, |m| m.value))).inverse();
         let mut a = inverse.solve(&sums.load);
         // M a = load: where an angle changes M too, M ∂a = ∂load − ∂M a.
         for (finger, mass) in masses.iter().enumerate().take(self.fingers.len()) {
             let (first, second) = (2 * finger, 2 * finger + 1);
             for (k, j) in [first, second].into_iter().enumerate() {
-                let [m, c, n] = mass.map(|m| m.grad[k]);
+                let [m, c, n] = [mass[0].grad[k], mass[1].grad[k], mass[2].grad[k]];
                 sums.load_q[first][j] -= m * a[first] + c * a[second];
                 sums.load_q[second][j] -= c * a[first] + n * a[second];
             }
@@ -245,8 +245,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         match contact.meet {
             Meet::Discs { disc, other } if !Self::GRASP => {
                 let ((one, [x, y], [vx, vy, spin]), (two, [z, w], [wx, wy, turn])) = (at(disc), at(other));
-                let centres = [[(x, 0), (y, 1)], [(z, 2), (w, 3)]];
-                let centres = centres.map(|centre| centre.map(|(value, index)| Dual::<4>::variable(value, index)));
+                let variable = |value, index| Dual::<4>::variable(value, index);
+                let centres = [[variable(x, 0), variable(y, 1)], [variable(z, 2), variable(w, 3)]];
                 let touch = touch::discs(centres, [one.radius, two.radius]);
                 let press = touch::press_with_slopes(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
                 sums.add((index, contact), &press, &of_discs([one.first, two.first]));
@@ -280,12 +280,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let (carried, first) = (&part.carried, 2 * finger);
         let [field, rate] = [felt.field, felt.rate].map(|field| field.mirrored(part.side.mirror()));
         let forces = |v: [f64; 2], field: &Field| {
-            let rates = absolute_rates(&terms.rates, v.map(Dual::constant));
+            let rates = absolute_rates(&terms.rates, from_each(v, Dual::constant));
             carried.forces(&terms.pose, &terms.rates, rates, field)
         };
         let (now, soon) = (forces(own, &field), forces(own, &rate));
         let swept = Field { coriolis: field.coriolis, ..Field::default() };
-        let by_rates = [[1.0, 0.0], [0.0, 1.0]].map(|unit| forces(unit, &swept).map(|force| force.value));
+        let by_rates = from_each([[1.0, 0.0], [0.0, 1.0]], |unit| from_each(forces(unit, &swept), |force| force.value));
         for i in 0..2 {
             let row = first + i;
             sums.load[row] += now[i].value;
@@ -315,7 +315,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let now = disc_feels(disc, &felt.field, place, rates);
         let soon = disc_feels(disc, &felt.rate, place, rates);
         let linear = Field { uniform: [0.0; 2], euler: felt.field.euler, ..felt.field };
-        let unit = |j: usize| std::array::from_fn(|k| if k == j { 1.0 } else { 0.0 });
+        let unit = |j: usize| each(|k| if k == j { 1.0 } else { 0.0 });
         let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
         for j in 0..2 {
             by_q[j] = disc_feels(disc, &linear, unit(j), [0.0; 3]);

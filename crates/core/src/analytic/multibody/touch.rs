@@ -8,7 +8,7 @@ use crate::analytic::contact::Geometry;
 use crate::analytic::mode::along;
 use crate::law::{friction_with_memory, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
-use crate::numeric::{Dual, Real};
+use crate::numeric::{Dual, Real, each};
 
 use super::branch;
 use super::laws::Laws;
@@ -42,7 +42,7 @@ pub fn phalanx<T: Real>(geometry: &Geometry<T>, radius: f64) -> Touch<T, 5> {
 /// A disc on a plane: on (x, y, θ). `on_plane` is whether the plane's surface is where they meet.
 #[inline(always)]
 pub fn plane<T: Real>(plane: &Plane, centre: Vector<T>, radius: f64, on_plane: bool) -> Touch<T, 3> {
-    let normal: Vector<T> = plane.normal.map(T::constant);
+    let normal: Vector<T> = [T::constant(plane.normal[0]), T::constant(plane.normal[1])];
     let tangent = perp(normal);
     let gap = dot(normal, centre) + (plane.offset - radius);
     let lever = if on_plane { gap + radius } else { T::constant(radius) };
@@ -99,6 +99,12 @@ pub struct Slope<const P: usize, const K: usize> {
     pub by_memory: f64,
 }
 
+impl<const P: usize, const K: usize> Default for Slope<P, K> {
+    fn default() -> Self {
+        Self { value: 0.0, by_q: [0.0; P], by_v: [0.0; K], by_memory: 0.0 }
+    }
+}
+
 /// Normal force and friction of a contact, which know of nothing but its gap, the rate of that, its slip, and its memory; and what drives
 /// that.
 #[inline(always)]
@@ -123,7 +129,7 @@ pub fn press<const K: usize>(
     Press {
         normal,
         power: normal * gap_rate + tangential * slip,
-        load: std::array::from_fn(|k| touch.normal_row[k] * normal + touch.tangent_row[k] * tangential),
+        load: each(|k| touch.normal_row[k] * normal + touch.tangent_row[k] * tangential),
         driven,
     }
 }
@@ -150,16 +156,17 @@ fn sloped<const P: usize, const K: usize, const D: usize>(
     memory: Option<f64>,
     laws: Laws<'_>,
 ) -> Press<Slope<P, K>, K> {
-    let (normal_row, tangent_row) = (touch.normal_row.map(|part| part.value), touch.tangent_row.map(|part| part.value));
+    let values = |row: &[Dual<P>; K]| each(|k| row[k].value);
+    let (normal_row, tangent_row): ([f64; K], [f64; K]) = (values(&touch.normal_row), values(&touch.tangent_row));
     let rate = |row: &[Dual<P>; K]| (1..K).fold(row[0] * v[0], |sum, k| sum + row[k] * v[k]);
     let places = [touch.gap, rate(&touch.normal_row), rate(&touch.tangent_row)];
-    let [gap, gap_rate, slip] = std::array::from_fn(|i| Dual::<D>::variable(places[i].value, i));
+    let [gap, gap_rate, slip] = each(|i| Dual::<D>::variable(places[i].value, i));
     let [normal, tangential, driven] =
         forces([gap, gap_rate, slip], memory.map(|memory| Dual::variable(memory, D - 1)), laws);
     let slope = |of: Dual<D>| Slope {
         value: of.value,
-        by_q: std::array::from_fn(|j| (0..3).map(|i| of.grad[i] * places[i].grad[j]).sum()),
-        by_v: std::array::from_fn(|k| of.grad[1] * normal_row[k] + of.grad[2] * tangent_row[k]),
+        by_q: each(|j| (0..3).map(|i| of.grad[i] * places[i].grad[j]).sum()),
+        by_v: each(|k| of.grad[1] * normal_row[k] + of.grad[2] * tangent_row[k]),
         by_memory: if D > 3 { of.grad[D - 1] } else { 0.0 },
     };
     let (along_normal, along_tangent) = (slope(normal), slope(tangential));
@@ -167,19 +174,19 @@ fn sloped<const P: usize, const K: usize, const D: usize>(
         let (n, t) = (touch.normal_row[k], touch.tangent_row[k]);
         Slope {
             value: n.value * normal.value + t.value * tangential.value,
-            by_q: std::array::from_fn(|j| {
+            by_q: each(|j| {
                 n.value * along_normal.by_q[j]
                     + t.value * along_tangent.by_q[j]
                     + (n.grad[j] * normal.value + t.grad[j] * tangential.value)
             }),
-            by_v: std::array::from_fn(|j| n.value * along_normal.by_v[j] + t.value * along_tangent.by_v[j]),
+            by_v: each(|j| n.value * along_normal.by_v[j] + t.value * along_tangent.by_v[j]),
             by_memory: t.value * along_tangent.by_memory,
         }
     };
     Press {
         normal: along_normal,
         power: slope(normal * gap_rate + tangential * slip),
-        load: std::array::from_fn(load),
+        load: each(load),
         driven: slope(driven),
     }
 }
