@@ -3,7 +3,7 @@
 # They are installed once, into target/clients and tests/clients/node_modules, and again when what is pinned in
 # tests/clients changes. Needs Python 3.11 with venv, Node 18 with npm, and Chromium or Chrome.
 # Usage: tools/clients.sh [setup]        (setup: install, test nothing)
-# $PHALANX names another binary, $CHROMIUM another browser.
+# $PHALANX names another binary, $CHROMIUM another browser, $PHALANX_EXPLORER a module of the explorer that is there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -63,8 +63,10 @@ export PHALANX
 
 # The explorer needs a compiler for the browser; all else is tested without one.
 scripts=(tests/clients/*.test.mjs)
-if tools/explorer.sh; then
+if [ -z "${PHALANX_EXPLORER:-}" ] && tools/explorer.sh; then
     PHALANX_EXPLORER=$(realpath "${CARGO_TARGET_DIR:-target}")/release/phalanx-explorer.wasm.gz
+fi
+if [ -n "${PHALANX_EXPLORER:-}" ]; then
     export PHALANX_EXPLORER
 else
     echo "clients: the explorer is not tested, for there is no compiler for it" >&2

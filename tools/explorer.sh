@@ -4,7 +4,7 @@
 # Usage: tools/explorer.sh [OUT.html]
 # Takes the target of the toolchain where it is installed (rustup target add wasm32-unknown-unknown), and otherwise Debian's
 # compiler, which builds std from its source. Where Binaryen's wasm-opt is at hand (Debian: binaryen), $OPTIMISE=1 makes the module a
-# tenth smaller, in a minute.
+# tenth smaller, in a minute. $FEATURES are more of its features: `figures` is what tests the core.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,7 +19,7 @@ built=${CARGO_TARGET_DIR:-target}
 mkdir -p "$built"
 built=$(cd "$built" && pwd)
 say "explorer: the module"
-"${build[@]}" --release --locked --quiet --manifest-path crates/explorer/Cargo.toml --target "$target" --target-dir "$built/wasm"
+"${build[@]}" --release --locked --quiet --manifest-path crates/explorer/Cargo.toml ${FEATURES:+--features "$FEATURES"} --target "$target" --target-dir "$built/wasm"
 module=$built/wasm/$target/release/phalanx_explorer.wasm
 if [ -n "${OPTIMISE:-}" ]; then
     wasm-opt -O2 --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext --enable-mutable-globals "$module" -o "$module.small"

@@ -29,7 +29,7 @@ cargo fmt --check
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
-for apart in benches/solvers crates/explorer tests/fuzz tests/wasm python; do
+for apart in benches/solvers crates/explorer tests/fuzz python; do
     if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
         echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
         exit 1
@@ -66,7 +66,8 @@ say "the Python package"
 tools/python.sh
 
 say "real clients"
-tools/clients.sh
+# They are shown the module that has just been built.
+PHALANX_EXPLORER=$(realpath "${CARGO_TARGET_DIR:-target}")/release/phalanx-explorer.wasm.gz tools/clients.sh
 
 say "sweeps under Slurm"
 # Under two minutes; what waits for a scheduler that does not answer must not wait for ever.

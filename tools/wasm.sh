@@ -2,27 +2,20 @@
 # The core is built for the browser, and closes a finger and a gripper in Node as the program does on this machine, to the last digit;
 # and so does the explorer's module with every scene that its page brings along, every column.
 # That it builds says that there is no C in it; that it runs with nothing at hand, that a closing asks for no file, thread or clock.
-# Takes the compiler that tools/explorer.sh takes. Needs Node 18 too.
+# Takes the compiler that tools/explorer.sh takes; the module has both models for once. Needs Node 18 too.
 # $PHALANX names another binary to compare with.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 # shellcheck source=tools/need.sh
 . tools/need.sh
-# shellcheck source=tools/browser_target.sh
-. tools/browser_target.sh
 
 node_works() { node -e 'process.exit(parseInt(process.versions.node) < 18 ? 1 : 0)'; }
 
 need "the checks of the core in the browser" "Node 18 or later" "nodejs" node_works
-browser_target "the checks of the core in the browser"
 
-# A directory of its own: another compiler must not make the host's artefacts stale.
 built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-"${build[@]}" --locked --quiet --manifest-path tests/wasm/Cargo.toml --target "$target" --target-dir "$built/wasm"
-export MODULE=$built/wasm/$target/debug/phalanx_wasm.wasm
-
-tools/explorer.sh
+FEATURES=figures tools/explorer.sh
 export EXPLORER=$built/release/phalanx-explorer.wasm.gz
 
 if [ -z "${PHALANX:-}" ]; then

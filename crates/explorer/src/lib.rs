@@ -3,6 +3,9 @@
 //! A page writes a request of so many bytes to where [`room`] says, and calls [`answer`]. What that points to is four numbers:
 //! where the answer's text is and how many bytes it has, where its numbers are and how many. It all stands until the next call.
 
+#[cfg(feature = "figures")]
+mod figures;
+
 use std::cell::RefCell;
 use std::panic;
 use std::sync::Once;

@@ -1,4 +1,4 @@
-//! What a page asks of the core: scenes in, figures out, nothing of the system in between.
+//! What the tests ask of the core: scenes in, figures of both models out, nothing of the system in between.
 
 use std::sync::OnceLock;
 
@@ -6,7 +6,7 @@ use phalanx_core::scene::parse_any;
 use phalanx_core::trace::{Model, run};
 
 const SCENES: [&str; 2] =
-    [include_str!("../../scenes/experiment-95.toml"), include_str!("../../scenes/gripper/design-95.toml")];
+    [include_str!("../../../scenes/experiment-95.toml"), include_str!("../../../scenes/gripper/design-95.toml")];
 const MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 
 /// Angles and rates of each finger at the end, then place, angle and rates of each body, then the impulse of each contact.
