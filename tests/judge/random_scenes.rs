@@ -76,15 +76,15 @@ fn discs_in_the_engine() {
 
 #[test]
 fn grippers_in_the_analytic_model() {
-    through(Model::Analytic, grippers::text, 0, 400);
+    through(Model::Analytic, grippers::text, 0, 200);
 }
 
 #[test]
 fn grippers_in_the_engine() {
-    through(Model::Engine, grippers::text, 0, 300);
+    through(Model::Engine, grippers::text, 0, 150);
 }
 
-/// Ten times as many: `cargo nextest run --test judge random_scenes --run-ignored only --no-capture`.
+/// Ten to twenty-five times as many: `cargo nextest run --test judge random_scenes --run-ignored only --no-capture`.
 #[test]
 #[ignore = "takes minutes"]
 fn ten_times_as_many() {
