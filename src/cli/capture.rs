@@ -9,7 +9,7 @@ use super::interrupt::Interrupt;
 use super::output::answer;
 use super::overrides::positive;
 use super::progress::Count;
-use super::saved::{broken, save};
+use super::saved::save;
 use super::set::SetArgs;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -94,8 +94,7 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     let report = CaptureReport::from(&found);
     if let Some(folder) = folder {
         folder.fill(|out| {
-            let picture = plot::capture(&found).map_err(|error| broken(&out.join("capture.svg"), error))?;
-            let texts = [report.json(), capture_csv(&report), picture, report.report().to_string()];
+            let texts = [report.json(), capture_csv(&report), plot::capture(&found), report.report().to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }

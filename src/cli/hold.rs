@@ -10,7 +10,7 @@ use super::output::answer;
 use super::overrides::positive;
 use super::own::{Form, writable};
 use super::progress::Count;
-use super::saved::{broken, save};
+use super::saved::save;
 use super::set::SetArgs;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -163,16 +163,14 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
         (error, _) => Failure::bad_input(error),
     })?;
     let report = HoldReport::from(&found);
-    let picture = |name: &std::path::Path| plot::hold(&found).map_err(|error| broken(name, error));
     if let Some(folder) = folder {
         folder.fill(|out| {
-            let picture = picture(&out.join("hold.svg"))?;
-            let texts = [report.json(), hold_csv(&report), picture, report.report().to_string()];
+            let texts = [report.json(), hold_csv(&report), plot::hold(&found), report.report().to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }
     if let Some(path) = &args.svg {
-        save(path, &picture(path)?)?;
+        save(path, &plot::hold(&found))?;
     }
     answer(&report, args.json)?;
     Ok(Status::Done)

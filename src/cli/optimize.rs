@@ -11,7 +11,7 @@ use super::interrupt::Interrupt;
 use super::output::{answer, note, print, show};
 use super::own::{Form, writable};
 use super::progress::Count;
-use super::saved::{broken, save};
+use super::saved::save;
 use super::study_args::StudyArgs;
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
@@ -165,15 +165,11 @@ fn write_others(
         .map(|&index| &found.designs[index])
         .map(|design| (design.number, scene(of, design)))
         .collect();
-    if args.plot.is_some() || args.html.is_some() {
-        let place = args.plot.as_ref().or(args.html.as_ref()).map_or(Path::new(""), PathBuf::as_path);
-        let drawn = plot::optimisation(of, found).map_err(|error| broken(place, error))?;
-        if let Some(path) = &args.plot {
-            save(path, &drawn.svg)?;
-        }
-        if let Some(path) = &args.html {
-            save(path, &report_page(&report.paper(with_links(&drawn), &scenes)))?;
-        }
+    if let Some(path) = &args.plot {
+        save(path, &plot::optimisation(of, found, false))?;
+    }
+    if let Some(path) = &args.html {
+        save(path, &report_page(&report.paper(plot::optimisation(of, found, true), &scenes)))?;
     }
     if let Some(directory) = &args.scenes {
         let start = ("start.toml".to_string(), scene(of, found.start()));
@@ -196,22 +192,6 @@ fn scene(of: &Optimisation, design: &Design) -> String {
     }
     let _ = writeln!(text, " {}.", if design.is_feasible() { "meets all constraints" } else { "misses a constraint" });
     text + &of.scene_text(&design.points)
-}
-
-/// The picture with a link on each point of the front.
-fn with_links(drawn: &plot::Designs) -> String {
-    let mut links = String::new();
-    for (number, (x, y)) in &drawn.places {
-        let _ = writeln!(
-            links,
-            "<a href=\"#design-{number}\"><circle cx=\"{x}\" cy=\"{y}\" r=\"9\" fill=\"transparent\"><title>design \
-             {number}</title></circle></a>"
-        );
-    }
-    match drawn.svg.rsplit_once("</svg>") {
-        Some((before, after)) => format!("{before}{links}</svg>{after}"),
-        None => drawn.svg.clone(),
-    }
 }
 
 /// Where the runs are: `front.runs.csv` beside `front.csv`.

@@ -11,7 +11,7 @@ use super::replay_page::Reels;
 use super::replay_pair::{common, notes};
 use super::replay_read::head;
 use super::replay_side::Side;
-use super::saved::{PAGE, broken, save};
+use super::saved::{PAGE, save};
 use super::{Failure, Status};
 use crate::log::Reading;
 use crate::page::{Note, Page, page};
@@ -90,9 +90,8 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         report.files =
             Some(FILES.into_iter().filter(|file| *file != PAGE || shown.is_some()).map(String::from).collect());
         folder.fill(|out| {
-            for (file, picture) in [("overlay.svg", pictures.0), ("difference.svg", pictures.1)] {
-                let path = out.join(file);
-                save(&path, &picture.map_err(|error| broken(&path, error))?)?;
+            for (file, picture) in ["overlay.svg", "difference.svg"].iter().zip(&pictures) {
+                save(&out.join(file), picture)?;
             }
             if let Some(page) = &shown {
                 save(&out.join(PAGE), page)?;
@@ -133,8 +132,6 @@ fn labels(paths: [&Path; 2], logs: &[ReplayReport; 2]) -> [String; 2] {
     }
 }
 
-type Pictures = (Result<String, plot::DrawError>, Result<String, plot::DrawError>);
-
 fn title(logs: &[ReplayReport; 2], labels: &[String; 2]) -> String {
     let scene = |log: &ReplayReport| log.scene.clone().unwrap_or_else(|| "unknown scene".to_string());
     let [first, second] = [scene(&logs[0]), scene(&logs[1])];
@@ -149,7 +146,7 @@ fn apart(
     labels: &[String; 2],
     logs: &[ReplayReport; 2],
     until_s: f64,
-) -> (Vec<ApartReport>, Pictures) {
+) -> (Vec<ApartReport>, [String; 2]) {
     let layout = &sides[0].layout;
     let [first, second] = sides.each_ref().map(|side| &side.recording);
     let (run, dense) = if first.samples.len() > second.samples.len() { (second, first) } else { (first, second) };
@@ -183,5 +180,5 @@ fn apart(
         bound: None,
         until_s,
     });
-    (apart, (overlay, difference))
+    (apart, [overlay, difference])
 }

@@ -84,7 +84,7 @@ const FILES: [&str; 5] = ["report.md", "report.html", "report.json", "results.cs
 
 /// The files of `--out`; the report comes last.
 fn write(out: &Path, report: &ReproductionReport<'_>) -> Result<(), Failure> {
-    let paper = report.paper().map_err(|error| broken(&out.join("figures"), error))?;
+    let paper = report.paper();
     let figures = out.join("figures");
     fs::create_dir_all(&figures).map_err(|error| broken(&figures, error))?;
     for figure in paper.figures() {

@@ -7,7 +7,7 @@ use clap::Args;
 use super::folder::Folder;
 use super::output::answer;
 use super::own::{Form, writable};
-use super::saved::{broken, save};
+use super::saved::save;
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::plot;
@@ -159,8 +159,7 @@ fn write(out: &Path, source: &str, results: &Table, selection: &Selection) -> Re
         ("forces.svg", plot::selection_forces(&title, selection)),
         ("variables.svg", plot::selection_variables(&title, results, selection)),
     ] {
-        let path = out.join(file);
-        save(&path, &picture.map_err(|error| broken(&path, error))?)?;
+        save(&out.join(file), &picture)?;
     }
     table::write(&out.join("ranking.csv"), &ranking_table(results, selection)).map_err(unwritten)?;
     let report = SelectionReport::new(source, selection, usize::MAX);

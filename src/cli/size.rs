@@ -10,7 +10,7 @@ use super::overrides::positive;
 use super::set::SetArgs;
 use super::words::RuleArg;
 use super::{Failure, Status};
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::report::sizing::{SizingReport, sizing_csv};
 use crate::study::size::{Asked, size};
 use crate::units::Dimension;
@@ -68,14 +68,13 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let report = SizingReport::from(&found);
     let profile = &found.profile;
     if let Some(out) = &args.out {
-        let undrawn = |error: DrawError| Failure::incomplete(format!("cannot draw the pictures: {error}"));
         let files = [
             ("size.txt", report.report().to_string()),
             ("size.json", report.json()),
             ("size.csv", sizing_csv(profile)),
-            ("trajectory.svg", plot::sizing_trajectory(&scene.name, profile).map_err(undrawn)?),
-            ("springs.svg", plot::sizing_springs(&scene.name, profile).map_err(undrawn)?),
-            ("spring-types.svg", plot::sizing_spring_types(&scene.name, profile).map_err(undrawn)?),
+            ("trajectory.svg", plot::sizing_trajectory(&scene.name, profile)),
+            ("springs.svg", plot::sizing_springs(&scene.name, profile)),
+            ("spring-types.svg", plot::sizing_spring_types(&scene.name, profile)),
         ];
         write_all(out, &files)?;
     }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::output::answer;
 use super::own::{Form, writable};
-use super::saved::{broken, save};
+use super::saved::save;
 use super::set::SetArgs;
 use super::statics_gripper::{self, GripperArgs, Shared};
 use super::{Failure, Status};
@@ -101,8 +101,7 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
     let found = grasp(&scene, &instead).map_err(refused)?;
     let mut report = StaticsReport::new(&found);
     if let Some(path) = &args.svg {
-        let picture = plot::grasp(&scene, &found).map_err(|error| broken(path, error))?;
-        save(path, &picture)?;
+        save(path, &plot::grasp(&scene, &found))?;
         report.svg = Some(path.display().to_string());
     }
     answer(&report, args.json)?;

@@ -7,7 +7,7 @@ use clap::Args;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::overrides::positive;
-use super::saved::{broken, save};
+use super::saved::save;
 use super::{Failure, Status};
 use crate::grasp::gripper::{Asked, GripperGraspError, PostureOf, gripper_grasp};
 use crate::plot;
@@ -91,8 +91,7 @@ pub fn run(scene: &Scene, args: &GripperArgs, shared: &Shared<'_>) -> Result<Sta
     })?;
     let mut report = GripperStaticsReport::new(&found, finer);
     if let Some(path) = shared.svg {
-        let picture = plot::balance(scene, &found).map_err(|error| broken(path, error))?;
-        save(path, &picture)?;
+        save(path, &plot::balance(scene, &found))?;
         report.svg = Some(path.display().to_string());
     }
     answer(&report, shared.json)?;

@@ -91,9 +91,7 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
         (error @ StudyError::Simulation { .. }, None) => Failure::incomplete(error),
     })?;
     if let Some(folder) = folder {
-        let picture = plot::step_size(&study)
-            .map_err(|error| Failure::incomplete(format!("cannot draw step-size.svg: {error}")))?;
-        let texts = [study.report().to_string(), study.json(), step_size_csv(&study), picture];
+        let texts = [study.report().to_string(), study.json(), step_size_csv(&study), plot::step_size(&study)];
         folder.fill(|out| FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text)))?;
     }
     answer(&study, args.json)?;

@@ -9,7 +9,7 @@ use super::interrupt::Interrupt;
 use super::output::answer;
 use super::overrides::positive;
 use super::progress::Count;
-use super::saved::{broken, save};
+use super::saved::save;
 use super::set::SetArgs;
 use super::{Failure, Status};
 use crate::plot;
@@ -109,8 +109,7 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
     })?;
     if let Some(folder) = folder {
         folder.fill(|out| {
-            let picture = plot::stability(&study).map_err(|error| broken(&out.join("stability.svg"), error))?;
-            let texts = [study.json(), stability_csv(&study), picture, study.report().to_string()];
+            let texts = [study.json(), stability_csv(&study), plot::stability(&study), study.report().to_string()];
             FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
         })?;
     }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::Failure;
 use super::interrupt::Interrupt;
-use super::saved::{broken, save};
+use super::saved::save;
 use super::volume_args::DataArg;
 use crate::page::{Note, VolumePage, volume_page};
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::report::volume::VolumeReport;
 use crate::report::volume_points::volume_points;
 use crate::study::volume::{Quantity, Volume, VolumeRequest};
@@ -31,12 +31,11 @@ pub fn write(
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let mut files = Vec::new();
-    let mut keep = |file: String, drawn: Result<String, DrawError>| {
+    let mut keep = |file: String, drawn: String| {
         interrupt.check()?;
         let path = out.join(&file);
-        let text = drawn.map_err(|error| broken(&path, error))?;
         files.push(file);
-        save(&path, &text)
+        save(&path, &drawn)
     };
     for &quantity in quantities {
         for frictions in volumes.chunks(request.mu_static.len()) {

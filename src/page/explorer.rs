@@ -3,18 +3,13 @@
 use serde::Serialize;
 
 use super::base85::base85;
-use super::html::{Script, VIEWER, filled, in_script};
+use super::html::{Script, VIEWER, filled, in_script, style};
 use super::presets::{Preset, presets};
 use crate::wording::escaped;
 
 const TEMPLATE: &str = include_str!("assets/explorer/page.html");
-const STYLES: [&str; 5] = [
-    include_str!("assets/theme.css"),
-    include_str!("assets/texts.css"),
-    include_str!("assets/layout.css"),
-    include_str!("assets/pictures.css"),
-    include_str!("assets/explorer/layout.css"),
-];
+const STYLES: [&str; 3] =
+    [include_str!("assets/texts.css"), include_str!("assets/layout.css"), include_str!("assets/explorer/layout.css")];
 /// Behind what shows films, in the order of their dependence; they share one scope.
 const SCRIPTS: [&str; 19] = [
     include_str!("assets/explorer/worker.js"),
@@ -102,7 +97,7 @@ pub fn explorer_page(module: &[u8], start: &Start, version: &str) -> String {
     let fields = [
         ("nonce", nonce),
         ("title", escaped(title)),
-        ("style", STYLES.concat()),
+        ("style", style(&STYLES)),
         ("data", data),
         ("script", script),
         ("version", escaped(version)),

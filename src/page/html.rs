@@ -3,16 +3,12 @@
 use std::fmt::Write;
 
 use super::{Note, Page, Picture};
+use crate::plot::theme::variables;
 use crate::wording::{Report, escaped};
 use phalanx_show::film::data;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
-const STYLES: [&str; 4] = [
-    include_str!("assets/theme.css"),
-    include_str!("assets/texts.css"),
-    include_str!("assets/layout.css"),
-    include_str!("assets/pictures.css"),
-];
+const STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/layout.css")];
 /// What shows films, on any page that does. In the order of their dependence; they share one scope.
 pub(super) const VIEWER: [&str; 21] = [
     include_str!("assets/format.js"),
@@ -47,7 +43,7 @@ pub fn page(page: &Page) -> String {
         ("nonce", nonce),
         ("title", escaped(&page.title)),
         ("description", description(&page.description)),
-        ("style", STYLES.concat()),
+        ("style", style(&STYLES)),
         ("summaries", summaries(page)),
         ("notes", notes(&page.notes)),
         ("pictures", pictures(&page.pictures)),
@@ -55,6 +51,11 @@ pub fn page(page: &Page) -> String {
         ("script", script),
     ];
     filled(TEMPLATE, &fields)
+}
+
+/// The style sheets of a page behind those of all: colours first.
+pub(super) fn style(own: &[&str]) -> String {
+    [&variables(), include_str!("assets/theme.css"), &own.concat()].concat()
 }
 
 /// The script of a page and the nonce that lets it run.

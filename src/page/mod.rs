@@ -52,7 +52,7 @@ pub struct Note {
     pub text: Report,
 }
 
-/// A picture of [`plot`](crate::plot): its colours on white are turned into those of the page, light or dark.
+/// A picture of [`plot`](crate::plot): its colours are those of the page, light or dark.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     pub title: String,

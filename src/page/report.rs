@@ -1,11 +1,10 @@
 //! The page of a report: one self-contained file, light and dark, without a network.
 
-use super::html::filled;
+use super::html::{filled, style};
 use crate::wording::{Report, escaped};
 
 const TEMPLATE: &str = include_str!("assets/report/page.html");
-const STYLES: [&str; 3] =
-    [include_str!("assets/theme.css"), include_str!("assets/pictures.css"), include_str!("assets/report/report.css")];
+const STYLE: &str = include_str!("assets/report/report.css");
 /// Light or dark, as the reader's system has it, and by a button.
 const SCRIPT: &str = include_str!("assets/report/report.js");
 
@@ -15,7 +14,7 @@ pub fn report_page(report: &Report) -> String {
     let fields = [
         ("nonce", format!("{:08x}", crc32fast::hash(SCRIPT.as_bytes()))),
         ("title", escaped(&report.title)),
-        ("style", STYLES.concat()),
+        ("style", style(&[STYLE])),
         ("contents", report.headings().enumerate().map(entry).collect()),
         ("report", report.html(&report.title)),
         ("script", SCRIPT.to_string()),

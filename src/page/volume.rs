@@ -1,18 +1,13 @@
 //! The page of grasp-state volumes: one self-contained file that turns them in three dimensions.
 
-use super::html::{Script, filled, in_script, notes, pictures};
+use super::html::{Script, filled, in_script, notes, pictures, style};
 use super::volume_data::{is_thinned, json};
 use super::{Note, Picture};
 use crate::study::volume::Volume;
 use crate::wording::escaped;
 
 const TEMPLATE: &str = include_str!("assets/volume/page.html");
-const STYLES: [&str; 4] = [
-    include_str!("assets/theme.css"),
-    include_str!("assets/texts.css"),
-    include_str!("assets/volume/layout.css"),
-    include_str!("assets/pictures.css"),
-];
+const STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/volume/layout.css")];
 /// In the order of their dependence; they share one scope.
 const SCRIPTS: [&str; 11] = [
     include_str!("assets/format.js"),
@@ -48,7 +43,7 @@ pub fn volume_page(page: &VolumePage) -> String {
         ("nonce", nonce),
         ("title", escaped(&page.title)),
         ("description", escaped(&page.description)),
-        ("style", STYLES.concat()),
+        ("style", style(&STYLES)),
         ("notes", notes(&page.notes)),
         ("pictures", pictures(&page.pictures)),
         ("data", data),

@@ -4,10 +4,10 @@
 use std::collections::{BTreeMap, HashMap};
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use plotters::style::RGBColor;
 use serde::Serialize;
 
 use crate::plot::colours;
+use crate::plot::theme::Colour;
 use crate::study::volume::{Axes, Point, Quantity, Sized, Volume, Worst};
 
 /// Most values an axis has on the page; finer ones are thinned out.
@@ -202,6 +202,6 @@ fn floats(values: impl Iterator<Item = f64>) -> String {
     BASE64_STANDARD.encode(values.flat_map(|value| (value as f32).to_le_bytes()).collect::<Vec<u8>>())
 }
 
-fn hex(colours: &[RGBColor]) -> Vec<String> {
-    colours.iter().map(|RGBColor(r, g, b)| format!("#{r:02x}{g:02x}{b:02x}")).collect()
+fn hex(colours: &[Colour]) -> Vec<String> {
+    colours.iter().map(|colour| colour.to_string().to_lowercase()).collect()
 }

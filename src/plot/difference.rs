@@ -1,15 +1,14 @@
 //! The difference of two runs over time, with the touch-downs.
 
 use super::axis::Axis;
-use super::canvas::{
-    BLACK, COLOURS, DrawError, Entry, GREY, LEGEND, Mark, WIDTH, frame, legend, line, picture, titled,
-};
+use super::canvas::{Entry, Mark, THIN, chart, level, line, upright};
 use super::curve::thin;
+use super::theme::{INK, SERIES, SOFT};
 use crate::scene::Scene;
 use crate::trace::{EventKind, Layout};
 use crate::validate::{Angle, Recording, Validation, off};
 
-const HEIGHT: u32 = 560;
+const HEIGHT: f64 = 560.0;
 /// Decades shown: what is smaller than the largest by more lies on the foot of the picture.
 const DECADES: f64 = 8.0;
 /// More touch-downs than this would hide the curves.
@@ -39,7 +38,7 @@ pub struct Differences<'a> {
 }
 
 /// The picture of a validation of a scene with fingers, of the run with its own torque.
-pub fn difference(scene: &Scene, found: &Validation) -> Result<String, DrawError> {
+pub fn difference(scene: &Scene, found: &Validation) -> String {
     let (layout, until_s, name) = (Layout::of(&scene.system), found.until_s, &scene.name);
     let (what, label) = match layout.bodies.is_empty() {
         true => ("the joint angles", "|engine − analytic|, rad"),
@@ -88,33 +87,31 @@ pub fn touches(layout: &Layout, run: &Recording, until_s: f64) -> Vec<Touches> {
 }
 
 /// The picture: differences on a logarithmic axis over time.
-pub fn difference_of(found: &Differences<'_>) -> Result<String, DrawError> {
+pub fn difference_of(found: &Differences<'_>) -> String {
     let all = found.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
     let y = Axis::decades(found.label, all.chain(found.bound), DECADES);
     let x = Axis::linear("time, ms", [0.0, found.until_s * 1e3]);
-    picture(HEIGHT, |area| {
-        let rest = titled(area, &found.title)?;
-        let (left, right) = rest.split_horizontally(WIDTH - LEGEND - 10);
-        let mut chart = frame(&left, &x, &y, true)?;
+    chart(&found.title, HEIGHT, &x, &y, |svg, on| {
         let mut entries = Vec::new();
-        for (place, colour) in found.touches.iter().zip([GREY, BLACK].into_iter().cycle()) {
+        for (place, colour) in found.touches.iter().zip([SOFT, INK].into_iter().cycle()) {
             for t in place.times_s.iter().take(MOST_TOUCHES).map(|time_s| time_s * 1e3) {
-                line(&mut chart, vec![(t, y.from), (t, y.to)], Mark::Line { width: 1 }, colour)?;
+                upright(svg, on, t, colour);
             }
             if !place.times_s.is_empty() {
-                entries.push(Entry::new(Mark::Line { width: 1 }, colour, &format!("touch-down {}", place.name)));
+                entries.push(Entry::new(THIN, colour, &format!("touch-down {}", place.name)));
             }
         }
         if let Some(bound) = found.bound {
-            let at_bound = y.place(bound);
-            line(&mut chart, vec![(x.from, at_bound), (x.to, at_bound)], Mark::Pale { width: 4 }, BLACK)?;
-            entries.push(Entry::new(Mark::Pale { width: 4 }, BLACK, "bound of the scene"));
+            let mark = Mark::Pale { width: 4.0 };
+            level(svg, on, y.place(bound), mark, INK);
+            entries.push(Entry::new(mark, INK, "bound of the scene"));
         }
-        for (curve, colour) in found.curves.iter().zip(COLOURS.into_iter().cycle()) {
+        for (curve, colour) in found.curves.iter().zip(SERIES.into_iter().cycle()) {
             let points = curve.points.iter().map(|&(time_s, value)| (time_s * 1e3, y.place(value)));
-            line(&mut chart, thin(points.collect()), Mark::Line { width: 2 }, colour)?;
-            entries.push(Entry::new(Mark::Line { width: 2 }, colour, &curve.name));
+            let mark = Mark::Line { width: 2.0 };
+            line(svg, on, thin(points.collect()), mark, colour);
+            entries.push(Entry::new(mark, colour, &curve.name));
         }
-        legend(&right, &entries)
+        entries
     })
 }

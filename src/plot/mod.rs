@@ -33,16 +33,16 @@ mod stability;
 mod step_size;
 mod volume;
 
-use phalanx_show::plot::{axis, canvas, curve};
+use phalanx_show::plot::{axis, canvas, curve, outline, svg};
 
 pub use capture::capture;
 pub use closings::closings;
 pub use difference::{Apart, Differences, Touches, difference, difference_of, paths_apart, touches};
 pub use hold::hold;
 pub use linkage::{Linkage, Spot, linkage};
-pub use optimize::{Designs, optimisation};
+pub use optimize::optimisation;
 pub use overlay::{overlay, overlay_of};
-pub use phalanx_show::plot::{DrawError, PICTURE_MARK, balance, colours, grasp};
+pub use phalanx_show::plot::{PICTURE_MARK, balance, colours, grasp, theme};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
 pub use speed_error::speed_error;

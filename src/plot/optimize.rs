@@ -3,42 +3,28 @@
 use std::collections::HashSet;
 
 use super::axis::Axis;
-use super::canvas::{
-    BLACK, BLUE, DrawError, Entry, Frame, GREEN, GREY, LEGEND, Mark, ORANGE, WIDTH, frame, legend, line, picture,
-    point, titled,
-};
+use super::canvas::{Area, Entry, HEAD, LEGEND, Mark, WIDTH, fitted, frame, legend, line, picture, point, points};
+use super::svg::{Pixel, Svg};
+use super::theme::{BLUE, GREEN, ORANGE, SOFT};
 use crate::study::optimize::{Design, Found, Optimisation};
 use crate::wording::Quantity;
 
-const HEAD: u32 = 40;
-const PANEL: u32 = 480;
+const PANEL: f64 = 480.0;
 /// Pixels between marks of designs that are not on the front.
-const APART: i32 = 5;
-
-/// A picture and where members of the front are on it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Designs {
-    pub svg: String,
-    /// Number of the design, and its place in pixels; once for each panel.
-    pub places: Vec<(u64, (i32, i32))>,
-}
+const APART: f64 = 5.0;
 
 /// What is drawn of a design on a panel.
 type Place<'a> = dyn Fn(&Design) -> Option<(f64, f64)> + 'a;
 
 /// The picture. Of several objectives the first is compared with each of the others; of one, every design is shown in the order in which it
-/// was looked at. Designs that miss a constraint are not shown, except the start.
-pub fn optimisation(of: &Optimisation, found: &Found) -> Result<Designs, DrawError> {
+/// was looked at. Designs that miss a constraint are not shown, except the start. Where it is `linked`, the front's leads to `#design-N`.
+pub fn optimisation(of: &Optimisation, found: &Found, linked: bool) -> String {
     let quantities: Vec<Quantity> = of.objectives.iter().map(|of| Quantity::of(&of.figure.name)).collect();
     let value = |design: &Design, at: usize| Some(design.judged.values[at]? * quantities[at].scale);
-    let mut places = Vec::new();
-    let panels = (of.objectives.len() - 1).max(1) as u32;
-    let svg = picture(HEAD + panels * PANEL, |area| {
-        let mut rest = titled(area, &format!("{}: the designs that meet all constraints", of.name()))?;
-        for panel in 0..panels as usize {
-            let (body, below) = rest.split_vertically(PANEL);
-            rest = below;
-            let (left, right) = body.split_horizontally(WIDTH - LEGEND - 30);
+    let panels = (of.objectives.len() - 1).max(1);
+    let title = format!("{}: the designs that meet all constraints", of.name());
+    picture(&title, HEAD + panels as f64 * PANEL, |svg| {
+        for panel in 0..panels {
             let (place, labels): (Box<Place>, [String; 2]) = match &quantities[..] {
                 [one] => (
                     Box::new(|design| Some((design.number as f64, value(design, 0)?))),
@@ -49,22 +35,19 @@ pub fn optimisation(of: &Optimisation, found: &Found) -> Result<Designs, DrawErr
                     [all[0].label(), all[panel + 1].label()],
                 ),
             };
-            draw(&left, &right, of, found, &*place, labels, &mut places)?;
+            let top = [0.0, PANEL * panel as f64];
+            svg.moved(top, |svg| {
+                let front = draw(svg, of, found, &*place, labels);
+                for (number, at) in front.into_iter().filter(|_| linked) {
+                    svg.link(&format!("#design-{number}"), &format!("design {number}"), at, 9.0);
+                }
+            });
         }
-        Ok(())
-    })?;
-    Ok(Designs { svg, places })
+    })
 }
 
-fn draw(
-    left: &super::canvas::Area,
-    right: &super::canvas::Area,
-    of: &Optimisation,
-    found: &Found,
-    place: &Place,
-    labels: [String; 2],
-    places: &mut Vec<(u64, (i32, i32))>,
-) -> Result<(), DrawError> {
+/// One panel; the members of the front and where they are on it.
+fn draw(svg: &mut Svg, of: &Optimisation, found: &Found, place: &Place, labels: [String; 2]) -> Vec<(u64, Pixel)> {
     let front: Vec<&Design> = found.front.iter().map(|&index| &found.designs[index]).collect();
     let feasible = found.designs.iter().filter(|design| design.is_feasible());
     let all: Vec<(f64, f64)> = feasible.filter_map(place).collect();
@@ -75,43 +58,33 @@ fn draw(
     let x = axis(&labels[0], shown().map(|at| at.0), all.iter().map(|at| at.0), several);
     let y = axis(&labels[1], shown().map(|at| at.1), all.iter().map(|at| at.1), true);
     let within = |at: &(f64, f64)| (x.from..=x.to).contains(&at.0) && (y.from..=y.to).contains(&at.1);
-    let mut chart = frame(left, &x, &y, true)?;
+    let on = frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND, height: PANEL }, &x, &y, true);
     // Of thousands no more can be seen than one mark on so many pixels, which is less than a mark is wide.
     let mut marked = HashSet::new();
-    let mut is_fresh = |at: (f64, f64)| {
-        let (x, y) = pixel(&chart, at);
-        marked.insert((x / APART, y / APART))
-    };
-    let fresh: Vec<&(f64, f64)> = all.iter().filter(|at| within(at) && is_fresh(**at)).collect();
-    for &at in fresh {
-        point(&mut chart, at, Mark::SmallDot, GREY)?;
-    }
-    if several {
-        let mut path: Vec<(f64, f64)> = front.iter().filter_map(|design| place(design)).collect();
+    let mut is_fresh = |at: (f64, f64)| marked.insert(on.pixel(at).map(|pixels| (pixels / APART) as i64));
+    let fresh = all.iter().copied().filter(|at| within(at) && is_fresh(*at));
+    points(svg, &on, fresh, Mark::SmallDot, SOFT);
+    let numbered: Vec<(u64, (f64, f64))> =
+        front.iter().filter_map(|design| Some((design.number, place(design)?))).collect();
+    if of.objectives.len() == 2 && numbered.len() > 1 {
+        let mut path: Vec<(f64, f64)> = numbered.iter().map(|(_, at)| *at).collect();
         path.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if of.objectives.len() == 2 && path.len() > 1 {
-            line(&mut chart, path, Mark::Pale { width: 2 }, BLUE)?;
-        }
+        line(svg, &on, path, Mark::Pale { width: 2.0 }, BLUE);
     }
-    for design in &front {
-        if let Some(at) = place(design) {
-            point(&mut chart, at, Mark::Circle, BLUE)?;
-            places.push((design.number, pixel(&chart, at)));
-        }
-    }
+    points(svg, &on, numbered.iter().map(|(_, at)| *at), Mark::Circle, BLUE);
     let out = found.designs.len() > found.feasible();
     let mut entries = vec![Entry::new(Mark::Circle, BLUE, if several { "front" } else { "best" })];
-    entries.push(Entry::new(Mark::SmallDot, GREY, "other designs"));
+    entries.push(Entry::new(Mark::SmallDot, SOFT, "other designs"));
     if let Some(at) = start {
-        point(&mut chart, at, Mark::Triangle, ORANGE)?;
+        point(svg, &on, at, Mark::Triangle, ORANGE);
         let text = if found.start().is_feasible() { "start" } else { "start, misses a constraint" };
         entries.push(Entry::new(Mark::Triangle, ORANGE, text));
     }
     if let Some(at) = found.compromise().and_then(|index| place(&found.designs[index])) {
-        point(&mut chart, at, Mark::Ring, GREEN)?;
+        point(svg, &on, at, Mark::Ring, GREEN);
         entries.push(Entry::new(Mark::Ring, GREEN, "compromise"));
     }
-    legend(right, &entries)?;
+    legend(svg, [WIDTH - LEGEND, 0.0], LEGEND, &entries);
     let mut notes = Vec::new();
     if out {
         notes.push(format!("{} miss a constraint", found.designs.len() - found.feasible()));
@@ -121,10 +94,10 @@ fn draw(
         notes.push(format!("{beyond} lie outside the picture"));
     }
     for (index, note) in notes.iter().enumerate() {
-        let at = (10, 40 + 24 * (entries.len() + index) as i32);
-        super::canvas::words_from(right, note, at, 13, BLACK)?;
+        let at = [WIDTH - LEGEND + 10.0, 40.0 + 24.0 * (entries.len() + index) as f64];
+        fitted(svg, note, at, 13.0, LEGEND - 16.0);
     }
-    Ok(())
+    numbered.into_iter().map(|(number, at)| (number, on.pixel(at))).collect()
 }
 
 /// An axis over what has to be seen, and as much of the others as is near.
@@ -136,9 +109,4 @@ fn axis(label: &str, shown: impl Iterator<Item = f64>, all: impl Iterator<Item =
     let others = all.filter(|of| !near || (low - room..=high + room).contains(of));
     let others: Vec<f64> = others.collect();
     Axis::linear(label, shown.into_iter().chain(others)).with_room()
-}
-
-/// The place of a point in pixels of the picture.
-fn pixel(chart: &Frame, at: (f64, f64)) -> (i32, i32) {
-    chart.backend_coord(&at)
 }

@@ -1,22 +1,20 @@
 //! Two runs over time, one panel above the other: the curve of the first wide and pale, that of the second thin upon it.
 
 use super::axis::Axis;
-use super::canvas::{
-    AMBER, Area, BLACK, BLUE, COLOURS, DrawError, Entry, GREEN, LEGEND, Mark, ORANGE, PURPLE, WIDTH, frame, legend,
-    line, picture, titled,
-};
+use super::canvas::{Area, Entry, HEAD, LEGEND, Mark, THIN, WIDTH, frame, legend, line, picture};
 use super::curve::over_time;
 use super::overlay_gripper::of_gripper;
 use super::overlay_panel::{Panel, Quantity, energies, quantity};
+use super::svg::Svg;
+use super::theme::{AMBER, BLUE, GREEN, INK, ORANGE, PURPLE, SERIES};
 use crate::scene::Scene;
 use crate::trace::{ContactSample, Layout, Place, Sample, Site};
 use crate::validate::{Recording, Validation, turned};
-use plotters::style::RGBColor;
 
-const PANEL: u32 = 230;
-const FOOT: u32 = 40;
-const FIRST: Mark = Mark::Pale { width: 6 };
-const SECOND: Mark = Mark::Line { width: 1 };
+const PANEL: f64 = 230.0;
+const FOOT: f64 = 40.0;
+const FIRST: Mark = Mark::Pale { width: 6.0 };
+const SECOND: Mark = THIN;
 
 /// Two runs: what they are called, and their samples.
 struct Runs<'a> {
@@ -28,7 +26,7 @@ struct Runs<'a> {
 }
 
 /// The picture of a validation, of the scene itself.
-pub fn overlay(scene: &Scene, found: &Validation) -> Result<String, DrawError> {
+pub fn overlay(scene: &Scene, found: &Validation) -> String {
     let title = format!("{}: analytic model and engine", scene.name);
     let end_s = found.reference.outcome.last.time_s;
     let labels = ["analytic (reference)", "engine"];
@@ -42,7 +40,7 @@ pub fn overlay_of(
     layout: &Layout,
     [first, second]: [&Recording; 2],
     end_s: f64,
-) -> Result<String, DrawError> {
+) -> String {
     let panels = match layout.fingers.len() {
         0 => of_pairs(&layout.contacts, [first, second]),
         2.. => of_gripper(layout, [first, second]),
@@ -56,58 +54,38 @@ pub fn overlay_of(
 }
 
 /// All panels of a picture.
-fn draw_all(panels: &[Panel], runs: &Runs<'_>) -> Result<String, DrawError> {
+fn draw_all(panels: &[Panel], runs: &Runs<'_>) -> String {
     let x = Axis::linear("time, ms", [0.0, runs.end_s * 1e3]);
-    picture(PANEL * panels.len() as u32 + FOOT + 40, |area| {
-        let mut rest = titled(area, &runs.title)?;
-        let last = panels.len() - 1;
+    picture(&runs.title, HEAD + PANEL * panels.len() as f64 + FOOT, |svg| {
         for (index, panel) in panels.iter().enumerate() {
-            let (own, below) = rest.split_vertically(if index == last { PANEL + FOOT } else { PANEL });
             let mut entries = Vec::new();
             if index == 0 {
-                entries.push(Entry::new(FIRST, BLACK, runs.labels[0]));
-                entries.push(Entry::new(SECOND, BLACK, runs.labels[1]));
+                entries.push(Entry::new(FIRST, INK, runs.labels[0]));
+                entries.push(Entry::new(SECOND, INK, runs.labels[1]));
             }
-            draw(&own, panel, runs, &x, index == last, entries)?;
-            rest = below;
+            let foot = index + 1 == panels.len();
+            svg.moved([0.0, PANEL * index as f64], |svg| draw(svg, panel, runs, &x, foot, entries));
         }
-        Ok(())
     })
 }
 
-fn draw(
-    area: &Area,
-    panel: &Panel,
-    runs: &Runs<'_>,
-    x: &Axis,
-    foot: bool,
-    mut entries: Vec<Entry>,
-) -> Result<(), DrawError> {
+fn draw(svg: &mut Svg, panel: &Panel, runs: &Runs<'_>, x: &Axis, foot: bool, mut entries: Vec<Entry>) {
     let both = || runs.first.iter().chain(runs.second);
     let values = panel.quantities.iter().flat_map(|quantity| both().map(&quantity.value));
     let y = match panel.log {
         true => Axis::decades(panel.label, values, 7.0),
         false => Axis::linear(panel.label, values),
     };
-    let (left, right) = area.split_horizontally(WIDTH - LEGEND);
-    let mut chart = frame(&left, x, &y, foot)?;
-    let points = |samples: &[Sample], value: &dyn Fn(&Sample) -> f64| {
-        over_time(samples.iter().map(|sample| (sample.time_s, value(sample))), &y)
-    };
-    for Quantity { name, colour, value } in &panel.quantities {
-        line(&mut chart, points(runs.first, value), FIRST, *colour)?;
-        entries.push(Entry::new(Mark::Line { width: 2 }, *colour, name));
+    let height = if foot { PANEL + FOOT } else { PANEL };
+    let on = frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND, height }, x, &y, foot);
+    for (samples, mark) in [(runs.first, FIRST), (runs.second, SECOND)] {
+        for Quantity { colour, value, .. } in &panel.quantities {
+            let points = samples.iter().map(|sample| (sample.time_s, value(sample)));
+            line(svg, &on, over_time(points, &y), mark, *colour);
+        }
     }
-    for Quantity { colour, value, .. } in &panel.quantities {
-        line(&mut chart, points(runs.second, value), SECOND, dark(*colour))?;
-    }
-    legend(&right, &entries)
-}
-
-/// Dark enough to be seen on its own pale self.
-fn dark(colour: RGBColor) -> RGBColor {
-    let part = |value: u8| (f64::from(value) * 0.6) as u8;
-    RGBColor(part(colour.0), part(colour.1), part(colour.2))
+    entries.extend(panel.quantities.iter().map(|of| Entry::new(Mark::Line { width: 2.0 }, of.colour, &of.name)));
+    legend(svg, [WIDTH - LEGEND, 0.0], LEGEND, &entries);
 }
 
 /// Joints and energies always; contacts where the scene has an object.
@@ -170,7 +148,7 @@ fn of_pairs(places: &[Place], runs: [&Recording; 2]) -> Vec<Panel> {
     let of_contacts = |label, value: fn(&ContactSample) -> f64| {
         let quantity = |(place, &pair): (usize, &usize)| Quantity {
             name: places[pair].name.clone(),
-            colour: COLOURS[place % COLOURS.len()],
+            colour: SERIES[place % SERIES.len()],
             value: Box::new(move |sample: &Sample| value(&sample.contacts[pair])),
         };
         Panel { label, log: false, quantities: shown.iter().enumerate().map(quantity).collect() }

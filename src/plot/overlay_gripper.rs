@@ -1,13 +1,12 @@
 //! The panels of two runs of a gripper.
 
-use super::canvas::{AMBER, BLUE, COLOURS, GREEN, GREY, ORANGE, PURPLE};
 use super::overlay_panel::{Panel, Quantity, energies, quantity};
+use super::theme::{AMBER, BLUE, Colour, GREEN, ORANGE, PURPLE, SERIES, SOFT};
 use crate::trace::{ContactSample, FingerState, Layout};
 use crate::validate::{Recording, turned};
-use plotters::style::RGBColor;
 
 /// Colours of the angles of the right finger, then of the left one.
-const OF_FINGERS: [[RGBColor; 3]; 2] = [[BLUE, ORANGE, GREEN], [PURPLE, AMBER, GREY]];
+const OF_FINGERS: [[Colour; 3]; 2] = [[BLUE, ORANGE, GREEN], [PURPLE, AMBER, SOFT]];
 
 /// A quantity of a finger: its name and value.
 type OfFinger = (&'static str, fn(&FingerState) -> f64);
@@ -62,7 +61,7 @@ fn object() -> Vec<Quantity> {
 fn contacts(layout: &Layout, shown: &[usize], value: fn(&ContactSample) -> f64) -> Vec<Quantity> {
     let of = |(place, &index): (usize, &usize)| {
         let name = layout.contacts[index].name.replace('_', " ");
-        quantity(&name, COLOURS[place % COLOURS.len()], move |s| value(&s.contacts[index]))
+        quantity(&name, SERIES[place % SERIES.len()], move |s| value(&s.contacts[index]))
     };
     shown.iter().enumerate().map(of).collect()
 }

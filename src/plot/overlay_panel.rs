@@ -1,13 +1,12 @@
 //! Panels of two runs: what each shows.
 
-use super::canvas::{BLUE, GREEN, ORANGE, PURPLE};
+use super::theme::{BLUE, Colour, GREEN, ORANGE, PURPLE};
 use crate::trace::Sample;
-use plotters::style::RGBColor;
 
 /// One quantity of a panel.
 pub(super) struct Quantity {
     pub name: String,
-    pub colour: RGBColor,
+    pub colour: Colour,
     pub value: Box<dyn Fn(&Sample) -> f64>,
 }
 
@@ -18,7 +17,7 @@ pub(super) struct Panel {
     pub quantities: Vec<Quantity>,
 }
 
-pub(super) fn quantity(name: &str, colour: RGBColor, value: impl Fn(&Sample) -> f64 + 'static) -> Quantity {
+pub(super) fn quantity(name: &str, colour: Colour, value: impl Fn(&Sample) -> f64 + 'static) -> Quantity {
     Quantity { name: name.to_string(), colour, value: Box::new(value) }
 }
 

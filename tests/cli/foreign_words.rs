@@ -63,14 +63,25 @@ fn no_picture_or_page_breaks_by_a_name() {
         &["replay", &log, "--against", &log, "--out", &at("two")],
         &["statics", &scene, "--svg", &at("grasp.svg")],
         &["size", &scene, "--out", &at("sized")],
+        &["scene", "show", &scene, "--figure", &at("linkage.svg")],
     ] {
         let output = phalanx(args);
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
     }
-    for name in ["grasp.svg", "two/overlay.svg", "two/difference.svg", "sized/springs.svg", "sized/trajectory.svg"] {
+    for name in [
+        "grasp.svg",
+        "linkage.svg",
+        "two/overlay.svg",
+        "two/difference.svg",
+        "sized/springs.svg",
+        "sized/trajectory.svg",
+    ] {
         let text = fs::read_to_string(place.join(name)).expect(name);
         assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{name}");
         assert!(!text.contains("<b>") && text.contains("&lt;b&gt;&amp;"), "{name}: the name is there as text");
+        let picture = roxmltree::Document::parse(&text).expect(name);
+        let told = picture.root_element().attribute("aria-label").expect("what it is");
+        assert!(told.contains("\u{fffd}[31mred\u{fffd}\u{fffd}2J<b>&\""), "{name}: {told}");
     }
     for name in ["page.html", "two/page.html"] {
         let text = fs::read_to_string(place.join(name)).expect(name);

@@ -25,7 +25,7 @@ fn the_thesis_again() {
     chaos_is_bounded(&found);
     shares_hang_on_the_grid(&found);
     let report = ReproductionReport::new(&found);
-    let paper = report.paper().expect("drawn");
+    let paper = report.paper();
     forms_agree(&report, &all, &paper);
 }
 
@@ -148,7 +148,7 @@ fn forms_agree(report: &ReproductionReport<'_>, all: &[Comparison], paper: &Repo
     );
     let markdown = paper.markdown();
     assert!(all.iter().all(|one| markdown.contains(&one.ours_text())));
-    assert_eq!(report_page(&report.paper().expect("drawn")), html, "the same bytes again");
+    assert_eq!(report_page(&report.paper()), html, "the same bytes again");
 }
 
 fn outside(all: &[Comparison]) -> usize {

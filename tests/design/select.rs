@@ -239,18 +239,17 @@ fn pictures_are_drawn_of_any_study() {
     for (runs, most) in [(mixed(), 100_000), (vec![refused(1)], 100_000), (many, 3_000_000)] {
         let table = results(&runs);
         let selection = selected(&table, &SelectionCriteria::default());
-        for picture in [
+        for svg in [
             plot::selection_criteria("made", &selection),
             plot::selection_classes("made", &selection),
             plot::selection_static("made", &selection),
             plot::selection_forces("made", &selection),
             plot::selection_variables("made", &table, &selection),
         ] {
-            let svg = picture.expect("drawn");
             assert!(svg.trim_end().ends_with("</svg>") && svg.len() < most, "{} bytes", svg.len());
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "a place that is no number");
         }
-        let strips = plot::selection_criteria("made", &selection).expect("drawn");
+        let strips = plot::selection_criteria("made", &selection);
         assert!(strips.len() < 1_000_000, "{} bytes", strips.len());
     }
 }

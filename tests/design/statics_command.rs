@@ -112,12 +112,19 @@ fn a_motion_that_is_free_is_said_in_words_and_drawn() {
     assert!(svg.contains("forces on the object"));
     let legend = |part: &str| {
         let before = svg.split(part).next().expect("what is before");
-        let line = before.rsplit("<polyline").next().expect("the line beside it");
+        let line = before.rsplit("<path").next().expect("the line beside it");
         line.split("stroke=\"").nth(1).and_then(|rest| rest.get(..7)).expect("a colour").to_string()
     };
     let colours = ["F21, by the proximal phalanx", "F22, by the distal phalanx"].map(legend);
-    assert_eq!(colours, ["#0072B2", "#D55E00"]);
-    assert!(svg.contains("prefers-color-scheme:dark") && svg.contains("svg:root [fill=\"#FFFFFF\"]"));
+    assert_eq!(colours, ["#0072B2", "#C75300"]);
+    for rule in [
+        "@media(prefers-color-scheme:dark){svg:root{",
+        "--panel:#1b1f26",
+        "[fill=\"#FFFFFF\"]{fill:var(--panel,#FFFFFF)}",
+        "[stroke=\"#0072B2\"]{stroke:var(--s0,#0072B2)}",
+    ] {
+        assert!(svg.contains(rule), "{rule}");
+    }
     let again = directory.join("again.svg");
     phalanx(&["statics", &scene, "--svg", again.to_str().unwrap()]);
     assert_eq!(svg, std::fs::read_to_string(&again).unwrap());

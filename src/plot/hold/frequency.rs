@@ -3,35 +3,31 @@
 use std::f64::consts::TAU;
 
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{
-    COLOURS, DrawError, Entry, GREY, LEGEND, Mark, WIDTH, frame, legend, line, picture, point, titled,
-};
+use crate::plot::canvas::{Entry, Mark, chart, line, point};
+use crate::plot::theme::{SERIES, SOFT};
 use crate::scene;
 use crate::study::hold::{Case, Hold};
 
-const HEIGHT: u32 = 560;
+const HEIGHT: f64 = 560.0;
 
 /// The picture: the amplitude of the object's way that is held, over the frequency, both in logarithms.
-pub fn frequency(found: &Hold) -> Result<String, DrawError> {
+pub fn frequency(found: &Hold) -> String {
     let curves: Vec<Curve> = AXES.into_iter().filter_map(|(axis, name)| Curve::new(found, axis, name)).collect();
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let x = Axis::decades("frequency, Hz", points().map(|point| point.frequency_hz), 6.0);
     let y = Axis::decades("amplitude at the object, mm", points().map(|point| point.amplitude_mm), 12.0);
-    picture(HEIGHT, |area| {
-        let rest = titled(area, &format!("{}: the vibration it holds", found.scene))?;
-        let (left, right) = rest.split_horizontally(WIDTH - LEGEND - 30);
-        let mut chart = frame(&left, &x, &y, true)?;
+    chart(&format!("{}: the vibration it holds", found.scene), HEIGHT, &x, &y, |svg, on| {
         let mut entries = Vec::new();
         for (index, curve) in curves.iter().enumerate() {
-            let colour = COLOURS[index % COLOURS.len()];
+            let colour = SERIES[index % SERIES.len()];
             let places: Vec<_> =
                 curve.points.iter().map(|point| (x.place(point.frequency_hz), y.place(point.amplitude_mm))).collect();
-            let width = if curve.dropped { 1 } else { 3 };
-            line(&mut chart, places.clone(), Mark::Line { width }, colour)?;
+            let width = if curve.dropped { 1.0 } else { 3.0 };
+            line(svg, on, places.clone(), Mark::Line { width }, colour);
             for (place, of) in places.into_iter().zip(&curve.points) {
-                point(&mut chart, place, if of.failed { Mark::Circle } else { Mark::Triangle }, colour)?;
+                point(svg, on, place, if of.failed { Mark::Circle } else { Mark::Triangle }, colour);
                 if !of.monotone {
-                    point(&mut chart, place, Mark::Ring, GREY)?;
+                    point(svg, on, place, Mark::Ring, SOFT);
                 }
             }
             let what = match curve.dropped {
@@ -41,12 +37,12 @@ pub fn frequency(found: &Hold) -> Result<String, DrawError> {
             entries.push(Entry::new(Mark::Line { width }, colour, &what));
         }
         if points().any(|point| !point.failed) {
-            entries.push(Entry::new(Mark::Triangle, GREY, "at least"));
+            entries.push(Entry::new(Mark::Triangle, SOFT, "at least"));
         }
         if points().any(|point| !point.monotone) {
-            entries.push(Entry::new(Mark::Ring, GREY, "not monotone"));
+            entries.push(Entry::new(Mark::Ring, SOFT, "not monotone"));
         }
-        legend(&right, &entries)
+        entries
     })
 }
 

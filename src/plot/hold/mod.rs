@@ -10,7 +10,6 @@ mod frequency;
 mod polar;
 mod slip;
 
-use super::canvas::DrawError;
 use crate::study::hold::{Hold, Loads};
 
 /// Fewer directions or frequencies than these are no curve.
@@ -18,7 +17,7 @@ const CURVE: usize = 3;
 
 /// The picture that suits the loads: polar for directions, over frequency for vibrations, and the slip over the load where there is only
 /// one of them.
-pub fn hold(found: &Hold) -> Result<String, DrawError> {
+pub fn hold(found: &Hold) -> String {
     match &found.plan.loads {
         Loads::Pulses { directions, .. } if *directions >= CURVE => polar::polar(found),
         Loads::Vibrations { frequencies_hz, .. } if frequencies_hz.len() >= CURVE => frequency::frequency(found),

@@ -5,12 +5,12 @@
 //! | `mechanism` | the finger at its grasp: joints, contacts, angles |
 //! | `marks` | what each letter names, and the lines that show it |
 //! | `place` | where the labels go |
-//! | `svg` | shapes, lines and texts → the file |
+//! | `draw` | shapes, lines, letters, and the table below them |
 
+mod draw;
 mod marks;
 mod mechanism;
 mod place;
-mod svg;
 
 pub use place::Spot;
 
@@ -29,6 +29,6 @@ pub struct Linkage {
 /// Draws the linkage of a finger: at its grasp, or where there is none, at its start.
 pub fn linkage(scene: &Scene) -> Linkage {
     let mechanism = mechanism::mechanism(scene);
-    let drawn = marks::marks(&mechanism);
-    svg::svg(scene, &mechanism, &drawn)
+    let drawn = marks::marks(scene, &mechanism);
+    draw::draw(scene, &mechanism, &drawn)
 }

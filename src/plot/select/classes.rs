@@ -1,32 +1,29 @@
 //! The designs sorted by each variable, coloured by class (Figs. 4.4, A.16–A.19): where the good ones are.
 
-use plotters::style::RGBColor;
-
-use super::strip::{NEUTRAL, PALE_BLUE, key, shortened, strip, text_width};
-use crate::plot::canvas::{
-    AMBER, Area, BLACK, BLUE, DrawError, GREY, WHITE, WIDTH, line_between, picture, titled, words, words_from, words_to,
-};
+use super::strip::strip;
+use crate::plot::canvas::{HEAD as TITLE, WIDTH, key, picture, shortened, text_width, words, words_from, words_to};
+use crate::plot::svg::{Paint, Svg};
+use crate::plot::theme::{BLUE, Colour, DOUBTFUL, INK, NEUTRAL, PALE_BLUE, PAPER, SOFT};
 use crate::study::select::{Axis, Candidate, Selection};
 use crate::table::Value;
 use crate::wording::{Quantity, condition_name, percent_of};
 
 /// Left and right of the cells; heights of a variable's head, of a band, of the shares below it, of its foot. In pixels.
-const LEFT: i32 = 150;
-const RIGHT: i32 = 20;
-const HEAD: i32 = 32;
-const BAND: i32 = 30;
-const SHARES: i32 = 20;
-const FOOT: i32 = 26;
-const KEY: u32 = 36;
-const TITLE: u32 = 40;
-const TEXT: u32 = 14;
-const SMALL: u32 = 12;
+const LEFT: f64 = 150.0;
+const RIGHT: f64 = 20.0;
+const HEAD: f64 = 32.0;
+const BAND: f64 = 30.0;
+const SHARES: f64 = 20.0;
+const FOOT: f64 = 26.0;
+const KEY: f64 = 36.0;
+const TEXT: f64 = 14.0;
+const SMALL: f64 = 12.0;
 /// A variable with more values than this has too many for groups.
 const GROUPS: usize = 24;
 
 /// What cells are, which of them count as good, and the word for those.
 struct Scheme {
-    cells: &'static [(RGBColor, &'static str)],
+    cells: &'static [(Colour, &'static str)],
     good: usize,
     word: &'static str,
     of: fn(&Candidate) -> usize,
@@ -36,9 +33,9 @@ const DYNAMIC: Scheme = Scheme {
     cells: &[
         (BLUE, "stable"),
         (PALE_BLUE, "semi-stable"),
-        (AMBER, "semi-unstable"),
+        (DOUBTFUL, "semi-unstable"),
         (NEUTRAL, "unstable"),
-        (WHITE, "no result"),
+        (PAPER, "no result"),
     ],
     good: 2,
     word: "stable or semi-stable",
@@ -46,63 +43,56 @@ const DYNAMIC: Scheme = Scheme {
 };
 
 const STATIC: Scheme = Scheme {
-    cells: &[(BLUE, "statically stable"), (NEUTRAL, "unstable"), (WHITE, "no result")],
+    cells: &[(BLUE, "statically stable"), (NEUTRAL, "unstable"), (PAPER, "no result")],
     good: 1,
     word: "statically stable",
     of: |run| run.force_positive.map_or(2, |stable| usize::from(!stable)),
 };
 
 /// Dynamic classes (Figs. A.18, A.19).
-pub fn selection_classes(title: &str, selection: &Selection) -> Result<String, DrawError> {
+pub fn selection_classes(title: &str, selection: &Selection) -> String {
     draw(&format!("{title}: dynamic classes, designs sorted by each variable"), selection, &DYNAMIC)
 }
 
 /// Static stability (Figs. A.16, A.17).
-pub fn selection_static(title: &str, selection: &Selection) -> Result<String, DrawError> {
+pub fn selection_static(title: &str, selection: &Selection) -> String {
     draw(&format!("{title}: static stability, designs sorted by each variable"), selection, &STATIC)
 }
 
-fn draw(title: &str, selection: &Selection, scheme: &Scheme) -> Result<String, DrawError> {
+fn draw(title: &str, selection: &Selection, scheme: &Scheme) -> String {
     let axes: Vec<(usize, &Axis)> =
         selection.axes.iter().enumerate().filter(|(_, axis)| !axis.again && axis.values.len() > 1).collect();
-    let block = HEAD + (BAND + SHARES) * selection.conditions.len() as i32 + FOOT;
-    picture(TITLE + KEY + 2 * SMALL + (block * axes.len().max(1) as i32) as u32, |area| {
-        let rest = titled(area, title)?;
-        let (head, rest) = rest.split_vertically(KEY);
+    let block = HEAD + (BAND + SHARES) * selection.conditions.len() as f64 + FOOT;
+    let foot = block * axes.len().max(1) as f64;
+    picture(title, TITLE + KEY + 2.0 * SMALL + foot, |svg| {
         let there: Vec<usize> = selection.runs.iter().map(scheme.of).collect();
         let last = scheme.cells.len() - 1;
         let entries = scheme.cells.iter().enumerate().filter(|(index, _)| *index < last || there.contains(index));
-        key(&head, &entries.map(|(_, entry)| *entry).collect::<Vec<_>>(), TEXT)?;
+        key(svg, [16.0, 14.0], entries.map(|(_, entry)| *entry), TEXT);
         for (place, (index, axis)) in axes.iter().enumerate() {
-            variable(&rest, selection, scheme, (*index, axis), block * place as i32)?;
+            let at = [0.0, KEY + block * place as f64];
+            svg.moved(at, |svg| variable(svg, selection, scheme, (*index, axis)));
         }
-        let foot = block * axes.len().max(1) as i32 + 4;
         let text = match axes.is_empty() {
             true => "the study has no variable with more than one value".to_string(),
             false => format!("figures: share of runs that are {}", scheme.word),
         };
-        words_from(&rest, &text, (16, foot), SMALL, GREY)
+        words_from(svg, &text, [16.0, KEY + foot + 4.0], SMALL, SOFT);
     })
 }
 
 /// The runs of every condition, sorted by one variable.
-fn variable(
-    area: &Area,
-    selection: &Selection,
-    scheme: &Scheme,
-    (index, axis): (usize, &Axis),
-    top: i32,
-) -> Result<(), DrawError> {
+fn variable(svg: &mut Svg, selection: &Selection, scheme: &Scheme, (index, axis): (usize, &Axis)) {
     let quantity = Quantity::of(&axis.column);
-    words_from(area, &quantity.label(), (LEFT, top + HEAD / 2 + 2), 15, BLACK)?;
-    let palette: Vec<RGBColor> = scheme.cells.iter().map(|(colour, _)| *colour).collect();
+    words_from(svg, &quantity.label(), [LEFT, 0.5 * HEAD + 2.0], 15.0, INK);
+    let palette: Vec<Colour> = scheme.cells.iter().map(|(colour, _)| *colour).collect();
     let order = order(axis);
     let grouped = axis.values.len() <= GROUPS;
-    let right = WIDTH as i32 - RIGHT;
+    let right = WIDTH - RIGHT;
     for (condition, of) in selection.conditions.iter().enumerate() {
-        let y = top + HEAD + (BAND + SHARES) * condition as i32;
-        let name = shortened(&condition_name(of), TEXT, LEFT - 24);
-        words_to(area, &name, (LEFT - 10, y + BAND / 2), TEXT, BLACK)?;
+        let y = HEAD + (BAND + SHARES) * condition as f64;
+        let name = shortened(&condition_name(of), TEXT, LEFT - 24.0);
+        words_to(svg, &name, [LEFT - 10.0, y + 0.5 * BAND], TEXT, INK);
         let mut runs: Vec<(usize, &Candidate)> = selection
             .runs
             .iter()
@@ -111,37 +101,36 @@ fn variable(
             .collect();
         runs.sort_by_key(|(rank, run)| (*rank, run.design));
         let cells: Vec<usize> = runs.iter().map(|(_, run)| (scheme.of)(run)).collect();
-        strip(area, [(LEFT, y), (right, y + BAND)], &cells, &palette)?;
+        strip(svg, [[LEFT, y], [right, y + BAND]], &cells, &palette);
         if !grouped {
             continue;
         }
-        let at = |place: usize| LEFT + ((right - LEFT) as f64 * place as f64 / runs.len() as f64) as i32;
+        let at = |place: usize| LEFT + (right - LEFT) * place as f64 / runs.len() as f64;
         let mut from = 0;
         for group in runs.chunk_by(|a, b| a.0 == b.0) {
             let (start, end) = (at(from), at(from + group.len()));
+            let mut below = |text: &str, y: f64, size: f64, colour: Colour| {
+                if text_width(text, size) < end - start {
+                    words(svg, text, [0.5 * (start + end), y], size, colour);
+                }
+            };
             let good = group.iter().filter(|(_, run)| (scheme.of)(run) < scheme.good).count();
             let share = percent_of(good, group.len()).replace(".0 %", " %");
-            if text_width(&share, SMALL) < end - start {
-                words(area, &share, ((start + end) / 2, y + BAND + SHARES / 2 - 1), SMALL, GREY)?;
+            below(&share, y + BAND + 0.5 * SHARES - 1.0, SMALL, SOFT);
+            if condition + 1 == selection.conditions.len() {
+                below(&quantity.value(&group[0].1.axes[index], 4), y + BAND + SHARES + 8.0, TEXT, INK);
             }
             if from > 0 {
-                line_between(area, [(start, y - 2), (start, y + BAND + SHARES - 4)], BLACK)?;
-            }
-            if condition + 1 == selection.conditions.len() {
-                let value = quantity.value(&group[0].1.axes[index], 4);
-                if text_width(&value, TEXT) < end - start {
-                    words(area, &value, ((start + end) / 2, y + BAND + SHARES + 8), TEXT, BLACK)?;
-                }
+                svg.polyline(&[[start, y - 2.0], [start, y + BAND + SHARES - 4.0]], Paint::line(INK, 1.0));
             }
             from += group.len();
         }
     }
     if !grouped && let (Some(first), Some(last)) = (order.first(), order.last()) {
-        let y = top + HEAD + (BAND + SHARES) * selection.conditions.len() as i32;
-        words_from(area, &quantity.value(first, 4), (LEFT, y), TEXT, BLACK)?;
-        words_to(area, &quantity.value(last, 4), (right, y), TEXT, BLACK)?;
+        let y = HEAD + (BAND + SHARES) * selection.conditions.len() as f64;
+        words_from(svg, &quantity.value(first, 4), [LEFT, y], TEXT, INK);
+        words_to(svg, &quantity.value(last, 4), [right, y], TEXT, INK);
     }
-    Ok(())
 }
 
 /// Values in the order in which the study went through them; from small to large where they are too many for that to

@@ -1,51 +1,45 @@
 //! What each criterion removed: a row for each criterion, a cell for each design, a block for each condition (Fig. 4.6).
 
-use plotters::style::RGBColor;
-
-use super::strip::{NEUTRAL, PALE_BLUE, key, shortened, strip};
+use super::strip::strip;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{
-    Area, BLACK, BLUE, DrawError, GREEN, GREY, Mark, ORANGE, WHITE, WIDTH, mark, picture, titled, words, words_from,
-    words_to,
-};
+use crate::plot::canvas::{HEAD as TITLE, Mark, WIDTH, key, marks, picture, shortened, words, words_from, words_to};
+use crate::plot::svg::Svg;
+use crate::plot::theme::{BLUE, Colour, GREEN, INK, NEUTRAL, ORANGE, PALE_BLUE, PAPER, SOFT};
 use crate::study::select::{Selection, Verdict};
 use crate::wording::{condition_name, criterion_name};
 
 /// Left and right of the cells, heights of a block's head, a row, the row of marks, and of the foot. In pixels.
-const LEFT: i32 = 190;
-const RIGHT: i32 = 120;
-const HEAD: i32 = 30;
-const ROW: i32 = 26;
-const MARKS: i32 = 30;
-const FOOT: i32 = 52;
-const KEY: u32 = 36;
-const TITLE: u32 = 40;
-const TEXT: u32 = 14;
+const LEFT: f64 = 190.0;
+const RIGHT: f64 = 120.0;
+const HEAD: f64 = 30.0;
+const ROW: f64 = 26.0;
+const MARKS: f64 = 30.0;
+const FOOT: f64 = 52.0;
+const KEY: f64 = 36.0;
+const TEXT: f64 = 14.0;
 
 /// What a cell is: what the criterion says, and whether an earlier one has removed the run already.
-const CELLS: [(RGBColor, &str); 5] = [
+const CELLS: [(Colour, &str); 5] = [
     (BLUE, "left"),
     (ORANGE, "removed here"),
     (PALE_BLUE, "holds, removed above"),
     (NEUTRAL, "fails too, removed above"),
-    (WHITE, "unknown"),
+    (PAPER, "unknown"),
 ];
 
 /// The picture.
-pub fn selection_criteria(title: &str, selection: &Selection) -> Result<String, DrawError> {
-    let rows = selection.criteria.len() as i32;
-    let block = HEAD + ROW * rows + MARKS;
-    let height = TITLE + KEY + (block * selection.conditions.len() as i32 + FOOT) as u32;
+pub fn selection_criteria(title: &str, selection: &Selection) -> String {
+    let block = HEAD + ROW * selection.criteria.len() as f64 + MARKS;
+    let foot_at = KEY + block * selection.conditions.len() as f64;
     let designs = designs(selection);
-    picture(height, |area| {
-        let rest = titled(area, &format!("{title}: what each criterion removed"))?;
-        let (head, rest) = rest.split_vertically(KEY);
+    picture(&format!("{title}: what each criterion removed"), TITLE + foot_at + FOOT, |svg| {
         let unknown = selection.tallies.iter().any(|tally| tally.unknown > 0) || gaps(selection, designs.len());
-        key(&head, &CELLS[..if unknown { 5 } else { 4 }], TEXT)?;
+        key(svg, [16.0, 14.0], CELLS.into_iter().take(if unknown { 5 } else { 4 }), TEXT);
         for condition in 0..selection.conditions.len() {
-            draw(&rest, selection, &designs, condition, block * condition as i32)?;
+            let at = [0.0, KEY + block * condition as f64];
+            svg.moved(at, |svg| draw(svg, selection, &designs, condition));
         }
-        foot(&rest, &designs, block * selection.conditions.len() as i32)
+        svg.moved([0.0, foot_at], |svg| foot(svg, &designs));
     })
 }
 
@@ -74,32 +68,31 @@ pub fn placed(selection: &Selection, designs: &[i64], condition: usize) -> Vec<O
 }
 
 /// Horizontal place of the middle of a design's cell, as [`strip`] draws it.
-fn middle(place: usize, count: usize) -> i32 {
-    let width = WIDTH as i32 - LEFT - RIGHT;
-    LEFT + (f64::from(width) * (place as f64 + 0.5) / count as f64) as i32
+fn middle(place: usize, count: usize) -> f64 {
+    LEFT + (WIDTH - LEFT - RIGHT) * (place as f64 + 0.5) / count as f64
 }
 
 /// The rows of one condition.
-fn draw(area: &Area, selection: &Selection, designs: &[i64], condition: usize, top: i32) -> Result<(), DrawError> {
-    let right = WIDTH as i32 - RIGHT;
-    let name = condition_name(&selection.conditions[condition]);
-    words_from(area, &name, (16, top + HEAD / 2), 15, BLACK)?;
-    words_to(area, "left", (WIDTH as i32 - 20, top + HEAD / 2), TEXT, GREY)?;
+fn draw(svg: &mut Svg, selection: &Selection, designs: &[i64], condition: usize) {
+    let (right, edge) = (WIDTH - RIGHT, WIDTH - 20.0);
+    words_from(svg, &condition_name(&selection.conditions[condition]), [16.0, 0.5 * HEAD], 15.0, INK);
+    words_to(svg, "left", [edge, 0.5 * HEAD], TEXT, SOFT);
     let runs = placed(selection, designs, condition);
     for (row, criterion) in selection.criteria.iter().enumerate() {
-        let y = top + HEAD + ROW * row as i32;
+        let y = HEAD + ROW * row as f64;
         let cells: Vec<usize> =
             runs.iter().map(|run| run.map_or(4, |run| cell(&selection.verdicts[run], row))).collect();
-        strip(area, [(LEFT, y), (right, y + ROW - 6)], &cells, &CELLS.map(|(colour, _)| colour))?;
-        let label = shortened(&criterion_name(criterion), TEXT, LEFT - 24);
-        words_to(area, &label, (LEFT - 10, y + ROW / 2 - 3), TEXT, BLACK)?;
+        strip(svg, [[LEFT, y], [right, y + ROW - 6.0]], &cells, &CELLS.map(|(colour, _)| colour));
+        let label = shortened(&criterion_name(criterion), TEXT, LEFT - 24.0);
+        words_to(svg, &label, [LEFT - 10.0, y + 0.5 * ROW - 3.0], TEXT, INK);
         let left = cells.iter().filter(|&&cell| cell == 0).count();
-        words_to(area, &left.to_string(), (WIDTH as i32 - 20, y + ROW / 2 - 3), TEXT, BLACK)?;
+        words_to(svg, &left.to_string(), [edge, y + 0.5 * ROW - 3.0], TEXT, INK);
     }
-    let y = top + HEAD + ROW * selection.criteria.len() as i32 + 6;
-    words_to(area, "selected", (LEFT - 10, y), TEXT, GREEN)?;
+    let y = HEAD + ROW * selection.criteria.len() as f64 + 6.0;
+    words_to(svg, "selected", [LEFT - 10.0, y], TEXT, GREEN);
     let best = selection.ranking.first().map(|ranked| ranked.run_index);
-    let mut marked = std::collections::HashSet::new();
+    // Of several in one pixel one is seen.
+    let mut marked = std::collections::BTreeSet::new();
     for ranked in &selection.ranking {
         let run = &selection.runs[ranked.run_index];
         if run.condition != condition {
@@ -107,14 +100,13 @@ fn draw(area: &Area, selection: &Selection, designs: &[i64], condition: usize, t
         }
         let Ok(place) = designs.binary_search(&run.design) else { continue };
         let x = middle(place, designs.len());
-        if marked.insert(x) {
-            mark(area, (x, y), Mark::SmallTriangle, GREEN)?;
-        }
+        marked.insert(x as i64);
         if Some(ranked.run_index) == best {
-            words(area, &format!("best: {}", run.design), (x, y + 15), TEXT, GREEN)?;
+            words(svg, &format!("best: {}", run.design), [x, y + 15.0], TEXT, GREEN);
         }
     }
-    Ok(())
+    let places: Vec<[f64; 2]> = marked.into_iter().map(|x| [x as f64 + 0.5, y]).collect();
+    marks(svg, &places, Mark::SmallTriangle, GREEN);
 }
 
 /// Which of the cells' kinds one is.
@@ -130,16 +122,15 @@ fn cell(verdicts: &[Verdict], row: usize) -> usize {
 }
 
 /// Numbers of designs below the lowest block.
-fn foot(area: &Area, designs: &[i64], top: i32) -> Result<(), DrawError> {
-    let (Some(&first), Some(&last)) = (designs.first(), designs.last()) else { return Ok(()) };
+fn foot(svg: &mut Svg, designs: &[i64]) {
+    let (Some(&first), Some(&last)) = (designs.first(), designs.last()) else { return };
     let ticks = Axis::over("", first as f64, last.max(first + 1) as f64).ticks;
     let mut shown: Vec<i64> = std::iter::once(first).chain(ticks.iter().map(|&tick| tick as i64)).collect();
     shown.dedup();
     for number in shown {
         if let Ok(place) = designs.binary_search(&number) {
-            words(area, &number.to_string(), (middle(place, designs.len()), top + 12), TEXT, BLACK)?;
+            words(svg, &number.to_string(), [middle(place, designs.len()), 12.0], TEXT, INK);
         }
     }
-    let centre = (LEFT + WIDTH as i32 - RIGHT) / 2;
-    words(area, "design", (centre, top + 34), TEXT, BLACK)
+    words(svg, "design", [0.5 * (LEFT + WIDTH - RIGHT), 34.0], TEXT, INK);
 }

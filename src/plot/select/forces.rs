@@ -1,30 +1,26 @@
 //! Final forces and palm force by design (Figs. 4.5, A.20–A.23).
 
-use plotters::style::RGBColor;
-
 use super::criteria::designs;
 use crate::plot::axis::Axis;
 use crate::plot::canvas::{
-    AMBER, BLACK, BLUE, DrawError, Entry, GREEN, GREY, Mark, ORANGE, PURPLE, WIDTH, frame, legend_across, line,
-    picture, point, titled, words_from,
+    Area, Entry, FOOT, HEAD as TITLE, Mark, THIN, WIDTH, frame, legend_across, level, picture, points, words_from,
 };
+use crate::plot::theme::{AMBER, BLUE, Colour, GREEN, INK, ORANGE, PURPLE, SOFT};
 use crate::study::select::{Candidate, Selection};
 use crate::wording::condition_name;
 
-const TITLE: u32 = 40;
-const KEY: u32 = 34;
-const HEAD: u32 = 26;
-const PANEL: u32 = 170;
-const FOOT: u32 = 44;
+const KEY: f64 = 34.0;
+const HEAD: f64 = 26.0;
+const PANEL: f64 = 170.0;
 /// One for each condition, as far as they go.
-const COLOURS: [RGBColor; 5] = [BLUE, ORANGE, GREEN, PURPLE, AMBER];
+const COLOURS: [Colour; 5] = [BLUE, ORANGE, GREEN, PURPLE, AMBER];
 
 /// The figure of a panel.
 type Figure = fn(&Candidate) -> Option<f64>;
 
 /// The picture: F21, F22 and PFP of the runs that end at rest on the object. Others end in a rebound, where a force is that
 /// of the moment.
-pub fn selection_forces(title: &str, selection: &Selection) -> Result<String, DrawError> {
+pub fn selection_forces(title: &str, selection: &Selection) -> String {
     let panels: [(&str, Figure); 3] = [
         ("F21, normal force of the proximal phalanx on the object, N", |run| run.f21_n),
         ("F22, normal force of the distal phalanx on the object, N", |run| run.f22_n),
@@ -36,43 +32,35 @@ pub fn selection_forces(title: &str, selection: &Selection) -> Result<String, Dr
     // The first condition shows around the others where they agree.
     let marks = [Mark::Circle, Mark::SmallDot];
     let many = selection.runs.len() > 4000;
-    picture(TITLE + KEY + 3 * (HEAD + PANEL) + FOOT, |area| {
-        let rest = titled(area, &format!("{title}: final forces of the runs that come to rest"))?;
-        let (key, mut rest) = rest.split_vertically(KEY);
+    let title = format!("{title}: final forces of the runs that come to rest");
+    picture(&title, TITLE + KEY + 3.0 * (HEAD + PANEL) + FOOT, |svg| {
         let mut entries: Vec<Entry> = Vec::new();
         for (index, condition) in selection.conditions.iter().enumerate().take(COLOURS.len()) {
             entries.push(Entry::new(marks[index.min(1)], COLOURS[index], &condition_name(condition)));
         }
         if selection.conditions.len() > COLOURS.len() {
-            entries.push(Entry::new(Mark::SmallDot, GREY, "others"));
+            entries.push(Entry::new(Mark::SmallDot, SOFT, "others"));
         }
-        entries.push(Entry::new(Mark::Ring, BLACK, "selected"));
-        legend_across(&key, &entries)?;
+        entries.push(Entry::new(Mark::Ring, INK, "selected"));
+        legend_across(svg, &entries);
         for (place, (name, figure)) in panels.into_iter().enumerate() {
             let foot = place + 1 == panels.len();
-            let (of, below) = rest.split_vertically(HEAD + PANEL + if foot { FOOT } else { 0 });
-            rest = below;
-            let (head, body) = of.split_vertically(HEAD);
-            words_from(&head, name, (86, HEAD as i32 / 2 + 2), 15, BLACK)?;
+            let top = KEY + (HEAD + PANEL) * place as f64 + HEAD;
+            words_from(svg, name, [86.0, top - 0.5 * HEAD + 2.0], 15.0, INK);
             let shown = |run: &&Candidate| run.tts_s.is_some();
-            let values = selection.runs.iter().filter(shown).filter_map(figure).chain([0.0]);
-            let y = Axis::linear("", values);
-            let mut chart = frame(&body, &x, &y, foot)?;
-            line(&mut chart, vec![(x.from, 0.0), (x.to, 0.0)], Mark::Line { width: 1 }, GREY)?;
-            for run in selection.runs.iter().filter(shown) {
-                if let Some(value) = figure(run) {
-                    let mark = if many { Mark::Speck } else { marks[run.condition.min(1)] };
-                    let colour = COLOURS.get(run.condition).copied().unwrap_or(GREY);
-                    point(&mut chart, (run.design as f64, value), mark, colour)?;
-                }
+            let y = Axis::linear("", selection.runs.iter().filter(shown).filter_map(figure).chain([0.0]));
+            let area = Area { left: 0.0, top, width: WIDTH, height: PANEL + if foot { FOOT } else { 0.0 } };
+            let on = frame(svg, area, &x, &y, foot);
+            level(svg, &on, 0.0, THIN, SOFT);
+            let at = |run: &Candidate| Some((run.design as f64, figure(run)?));
+            for condition in 0..selection.conditions.len() {
+                let mark = if many { Mark::Speck } else { marks[condition.min(1)] };
+                let colour = COLOURS.get(condition).copied().unwrap_or(SOFT);
+                let of = selection.runs.iter().filter(shown).filter(|run| run.condition == condition);
+                points(svg, &on, of.filter_map(at), mark, colour);
             }
-            for ranked in selection.ranking.iter().take(WIDTH as usize) {
-                let run = &selection.runs[ranked.run_index];
-                if let (Some(value), true) = (figure(run), run.tts_s.is_some()) {
-                    point(&mut chart, (run.design as f64, value), Mark::Ring, BLACK)?;
-                }
-            }
+            let best = selection.ranking.iter().take(WIDTH as usize).map(|ranked| &selection.runs[ranked.run_index]);
+            points(svg, &on, best.filter(shown).filter_map(at), Mark::Ring, INK);
         }
-        Ok(())
     })
 }

@@ -2,14 +2,14 @@
 
 use super::Comparison;
 use super::parts::{compared, of_section};
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::study::reproduce::{Closing, Reproduction};
 use crate::trace::Site;
 use crate::wording::figures::figure;
 use crate::wording::report::{Cell, Report};
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
     let section = Report::section("Design 95 and its CAD model").words(
         "The chosen design closes with the torques the thesis prints (480 and 132.6 N·mm) and μ_s = 0.8, once with the masses \
          of its planar outlines and once with those of the final parts.",
@@ -36,9 +36,9 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawE
             line("PFP, N", &|of| Some(of.pfp_n), 4),
         ],
     );
-    Ok(section.figure(
+    section.figure(
         "closing.svg",
         "Angles of both closings (Fig. 4.8): the lighter finger is faster.",
-        plot::closings("Design 95 and its CAD model", &both)?,
-    ))
+        plot::closings("Design 95 and its CAD model", &both),
+    )
 }

@@ -2,7 +2,6 @@
 
 use super::parts::{compared, of_key};
 use super::{Comparison, ReproductionReport, Verdict, chosen, errata, selection, sizing, statics, sweep, volumes};
-use crate::plot::DrawError;
 use crate::study::reproduce::{DRIFT_S, Reproduction};
 use crate::wording::Report;
 use crate::wording::duration;
@@ -40,24 +39,21 @@ const FIRST: [&str; 27] = [
 
 impl ReproductionReport<'_> {
     /// The paper of a reproduction.
-    ///
-    /// # Errors
-    /// A picture that cannot be drawn.
-    pub fn paper(&self) -> Result<Report, DrawError> {
+    pub fn paper(&self) -> Report {
         let (found, all) = (self.found, &self.figures);
         let sections = [
             summary(found, all),
-            sizing::section(found, all)?,
-            statics::designs(found, all)?,
-            statics::section(found, all)?,
-            volumes::section(found, all)?,
-            sweep::section(found, all)?,
-            selection::section(found, all)?,
-            chosen::section(found, all)?,
+            sizing::section(found, all),
+            statics::designs(found, all),
+            statics::section(found, all),
+            volumes::section(found, all),
+            sweep::section(found, all),
+            selection::section(found, all),
+            chosen::section(found, all),
             errata::section(),
         ];
         let all = sections.into_iter().fold(Report::default(), |all, section| all.and(section));
-        Ok(Report { title: "The thesis again".to_string(), ..all })
+        Report { title: "The thesis again".to_string(), ..all }
     }
 }
 

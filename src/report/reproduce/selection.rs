@@ -2,7 +2,7 @@
 
 use super::Comparison;
 use super::parts::{compared, of_section};
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::study::reproduce::{CHOSEN, Reproduction};
 use crate::study::select::{Ranked, Tally};
 use crate::wording::figures::figure;
@@ -13,7 +13,7 @@ use crate::wording::{Quantity, condition_name, criterion_name};
 const BEST: usize = 20;
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
     let selection = &found.selection;
     let best = selection.ranking.first().map(|ranked| &selection.runs[ranked.run_index]);
     let best = match best {
@@ -68,9 +68,9 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawE
         true => section,
         false => section.table("The selected, best first.", &head, rows),
     };
-    Ok(section.figure(
+    section.figure(
         "criteria.svg",
         "What each criterion removed, by design, without and with friction (Fig. 4.6).",
-        plot::selection_criteria("thesis", selection)?,
-    ))
+        plot::selection_criteria("thesis", selection),
+    )
 }

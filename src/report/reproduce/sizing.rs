@@ -2,7 +2,7 @@
 
 use super::Comparison;
 use super::parts::{compared, of_section};
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::study::reproduce::Reproduction;
 use crate::wording::figures::figure;
 use crate::wording::report::{Cell, Report};
@@ -10,7 +10,7 @@ use crate::wording::report::{Cell, Report};
 const EXAMPLE: &str = "base 12 mm, l21 18.9 mm, φ22 100°, r_l 0.5";
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
     let profile = &found.sizing.example;
     let section = Report::section("Sizing of spring and motor").words(
         "The motor link follows a polynomial of the 7th order from start to end in 10 ms. The spring must keep the finger \
@@ -37,16 +37,16 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawE
             vec![Cell::new("torsional"), n_mm(largest(|point| point.torsional_n_m))],
         ],
     );
-    Ok(section
-        .figure("trajectory.svg", "Test trajectory (Fig. 3.1).", plot::sizing_trajectory("example", profile)?)
+    section
+        .figure("trajectory.svg", "Test trajectory (Fig. 3.1).", plot::sizing_trajectory("example", profile))
         .figure(
             "springs.svg",
             "Spring torque needed along the swing, by place (Fig. 3.2).",
-            plot::sizing_springs("example", profile)?,
+            plot::sizing_springs("example", profile),
         )
         .figure(
             "spring-types.svg",
             "Motor torque against a constant and a torsional spring (Fig. 3.3).",
-            plot::sizing_spring_types("example", profile)?,
-        ))
+            plot::sizing_spring_types("example", profile),
+        )
 }

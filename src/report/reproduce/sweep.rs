@@ -3,7 +3,7 @@
 use super::Comparison;
 use super::parts::{compared, of_section};
 use crate::criteria::Class;
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::study::reproduce::{Chaos, Checks, DRIFT_S, Reproduction, Variation};
 use crate::study::select::{CLASSES, Classes, RunStatus, Selection};
 use crate::wording::figures::figure;
@@ -11,7 +11,7 @@ use crate::wording::report::{Cell, Report};
 use crate::wording::{condition_name, duration, percent_of};
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
     let selection = &found.selection;
     let section = Report::section("The 384 simulations").words(
         "Every design is simulated for 20 ms without friction and with μ_s = 0.8, with its own spring and motor. Stable: at rest \
@@ -23,17 +23,17 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawE
     let section = section.words(checked(&found.checks));
     let section = crossed(section, selection);
     let section = chaos(section, &found.chaos, selection);
-    Ok(section
+    section
         .figure(
             "classes.svg",
             "Dynamic classes, designs sorted by each variable (Figs. 4.4, A.18, A.19).",
-            plot::selection_classes("thesis", selection)?,
+            plot::selection_classes("thesis", selection),
         )
         .figure(
             "forces.svg",
             "Final forces of the runs that come to rest, and PFP (Figs. 4.5, A.20–A.23).",
-            plot::selection_forces("thesis", selection)?,
-        ))
+            plot::selection_forces("thesis", selection),
+        )
 }
 
 /// Runs by class.

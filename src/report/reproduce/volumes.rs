@@ -2,7 +2,7 @@
 
 use super::Comparison;
 use super::parts::{of_key, ours};
-use crate::plot::{self, DrawError};
+use crate::plot;
 use crate::study::reproduce::{CELLS, Grid, Reproduction};
 use crate::study::volume::{Quantity, Volume};
 use crate::wording::report::{Cell, Report};
@@ -17,7 +17,7 @@ const ROWS: [(&str, &str); 5] = [
 const FRICTIONS: [&str; 3] = ["0", "0.4", "0.8"];
 
 /// The section.
-pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawError> {
+pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
     let resolution = found.volumes.first().map_or([0; 3], Volume::resolution);
     let reasons = [
         "volume.stable_percent.base_22.5_mm.mu_0",
@@ -50,17 +50,17 @@ pub fn section(found: &Reproduction, all: &[Comparison]) -> Result<Report, DrawE
         found.volumes.iter().filter(|volume| (volume.base_m - base_m).abs() < 1e-9).collect()
     };
     let frictionless = |base_m: f64| of_base(base_m).into_iter().filter(|of| of.mu_static == 0.0).collect::<Vec<_>>();
-    Ok(section
+    section
         .figure(
             "volume-19.svg",
             "The volume of base 19 mm with three frictions: unstable where dark (Fig. 3.4), PFP in the stable region (Fig. A.8).",
-            plot::volume_slices(&of_base(0.019), Quantity::Pfp)?,
+            plot::volume_slices(&of_base(0.019), Quantity::Pfp),
         )
         .figure(
             "volume-closed.svg",
             "Form closure in the stable region of base 15.5 mm (Fig. A.11).",
-            plot::volume_slices(&frictionless(0.0155), Quantity::FormClosed)?,
-        ))
+            plot::volume_slices(&frictionless(0.0155), Quantity::FormClosed),
+        )
 }
 
 /// A row for each base, three columns for each friction.

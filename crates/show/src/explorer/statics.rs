@@ -26,8 +26,7 @@ pub fn statics(scene: &Scene) -> Result<Value, Value> {
 
 fn of_finger(scene: &Scene) -> Result<Value, Value> {
     let found = grasp(scene, &Instead { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| refused(&error))?;
-    let picture = plot::grasp(scene, &found).map_err(|error| refused(&error))?;
-    Ok(shown(&StaticsReport::new(&found).report(), &picture))
+    Ok(shown(&StaticsReport::new(&found).report(), &plot::grasp(scene, &found)))
 }
 
 fn of_gripper(scene: &Scene) -> Result<Value, Value> {
@@ -38,8 +37,7 @@ fn of_gripper(scene: &Scene) -> Result<Value, Value> {
         directions: DIRECTIONS,
     };
     let found = gripper_grasp(scene, &asked, &|| true).map_err(|error| refused(&error))?;
-    let picture = plot::balance(scene, &found).map_err(|error| refused(&error))?;
-    Ok(shown(&GripperStaticsReport::new(&found, IN_TABLE).report(), &picture))
+    Ok(shown(&GripperStaticsReport::new(&found, IN_TABLE).report(), &plot::balance(scene, &found)))
 }
 
 fn shown(text: &Report, picture: &str) -> Value {

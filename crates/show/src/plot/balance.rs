@@ -2,29 +2,24 @@
 
 use std::f64::consts::TAU;
 
-use plotters::element::{PathElement, Polygon};
-use plotters::style::{Color, RGBColor};
-
 use super::axis::round_step;
-use super::canvas::{
-    Area, BLACK, BLUE, COUPLER, DISTAL, DRIVER, DrawError, Entry, GREY, Mark, OBJECT, ORANGE, PALE, PALM, PROXIMAL,
-    Pixel, WHITE, WIDTH, legend, picture, tile_plain, titled, words, words_from,
-};
-use super::outline::{Point, View, filled, outline};
+use super::canvas::{Entry, HEAD, Mark, WIDTH, around, legend, picture, words, words_from};
+use super::outline::{Point, View, filled, outlines, palm};
+use super::svg::{Paint, Path, Pixel, Svg, Words};
+use super::theme::{BLUE, Colour, INK, LINE, ORANGE, SOFT};
 use crate::criteria::Driven;
-use crate::drawing::{Drawing, Part, Shape, poses};
+use crate::drawing::{Drawing, poses};
 use crate::grasp::gripper::{GripperGrasp, Holds};
 use crate::scene::Scene;
 use crate::statics::{Balance, Balanced};
 use crate::wording::figures::G_M_S2;
 
 /// Side of the polar plot, and room for the words around it.
-const SIDE: u32 = 620;
+const SIDE: f64 = 620.0;
 const AROUND: f64 = 46.0;
-const HEAD: u32 = 40;
-const BESIDE: u32 = WIDTH - SIDE;
+const BESIDE: f64 = WIDTH - SIDE;
 /// Height of the legend above the gripper.
-const LEGEND: u32 = 190;
+const LEGEND: f64 = 190.0;
 
 /// Accelerations beyond so many times the median of those that are limited run off the plot.
 const OFF: f64 = 3.0;
@@ -33,25 +28,22 @@ const OFF: f64 = 3.0;
 const FIGURES_RAD: f64 = 0.25 * TAU * 0.4;
 
 /// The picture, with the last of the friction coefficients.
-pub fn balance(scene: &Scene, found: &GripperGrasp) -> Result<String, DrawError> {
+pub fn balance(scene: &Scene, found: &GripperGrasp) -> String {
     let last = found.holds.last();
     let friction = last.and_then(|holds| holds.mu_static).map_or_else(String::new, |mu| format!(", μ_s {mu}"));
-    picture(HEAD + SIDE, |area| {
-        let title = format!("{}: accelerations of the palm that its grasp bears{friction}", found.scene);
-        let below = titled(area, &title)?;
-        let (left, right) = below.split_horizontally(SIDE);
+    let title = format!("{}: accelerations of the palm that its grasp bears{friction}", found.scene);
+    picture(&title, HEAD + SIDE, |svg| {
         let polar = Polar::of(last);
-        polar.ground(&left)?;
+        polar.ground(svg);
         let mut entries = Vec::new();
         for (driven, balances, colour) in curves(last) {
-            polar.curve(&left, balances, colour)?;
-            entries.push(Entry::new(Mark::Line { width: 3 }, colour, name(driven)));
-            entries.extend(polar.remark(balances).map(|text| Entry::new(Mark::Line { width: 0 }, colour, &text)));
+            polar.curve(svg, balances, colour);
+            entries.push(Entry::new(Mark::Line { width: 3.0 }, colour, name(driven)));
+            entries.extend(polar.remark(balances).map(|text| Entry::new(Mark::Line { width: 0.0 }, colour, &text)));
         }
-        polar.figures(&left)?;
-        let (above, hand) = right.split_vertically(LEGEND);
-        legend(&above, &entries)?;
-        silhouette(&hand, scene, found)
+        polar.figures(svg);
+        legend(svg, [SIDE, 0.0], BESIDE, &entries);
+        svg.moved([SIDE, LEGEND], |svg| silhouette(svg, scene, found));
     })
 }
 
@@ -62,7 +54,7 @@ fn name(driven: Driven) -> &'static str {
     }
 }
 
-fn curves(holds: Option<&Holds>) -> impl Iterator<Item = (Driven, &[Balance], RGBColor)> {
+fn curves(holds: Option<&Holds>) -> impl Iterator<Item = (Driven, &[Balance], Colour)> {
     let all = holds.into_iter().flat_map(|holds| Driven::BOTH.into_iter().zip(&holds.polar));
     all.zip([BLUE, ORANGE]).map(|((driven, balances), colour)| (driven, &balances[..], colour))
 }
@@ -87,21 +79,17 @@ impl Polar {
     }
 
     fn radius() -> f64 {
-        0.5 * f64::from(SIDE) - AROUND
+        0.5 * SIDE - AROUND
     }
 
     /// Of an acceleration, in g.
     fn pixel(&self, [x, y]: [f64; 2]) -> Pixel {
-        let (middle, scale) = (0.5 * f64::from(SIDE), Self::radius() / self.rim);
-        ((middle + scale * x).round() as i32, (middle - scale * y).round() as i32)
+        let (middle, scale) = (0.5 * SIDE, Self::radius() / self.rim);
+        [middle + scale * x, middle - scale * y]
     }
 
     fn along(&self, g: f64, direction: [f64; 2]) -> Pixel {
         self.pixel(direction.map(|part| g * part))
-    }
-
-    fn circle(&self, g: f64) -> Vec<Pixel> {
-        (0..=180).map(|i| self.along(g, heading(TAU * f64::from(i) / 180.0))).collect()
     }
 
     fn circles(&self) -> impl Iterator<Item = f64> {
@@ -110,17 +98,16 @@ impl Polar {
     }
 
     /// Circles, spokes, and the directions by name.
-    fn ground(&self, area: &Area) -> Result<(), DrawError> {
+    fn ground(&self, svg: &mut Svg) {
+        let middle = self.pixel([0.0; 2]);
+        let mut grid = Path::default();
         for g in self.circles() {
-            area.draw(&PathElement::new(self.circle(g), PALE.stroke_width(1)))?;
+            grid.ring(middle, Self::radius() * g / self.rim);
         }
         for index in 0..12 {
             let direction = heading(TAU * f64::from(index) / 12.0);
-            let ends = vec![self.along(0.0, direction), self.along(self.rim, direction)];
-            area.draw(&PathElement::new(ends, PALE.stroke_width(1)))?;
-            let middle = 0.5 * f64::from(SIDE);
+            grid = grid.through(&[middle, self.along(self.rim, direction)]);
             let out = Self::radius() + 22.0;
-            let at = ((middle + out * direction[0]).round() as i32, (middle - out * direction[1]).round() as i32);
             let text = match index {
                 0 => "right".to_string(),
                 3 => "down, out of the palm".to_string(),
@@ -128,22 +115,18 @@ impl Polar {
                 9 => "up".to_string(),
                 _ => format!("{}°", 30 * index),
             };
-            words(area, &text, at, 15, BLACK)?;
+            words(svg, &text, [middle[0] + out * direction[0], middle[1] - out * direction[1]], 15.0, INK);
         }
-        Ok(())
+        svg.path(&grid, Paint::line(LINE, 1.0));
     }
 
     /// What each circle stands for; over the curves.
-    fn figures(&self, area: &Area) -> Result<(), DrawError> {
+    fn figures(&self, svg: &mut Svg) {
         for g in self.circles() {
-            let (x, y) = self.along(g, heading(FIGURES_RAD));
+            let at = self.along(g, heading(FIGURES_RAD));
             let digits = usize::from(self.step < 1.0) + usize::from(self.step < 0.1);
-            let text = format!("{g:.digits$} g");
-            let half = 4 * text.chars().count() as i32 + 2;
-            tile_plain(area, [(x - half, y - 9), (x + half, y + 9)], WHITE)?;
-            words(area, &text, (x, y), 13, GREY)?;
+            svg.words(&format!("{g:.digits$} g"), at, Words { rim: true, ..around(13.0, SOFT) });
         }
-        Ok(())
     }
 
     fn reach(&self, balance: &Balance) -> f64 {
@@ -155,9 +138,9 @@ impl Polar {
     }
 
     /// The edge of what is balanced; where it is beyond the rim, along it and thick.
-    fn curve(&self, area: &Area, balances: &[Balance], colour: RGBColor) -> Result<(), DrawError> {
+    fn curve(&self, svg: &mut Svg, balances: &[Balance], colour: Colour) {
         if balances.iter().all(|balance| balance.largest == Balanced::Nothing) {
-            return Ok(());
+            return;
         }
         let all: Vec<(bool, [f64; 2])> = balances
             .iter()
@@ -168,18 +151,18 @@ impl Polar {
             })
             .collect();
         let pixels: Vec<Pixel> = all.iter().map(|(_, at)| self.pixel(*at)).collect();
-        area.draw(&Polygon::new(pixels, colour.mix(0.13).filled()))?;
+        svg.polygon(&pixels, Paint::fill(colour).faded(0.13));
         // Each piece on one side of the rim is one line; what joins them belongs to the thin ones.
         let sides: Vec<(bool, [f64; 2], [f64; 2])> =
             all.windows(2).map(|pair| (pair[0].0 && pair[1].0, pair[0].1, pair[1].1)).collect();
         for piece in sides.chunk_by(|a, b| a.0 == b.0) {
             let points: Vec<[f64; 2]> =
                 piece.iter().take(1).map(|side| side.1).chain(piece.iter().map(|side| side.2)).collect();
-            let (points, width) = if piece[0].0 { (points, 6) } else { (straightened(&points, 1e-6 * self.rim), 2) };
+            let (points, width) =
+                if piece[0].0 { (points, 6.0) } else { (straightened(&points, 1e-6 * self.rim), 2.0) };
             let pixels: Vec<Pixel> = points.into_iter().map(|at| self.pixel(at)).collect();
-            area.draw(&PathElement::new(pixels, colour.stroke_width(width)))?;
+            svg.polyline(&pixels, Paint::line(colour, width));
         }
-        Ok(())
     }
 
     /// What the curve does not show.
@@ -222,34 +205,16 @@ fn heading(angle_rad: f64) -> [f64; 2] {
 }
 
 /// The gripper as it stands, and which way the palm's axes point.
-fn silhouette(area: &Area, scene: &Scene, found: &GripperGrasp) -> Result<(), DrawError> {
-    let drawing = Drawing::of(scene);
-    let poses = poses(scene, &found.sample);
-    let mut outlines: Vec<(Vec<Point>, RGBColor)> = Vec::new();
-    for (body, pose) in drawing.bodies.iter().zip(&poses) {
-        let fill = match body.part {
-            Part::Driver => DRIVER,
-            Part::Coupler => COUPLER,
-            Part::Proximal => PROXIMAL,
-            Part::Distal => DISTAL,
-            Part::Object => OBJECT,
-            Part::Palm | Part::Disc => continue,
-        };
-        let shapes = body.shapes.iter().filter(|shape| !matches!(shape, Shape::HalfPlane { .. }));
-        outlines.extend(shapes.map(|shape| (outline(shape, pose), fill)));
-    }
-    let mut points: Vec<Point> = outlines.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
-    let radius = scene.system.grasped().radius_m;
-    points.push([0.0, -0.35 * radius]);
-    let view = View::within(&points, [BESIDE - 20, SIDE - LEGEND - 40]);
+fn silhouette(svg: &mut Svg, scene: &Scene, found: &GripperGrasp) {
+    let bodies = outlines(&Drawing::of(scene).bodies, &poses(scene, &found.sample));
+    let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
+    points.push([0.0, -0.35 * scene.system.grasped().radius_m]);
+    let view = View::within(&points, [BESIDE - 20.0, SIDE - LEGEND - 40.0]);
     if scene.system.palm.is_some() {
-        let [left, right] = [view.low[0], view.high[0]];
-        let below = view.low[1];
-        filled(area, &view, &[[left, 0.0], [right, 0.0], [right, below], [left, below]], PALM.mix(1.0), PALM)?;
-        words(area, "palm", view.pixel([0.0, 0.5 * below]), 13, GREY)?;
+        palm(svg, &view, 0.0);
     }
-    for (outline, fill) in &outlines {
-        filled(area, &view, outline, fill.mix(1.0), GREY)?;
+    for (outline, fill) in &bodies {
+        filled(svg, &view, outline, Paint::fill(*fill).with_edge(SOFT));
     }
-    words_from(area, "the hand, with the same directions", (24, view.height() as i32 + 10), 13, GREY)
+    words_from(svg, "the hand, with the same directions", [24.0, view.height() + 10.0], 13.0, SOFT);
 }

@@ -1,25 +1,22 @@
 //! Colour scales of a quantity: from a value to a colour, and the stops between which colours are mixed.
 
-use plotters::style::RGBColor;
+use super::theme::{Colour, GREEN};
 
 /// From the least to the largest: viridis (van der Walt and Smith) without its dark end, which would look like the unstable
 /// region.
-pub const SEQUENTIAL: [RGBColor; 6] = [
-    RGBColor(71, 72, 142),
-    RGBColor(49, 107, 142),
-    RGBColor(31, 146, 139),
-    RGBColor(60, 180, 112),
-    RGBColor(144, 214, 66),
-    RGBColor(253, 231, 37),
+pub const SEQUENTIAL: [Colour; 6] = [
+    Colour(71, 72, 142),
+    Colour(49, 107, 142),
+    Colour(31, 146, 139),
+    Colour(60, 180, 112),
+    Colour(144, 214, 66),
+    Colour(253, 231, 37),
 ];
 /// Below zero, from far to near, and above it from near to far: they do not meet, so that the sign is seen.
-pub const NEGATIVE: [RGBColor; 3] = [RGBColor(184, 74, 0), RGBColor(240, 150, 66), RGBColor(255, 224, 190)];
-pub const POSITIVE: [RGBColor; 3] = [RGBColor(196, 226, 245), RGBColor(74, 160, 212), RGBColor(0, 92, 158)];
+pub const NEGATIVE: [Colour; 3] = [Colour(184, 74, 0), Colour(240, 150, 66), Colour(255, 224, 190)];
+pub const POSITIVE: [Colour; 3] = [Colour(196, 226, 245), Colour(74, 160, 212), Colour(0, 92, 158)];
 /// No and yes.
-pub const FLAG: [RGBColor; 2] = [RGBColor(222, 226, 232), RGBColor(0, 158, 115)];
-/// Where the grasp is not stable, and where there is no finger.
-pub const UNSTABLE: RGBColor = RGBColor(43, 47, 54);
-pub const NO_FINGER: RGBColor = RGBColor(255, 255, 255);
+pub const FLAG: [Colour; 2] = [Colour(222, 226, 232), GREEN];
 
 /// Steps of a scale: finer ones would not be told apart, and equal neighbours are drawn as one.
 const STEPS: f64 = 40.0;
@@ -61,7 +58,7 @@ impl Scale {
         }
     }
 
-    pub fn colour(&self, value: f64) -> RGBColor {
+    pub fn colour(&self, value: f64) -> Colour {
         match *self {
             Scale::Range { from, to } => mixed(&SEQUENTIAL, (value - from) / (to - from)),
             Scale::Signed { limit } if value < 0.0 => mixed(&NEGATIVE, 1.0 + value / limit),
@@ -71,13 +68,13 @@ impl Scale {
     }
 }
 
-fn mixed(stops: &[RGBColor], part: f64) -> RGBColor {
+fn mixed(stops: &[Colour], part: f64) -> Colour {
     let step = (part.clamp(0.0, 1.0) * STEPS).round() / STEPS;
     let place = step * (stops.len() - 1) as f64;
     let below = (place as usize).min(stops.len() - 2);
     let (low, high, share) = (stops[below], stops[below + 1], place - below as f64);
     let channel = |from: u8, to: u8| (f64::from(from) + share * (f64::from(to) - f64::from(from))).round() as u8;
-    RGBColor(channel(low.0, high.0), channel(low.1, high.1), channel(low.2, high.2))
+    Colour(channel(low.0, high.0), channel(low.1, high.1), channel(low.2, high.2))
 }
 
 #[cfg(test)]

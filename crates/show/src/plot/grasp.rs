@@ -1,22 +1,17 @@
 //! A grasp at rest: the finger, its mirror image, the object, forces on the object, and a motion that is free.
 
-use plotters::element::{PathElement, Polygon};
-use plotters::style::{Color, RGBColor, ShapeStyle};
-
-use super::canvas::{
-    Area, BLACK, BLUE, COUPLER, DISTAL, DRIVER, DrawError, Entry, GREEN, GREY, Mark, OBJECT, ORANGE, PALM, PROXIMAL,
-    PURPLE, WIDTH, legend, picture, titled, words,
-};
-use super::outline::{Point, View, circle, filled, outline};
-use crate::drawing::{Body, Drawing, Part, poses_in};
+use super::canvas::{Entry, HEAD, Mark, THIN, WIDTH, legend, picture};
+use super::outline::{Point, View, arrow, circle, filled, mirrored, outlines, palm};
+use super::svg::{Paint, Svg};
+use super::theme::{BLUE, Colour, GREEN, INK, OBJECT, ORANGE, PURPLE, SOFT};
+use crate::drawing::{Body, Drawing, poses_in};
 use crate::grasp::finger::{Forces, Grasp, Palm};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
 use crate::statics::{Certificate, FormClosure, Unknown};
 
 /// Width of the legend.
-const BESIDE: u32 = 330;
-const HEAD: u32 = 40;
+const BESIDE: f64 = 330.0;
 /// How far the free motion is drawn: the object by a part of its radius, or the fastest joint by an angle.
 const SHOWN_RADII: f64 = 0.2;
 const SHOWN_RAD: f64 = 0.15;
@@ -25,9 +20,9 @@ const SHOWN_RAD: f64 = 0.15;
 const LONGEST: f64 = 0.65;
 
 /// The picture, with the forces of the last of the friction coefficients.
-pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
+pub fn grasp(scene: &Scene, found: &Grasp) -> String {
     let bodies = Drawing::of(scene).bodies;
-    let rest = coloured(scene, &bodies, &found.end.posture);
+    let rest = links(scene, &bodies, &found.end.posture);
     let centre = found.disc.centre_m;
     let round = circle(centre, found.disc.radius_m);
     let ghosts = ghosts(scene, found, &bodies);
@@ -43,56 +38,32 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> Result<String, DrawError> {
         [a, b] if a == b => format!(", μ_s {a}"),
         [a, b] => format!(", μ_s {a} and {b}"),
     });
-    picture(HEAD + view.height().max(360), |area| {
-        let below = titled(area, &format!("{}: the grasp at rest{friction}; forces on the object", found.scene))?;
-        let (left, right) = below.split_horizontally(WIDTH - BESIDE);
+    let title = format!("{}: the grasp at rest{friction}; forces on the object", found.scene);
+    picture(&title, HEAD + view.height().max(360.0), |svg| {
         if scene.system.palm.is_some() {
-            ground(&left, &view, centre[0])?;
+            palm(svg, &view, centre[0]);
         }
         for (outline, fill) in &rest {
-            filled(&left, &view, &mirrored(outline, centre[0]), fill.mix(0.5), GREY)?;
+            let faded = Paint::fill(*fill).with_edge(SOFT).faded(0.5);
+            filled(svg, &view, &mirrored(outline, centre[0]), faded);
         }
-        filled(&left, &view, &round, OBJECT.mix(1.0), GREY)?;
+        filled(svg, &view, &round, Paint::fill(OBJECT).with_edge(SOFT));
         for (outline, fill) in &rest {
-            filled(&left, &view, outline, fill.mix(1.0), BLACK)?;
+            filled(svg, &view, outline, Paint::fill(*fill).with_edge(INK));
         }
         for outline in &ghosts {
-            dashed(&left, &view, outline, GREEN)?;
+            filled(svg, &view, outline, Paint::line(GREEN, 1.0).dashed("5 4"));
         }
-        let mut entries = match last {
-            Some(forces) => arrows(&left, &view, found, forces)?,
-            None => Vec::new(),
-        };
-        entries.extend(closure(&left, &view, found)?);
-        legend(&right, &entries)?;
-        Ok(())
+        let mut entries = last.map_or_else(Vec::new, |forces| arrows(svg, &view, found, forces));
+        entries.push(closure(svg, &view, found));
+        legend(svg, [WIDTH - BESIDE, 0.0], BESIDE, &entries);
     })
 }
 
 /// Outlines of the four links at a posture.
-fn links(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<Vec<Point>> {
-    coloured(scene, bodies, posture).into_iter().map(|(outline, _)| outline).collect()
-}
-
-/// The same with the colours of their parts.
-fn coloured(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<(Vec<Point>, RGBColor)> {
-    let poses = poses_in(scene, &[*posture]);
-    let mut outlines = Vec::new();
-    for (body, pose) in bodies.iter().zip(&poses) {
-        let fill = match body.part {
-            Part::Driver => DRIVER,
-            Part::Coupler => COUPLER,
-            Part::Proximal => PROXIMAL,
-            Part::Distal => DISTAL,
-            Part::Object | Part::Palm | Part::Disc => continue,
-        };
-        outlines.extend(body.shapes.iter().map(|shape| (outline(shape, pose), fill)));
-    }
-    outlines
-}
-
-fn mirrored(outline: &[Point], about_x: f64) -> Vec<Point> {
-    outline.iter().map(|[x, y]| [2.0 * about_x - x, *y]).collect()
+fn links(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<(Vec<Point>, Colour)> {
+    let all = outlines(bodies, &poses_in(scene, &[*posture]));
+    all.into_iter().filter(|(_, fill)| *fill != OBJECT).collect()
 }
 
 /// The velocity of the object and (q̇21, q̇22) of both fingers in a free motion, for as long as it is drawn.
@@ -128,7 +99,7 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
             continue;
         };
         let outlines = links(scene, bodies, &posture);
-        ghosts.extend(outlines.iter().map(|outline| match finger {
+        ghosts.extend(outlines.iter().map(|(outline, _)| match finger {
             0 => outline.clone(),
             _ => mirrored(outline, centre[0]),
         }));
@@ -136,60 +107,8 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
     ghosts
 }
 
-fn ground(area: &Area, view: &View, middle_x: f64) -> Result<(), DrawError> {
-    let (left, right) = (view.low[0], view.high[0]);
-    let below = view.low[1];
-    filled(area, view, &[[left, 0.0], [right, 0.0], [right, below], [left, below]], PALM.mix(1.0), PALM)?;
-    let line = vec![view.pixel([left, 0.0]), view.pixel([right, 0.0])];
-    area.draw(&PathElement::new(line, GREY.stroke_width(2)))?;
-    words(area, "palm", view.pixel([middle_x, 0.5 * below]), 13, GREY)
-}
-
-fn dashed(area: &Area, view: &View, outline: &[Point], colour: RGBColor) -> Result<(), DrawError> {
-    let closed: Vec<Point> = outline.iter().chain(outline.first()).copied().collect();
-    let (dash, gap) = (5.0 / view.scale, 4.0 / view.scale);
-    let mut travelled = 0.0;
-    for pair in closed.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        let at = |s: f64| [0, 1].map(|i| from[i] + (to[i] - from[i]) * s / length);
-        let mut s = 0.0;
-        while s < length {
-            let phase = (travelled + s) % (dash + gap);
-            let drawn = phase < dash;
-            let next = (s + if drawn { dash - phase } else { dash + gap - phase }).min(length);
-            if drawn {
-                let ends = vec![view.pixel(at(s)), view.pixel(at(next))];
-                area.draw(&PathElement::new(ends, colour.stroke_width(1)))?;
-            }
-            // A step too small to count would not end.
-            s = next.max(s + 0.1 * dash);
-        }
-        travelled += length;
-    }
-    Ok(())
-}
-
-fn arrow(area: &Area, view: &View, from: Point, to: Point, colour: RGBColor) -> Result<(), DrawError> {
-    let (a, b) = (view.pixel(from), view.pixel(to));
-    let (dx, dy) = (f64::from(b.0 - a.0), f64::from(b.1 - a.1));
-    let length = dx.hypot(dy);
-    if length < 2.0 {
-        return Ok(());
-    }
-    let head = 11.0f64.min(0.7 * length);
-    let (ux, uy) = (dx / length, dy / length);
-    let back = |along: f64, aside: f64| {
-        let place = |end: i32, u: f64, v: f64| (f64::from(end) - along * u + aside * v).round() as i32;
-        (place(b.0, ux, -uy), place(b.1, uy, ux))
-    };
-    area.draw(&PathElement::new(vec![a, back(0.8 * head, 0.0)], colour.stroke_width(3)))?;
-    let corners = vec![b, back(head, 0.45 * head), back(head, -0.45 * head)];
-    area.draw(&Polygon::new(corners, ShapeStyle::from(&colour).filled()))
-}
-
 /// Forces on the object by both fingers and by the palm, and what the legend says of them.
-fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Vec<Entry>, DrawError> {
+fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Entry> {
     let centre = found.disc.centre_m;
     let normal = [forces.equilibrium.f21_n, forces.equilibrium.f22_n];
     let palm_n = 2.0 * forces.equilibrium.pfp_n;
@@ -197,7 +116,7 @@ fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Ve
     let size = |i: usize| normal[i].abs() * 1f64.hypot(forces.mu_static[i]);
     let largest = size(0).max(size(1)).max(if held { palm_n } else { 0.0 });
     let scale = if largest > 0.0 { LONGEST * found.disc.radius_m / largest } else { 0.0 };
-    let line = Mark::Line { width: 3 };
+    let line = Mark::Line { width: 3.0 };
     let mut entries = Vec::new();
     for (i, (name, colour)) in
         [("F21, by the proximal phalanx", BLUE), ("F22, by the distal phalanx", ORANGE)].into_iter().enumerate()
@@ -211,7 +130,7 @@ fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Ve
         });
         let ends = [contact.point_m, to];
         for ends in [ends.to_vec(), mirrored(&ends, centre[0])] {
-            arrow(area, view, ends[0], ends[1], colour)?;
+            arrow(svg, view.pixel(ends[0]), view.pixel(ends[1]), colour);
         }
         let text = match pulls {
             true => format!("{name}: would have to pull {:.2} N", -normal[i]),
@@ -226,22 +145,22 @@ fn arrows(area: &Area, view: &View, found: &Grasp, forces: &Forces) -> Result<Ve
     };
     if held {
         let foot = [centre[0], centre[1] - found.disc.radius_m];
-        arrow(area, view, foot, [foot[0], foot[1] + scale * palm_n], PURPLE)?;
+        arrow(svg, view.pixel(foot), view.pixel([foot[0], foot[1] + scale * palm_n]), PURPLE);
     }
     entries.push(Entry::new(line, PURPLE, &text));
-    Ok(entries)
+    entries
 }
 
 /// Whether the grasp is form-closed, and the motion of the object if not.
-fn closure(area: &Area, view: &View, found: &Grasp) -> Result<Vec<Entry>, DrawError> {
+fn closure(svg: &mut Svg, view: &View, found: &Grasp) -> Entry {
     let centre = found.disc.centre_m;
     let Some((moved, _)) = shown(found) else {
-        return Ok(vec![Entry::new(Mark::Circle, GREEN, "form-closed")]);
+        return Entry::new(Mark::Circle, GREEN, "form-closed");
     };
     let length = moved[0].hypot(moved[1]);
     if length > 0.0 {
         let to = [0, 1].map(|i| centre[i] + 0.5 * found.disc.radius_m * moved[i] / length);
-        arrow(area, view, centre, to, GREEN)?;
+        arrow(svg, view.pixel(centre), view.pixel(to), GREEN);
     }
-    Ok(vec![Entry::new(Mark::Line { width: 1 }, GREEN, "not form-closed: a free motion")])
+    Entry::new(THIN, GREEN, "not form-closed: a free motion")
 }

@@ -26,7 +26,7 @@ class Stage {
     };
     this.faces = this.cube.faces(projection, from, to, shown);
     this.box(ctx, projection, false);
-    const [dark, darkEdge, cellEdge] = [channels(colour("unstable")), colour("unstable-edge"), colour("cell-edge")];
+    const [dark, darkEdge, cellEdge] = [channels(colour("unstable")), colour("soft"), colour("cell-edge")];
     ctx.lineWidth = 0.7;
     for (const face of this.faces) {
       const own = face.fill >= 0 ? scale.colour(volume.values[face.fill]) : dark;
