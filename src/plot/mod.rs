@@ -8,7 +8,7 @@
 //! | `sizing` | the test trajectory of a sizing, its springs and torques |
 //! | `speed_error` | wall time against error, every setting that was tried |
 //! | `optimize` | designs by their objectives, and the front |
-//! | `overlay`, `overlay_gripper`, `overlay_panel` | two runs over time |
+//! | `overlay` | two runs over time |
 //! | `select` | what a selection left, and where |
 //! | `stability` | map of verdicts over step, stiffness and damping |
 //! | `step_size` | error of a contact force against the step size |
@@ -24,8 +24,6 @@ mod hold;
 mod linkage;
 mod optimize;
 mod overlay;
-mod overlay_gripper;
-mod overlay_panel;
 mod select;
 mod sizing;
 mod speed_error;

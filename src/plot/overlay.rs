@@ -3,12 +3,10 @@
 use super::axis::Axis;
 use super::canvas::{Area, Entry, HEAD, LEGEND, Mark, THIN, WIDTH, frame, legend, line, picture};
 use super::curve::over_time;
-use super::overlay_gripper::of_gripper;
-use super::overlay_panel::{Panel, Quantity, energies, quantity};
 use super::svg::Svg;
-use super::theme::{AMBER, BLUE, GREEN, INK, ORANGE, PURPLE, SERIES};
+use super::theme::{INK, SERIES};
 use crate::scene::Scene;
-use crate::trace::{ContactSample, Layout, Place, Sample, Site};
+use crate::trace::{ContactSample, FingerState, Layout, Sample};
 use crate::validate::{Recording, Validation, turned};
 
 const PANEL: f64 = 230.0;
@@ -16,13 +14,17 @@ const FOOT: f64 = 40.0;
 const FIRST: Mark = Mark::Pale { width: 6.0 };
 const SECOND: Mark = THIN;
 
-/// Two runs: what they are called, and their samples.
-struct Runs<'a> {
-    title: String,
-    labels: [&'a str; 2],
-    first: &'a [Sample],
-    second: &'a [Sample],
-    end_s: f64,
+/// A curve: its name, and its value in a sample.
+type Quantity = (String, Box<dyn Fn(&Sample) -> f64>);
+
+/// A quantity of a finger: its name and value.
+type OfFinger = (&'static str, fn(&FingerState) -> f64);
+
+/// One panel; its curves have their colours in turn.
+struct Panel {
+    label: &'static str,
+    log: bool,
+    quantities: Vec<Quantity>,
 }
 
 /// The picture of a validation, of the scene itself.
@@ -33,143 +35,125 @@ pub fn overlay(scene: &Scene, found: &Validation) -> String {
     overlay_of(title, labels, &Layout::of(&scene.system), [&found.reference, &found.engine], end_s)
 }
 
-/// The picture of any two runs of this layout; pairs of bodies that never touch are left out of it where others do.
-pub fn overlay_of(
-    title: String,
-    labels: [&str; 2],
-    layout: &Layout,
-    [first, second]: [&Recording; 2],
-    end_s: f64,
-) -> String {
-    let panels = match layout.fingers.len() {
-        0 => of_pairs(&layout.contacts, [first, second]),
-        2.. => of_gripper(layout, [first, second]),
-        1 => {
-            let object =
-                |run: &Recording| run.outcome.last.contacts.first().is_some_and(|proximal| proximal.gap_m.is_finite());
-            of_finger(object(first) || object(second))
-        }
-    };
-    draw_all(&panels, &Runs { title, labels, first: &first.samples, second: &second.samples, end_s })
-}
-
-/// All panels of a picture.
-fn draw_all(panels: &[Panel], runs: &Runs<'_>) -> String {
-    let x = Axis::linear("time, ms", [0.0, runs.end_s * 1e3]);
-    picture(&runs.title, HEAD + PANEL * panels.len() as f64 + FOOT, |svg| {
+/// The picture of any two runs of this layout; what never touches is left out of it where something else does.
+pub fn overlay_of(title: String, labels: [&str; 2], layout: &Layout, runs: [&Recording; 2], end_s: f64) -> String {
+    let panels = panels(layout, runs);
+    let x = Axis::linear("time, ms", [0.0, end_s * 1e3]);
+    picture(&title, HEAD + PANEL * panels.len() as f64 + FOOT, |svg| {
+        let mut entries = vec![Entry::new(FIRST, INK, labels[0]), Entry::new(SECOND, INK, labels[1])];
         for (index, panel) in panels.iter().enumerate() {
-            let mut entries = Vec::new();
-            if index == 0 {
-                entries.push(Entry::new(FIRST, INK, runs.labels[0]));
-                entries.push(Entry::new(SECOND, INK, runs.labels[1]));
-            }
             let foot = index + 1 == panels.len();
-            svg.moved([0.0, PANEL * index as f64], |svg| draw(svg, panel, runs, &x, foot, entries));
+            svg.moved([0.0, PANEL * index as f64], |svg| {
+                draw(svg, panel, runs, &x, foot, std::mem::take(&mut entries))
+            });
         }
     })
 }
 
-fn draw(svg: &mut Svg, panel: &Panel, runs: &Runs<'_>, x: &Axis, foot: bool, mut entries: Vec<Entry>) {
-    let both = || runs.first.iter().chain(runs.second);
-    let values = panel.quantities.iter().flat_map(|quantity| both().map(&quantity.value));
+fn draw(svg: &mut Svg, panel: &Panel, runs: [&Recording; 2], x: &Axis, foot: bool, mut entries: Vec<Entry>) {
+    let both = || runs.into_iter().flat_map(|run| &run.samples);
+    let values = panel.quantities.iter().flat_map(|(_, value)| both().map(value));
     let y = match panel.log {
         true => Axis::decades(panel.label, values, 7.0),
         false => Axis::linear(panel.label, values),
     };
     let height = if foot { PANEL + FOOT } else { PANEL };
     let on = frame(svg, Area { left: 0.0, top: 0.0, width: WIDTH - LEGEND, height }, x, &y, foot);
-    for (samples, mark) in [(runs.first, FIRST), (runs.second, SECOND)] {
-        for Quantity { colour, value, .. } in &panel.quantities {
-            let points = samples.iter().map(|sample| (sample.time_s, value(sample)));
-            line(svg, &on, over_time(points, &y), mark, *colour);
+    let coloured = || panel.quantities.iter().zip(SERIES.into_iter().cycle());
+    for (run, mark) in runs.into_iter().zip([FIRST, SECOND]) {
+        for ((_, value), colour) in coloured() {
+            let points = run.samples.iter().map(|sample| (sample.time_s, value(sample)));
+            line(svg, &on, over_time(points, &y), mark, colour);
         }
     }
-    entries.extend(panel.quantities.iter().map(|of| Entry::new(Mark::Line { width: 2.0 }, of.colour, &of.name)));
+    entries.extend(coloured().map(|((name, _), colour)| Entry::new(Mark::Line { width: 2.0 }, colour, name)));
     legend(svg, [WIDTH - LEGEND, 0.0], LEGEND, &entries);
 }
 
-/// Joints and energies always; contacts where the scene has an object.
-fn of_finger(object: bool) -> Vec<Panel> {
-    let mut panels = vec![
-        Panel {
-            label: "joint angle, deg",
-            log: false,
-            quantities: vec![
-                quantity("q11", BLUE, |s| turned(s.finger().q11_rad).to_degrees()),
-                quantity("q21", ORANGE, |s| turned(s.finger().q21_rad).to_degrees()),
-                quantity("q22", GREEN, |s| turned(s.finger().q22_rad).to_degrees()),
+/// Joints of fingers, what they grasp, forces and gaps, energies: as far as there are any.
+fn panels(layout: &Layout, runs: [&Recording; 2]) -> Vec<Panel> {
+    let discs = layout.fingers.is_empty();
+    let mut panels = Vec::new();
+    if !discs {
+        panels.push(joints(
+            layout,
+            "joint angle, deg",
+            [
+                ("q11", |finger| turned(finger.q11_rad).to_degrees()),
+                ("q21", |finger| turned(finger.q21_rad).to_degrees()),
+                ("q22", |finger| turned(finger.q22_rad).to_degrees()),
             ],
-        },
-        Panel {
-            label: "joint rate, rad/s",
-            log: false,
-            quantities: vec![
-                quantity("qd11", BLUE, |s| s.finger().qd11_rad_s),
-                quantity("qd21", ORANGE, |s| s.finger().qd21_rad_s),
-                quantity("qd22", GREEN, |s| s.finger().qd22_rad_s),
-            ],
-        },
-    ];
-    if object {
-        panels.push(Panel {
-            label: "normal force, N",
-            log: true,
-            quantities: vec![
-                quantity("proximal", BLUE, |s| s.contact(Site::Proximal).normal_n),
-                quantity("distal", ORANGE, |s| s.contact(Site::Distal).normal_n),
-            ],
-        });
-        panels.push(Panel {
-            label: "gap, mm",
-            log: false,
-            quantities: vec![
-                quantity("proximal", BLUE, |s| s.contact(Site::Proximal).gap_m * 1e3),
-                quantity("distal", ORANGE, |s| s.contact(Site::Distal).gap_m * 1e3),
-            ],
-        });
+        ));
     }
-    panels.push(energies());
+    if layout.fingers.len() == 1 {
+        panels.push(joints(
+            layout,
+            "joint rate, rad/s",
+            [
+                ("qd11", |finger| finger.qd11_rad_s),
+                ("qd21", |finger| finger.qd21_rad_s),
+                ("qd22", |finger| finger.qd22_rad_s),
+            ],
+        ));
+    } else if !discs {
+        let object: [fn(&Sample) -> f64; 2] = [|s| s.bodies[0].centre_m[0] * 1e3, |s| s.bodies[0].centre_m[1] * 1e3];
+        panels.push(of_samples("object, mm", ["x", "y"], object));
+    }
+    let shown = shown(layout, runs);
+    let contacts = |label, log, value: fn(&ContactSample) -> f64| {
+        let of = |&index: &usize| -> Quantity {
+            let name = &layout.contacts[index].name;
+            let name = if discs { name.clone() } else { name.replace('_', " ") };
+            (name, Box::new(move |sample| value(&sample.contacts[index])))
+        };
+        Panel { label, log, quantities: shown.iter().map(of).collect() }
+    };
+    if !shown.is_empty() {
+        panels.push(contacts("normal force, N", !discs, |contact| contact.normal_n));
+        panels.push(contacts("gap, mm", false, |contact| contact.gap_m * 1e3));
+        let rubs = |sample: &Sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0);
+        if discs && runs.iter().any(|run| run.samples.iter().any(rubs)) {
+            panels.push(contacts("friction force, N", false, |contact| contact.tangential_n));
+        }
+    }
+    let names = ["kinetic", if discs { "drive work" } else { "motor work" }, "dissipated", "balance"];
+    let energies: [fn(&Sample) -> f64; 4] = [
+        |s| s.energy.kinetic_j * 1e3,
+        |s| s.energy.motor_work_j * 1e3,
+        |s| s.energy.dissipated_j * 1e3,
+        |s| s.energy.balance_j * 1e3,
+    ];
+    let mut energies = of_samples("energy, mJ", names, energies);
+    if discs {
+        energies.quantities.push(("contact".to_string(), Box::new(|sample| sample.energy.elastic_j * 1e3)));
+    }
+    panels.push(energies);
     panels
 }
 
-/// Gaps and forces of the pairs that touch, or of all if none does; energies.
-fn of_pairs(places: &[Place], runs: [&Recording; 2]) -> Vec<Panel> {
-    let mut panels = Vec::new();
-    let touching = |&pair: &usize| {
-        runs.iter().any(|run| run.outcome.contacts.get(pair).is_some_and(|pair| pair.first_s.is_some()))
+/// Surfaces that touch, or all that may if none does; of one finger always all, if it has an object.
+fn shown(layout: &Layout, runs: [&Recording; 2]) -> Vec<usize> {
+    let any = |of: &dyn Fn(&Recording) -> Option<bool>| runs.into_iter().any(|run| of(run) == Some(true));
+    let there = |index: &usize| any(&|run| Some(run.outcome.last.contacts.get(*index)?.gap_m.is_finite()));
+    let touches = |index: &usize| any(&|run| Some(run.outcome.contacts.get(*index)?.first_s.is_some()));
+    let all: Vec<usize> = layout.surfaces().filter(there).collect();
+    let touching: Vec<usize> = all.iter().copied().filter(touches).collect();
+    if touching.is_empty() || layout.fingers.len() == 1 { all } else { touching }
+}
+
+fn of_samples<const N: usize>(label: &'static str, names: [&str; N], of: [fn(&Sample) -> f64; N]) -> Panel {
+    let quantity = |(name, value): (&str, fn(&Sample) -> f64)| -> Quantity { (name.to_string(), Box::new(value)) };
+    Panel { label, log: false, quantities: names.into_iter().zip(of).map(quantity).collect() }
+}
+
+/// The joints of every finger.
+fn joints(layout: &Layout, label: &'static str, of: [OfFinger; 3]) -> Panel {
+    let fingers = layout.fingers.iter().enumerate();
+    let quantity = |(index, finger): (usize, &String)| {
+        of.map(|(joint, value)| -> Quantity {
+            let name = [finger, joint].join(" ").trim_start().to_string();
+            (name, Box::new(move |sample| value(&sample.fingers[index])))
+        })
     };
-    let mut shown: Vec<usize> = (0..places.len()).filter(touching).collect();
-    if shown.is_empty() {
-        shown = (0..places.len()).collect();
-    }
-    let rubs = |run: &Recording| {
-        run.samples.iter().any(|sample| sample.contacts.iter().any(|contact| contact.tangential_n != 0.0))
-    };
-    let of_contacts = |label, value: fn(&ContactSample) -> f64| {
-        let quantity = |(place, &pair): (usize, &usize)| Quantity {
-            name: places[pair].name.clone(),
-            colour: SERIES[place % SERIES.len()],
-            value: Box::new(move |sample: &Sample| value(&sample.contacts[pair])),
-        };
-        Panel { label, log: false, quantities: shown.iter().enumerate().map(quantity).collect() }
-    };
-    if !shown.is_empty() {
-        panels.push(of_contacts("gap, mm", |contact| contact.gap_m * 1e3));
-        panels.push(of_contacts("normal force, N", |contact| contact.normal_n));
-        if runs.into_iter().any(rubs) {
-            panels.push(of_contacts("friction force, N", |contact| contact.tangential_n));
-        }
-    }
-    panels.push(Panel {
-        label: "energy, mJ",
-        log: false,
-        quantities: vec![
-            quantity("kinetic", BLUE, |s| s.energy.kinetic_j * 1e3),
-            quantity("drive work", ORANGE, |s| s.energy.motor_work_j * 1e3),
-            quantity("contact", AMBER, |s| s.energy.elastic_j * 1e3),
-            quantity("dissipated", GREEN, |s| s.energy.dissipated_j * 1e3),
-            quantity("balance", PURPLE, |s| s.energy.balance_j * 1e3),
-        ],
-    });
-    panels
+    Panel { label, log: false, quantities: fingers.flat_map(quantity).collect() }
 }
