@@ -1,12 +1,14 @@
 //! JSON Schema of scene files.
 
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use serde_json::{Map, Value, json};
 
 use super::Side;
 use super::kinds::Words;
 use super::sections::{OF_FINGER, listed};
+use super::table::keys::schema as keys_of;
+use super::table::law::Contact;
 use super::words::SceneKind;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
@@ -30,10 +32,11 @@ pub fn schema() -> String {
     format!("{whole:#}\n")
 }
 
-/// The schema of one kind of scene, made once: a sweep reads thousands of scenes.
+/// The schema of one kind of scene, made once, for a sweep reads thousands of scenes, and when it is wanted: to make all three takes longer
+/// than most runs.
 pub fn schema_of(kind: SceneKind) -> &'static Value {
-    static MADE: LazyLock<[Value; 3]> = LazyLock::new(|| SceneKind::ALL.map(make));
-    &MADE[kind as usize]
+    static MADE: [OnceLock<Value>; SceneKind::ALL.len()] = [const { OnceLock::new() }; SceneKind::ALL.len()];
+    MADE[kind as usize].get_or_init(|| make(kind))
 }
 
 /// The schemas of all other kinds, each with its word.
@@ -56,7 +59,7 @@ fn make(kind: SceneKind) -> Value {
         let properties = &schema["properties"];
         let mut own: Map<_, _> = OF_FINGER.iter().map(|key| (key.to_string(), properties[key].clone())).collect();
         // Palm and table are those of both.
-        own.insert("contact".to_string(), listed(SceneKind::Finger)["properties"]["contact"].take());
+        own.insert("contact".to_string(), keys_of::<Contact>(SceneKind::Finger));
         for side in Side::BOTH.map(Side::word) {
             schema["properties"][side] = json!({
                 "description": format!("What is different of the {side} finger. Everything of the left finger is that of its mirror image."),
