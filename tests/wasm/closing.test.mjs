@@ -1,4 +1,4 @@
-// The core in a bare WebAssembly module: nothing of the system is handed to it, and it closes a finger as the program does.
+// The core in the explorer's module, with both models: nothing of the system is handed to it, and it closes a finger as the program does.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
