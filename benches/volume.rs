@@ -83,7 +83,7 @@ fn parts(repetitions: u32) {
     });
     let ended = time(&|template, design| {
         let finger = finger(template, design);
-        black_box(final_posture(&finger.lengths, finger.assembly, template.task(design).disc)).expect("a grasp");
+        black_box(final_posture(&finger.lengths, finger.assembly, template.task(design).object)).expect("a grasp");
     });
     let sized = |rule| {
         time(&|template, design| {
@@ -92,7 +92,7 @@ fn parts(repetitions: u32) {
     };
     let closed = time(&|template, design| {
         let finger = finger(template, design);
-        let end = final_posture(&finger.lengths, finger.assembly, template.task(design).disc).expect("a grasp");
+        let end = final_posture(&finger.lengths, finger.assembly, template.task(design).object).expect("a grasp");
         black_box(form_closure(&finger, &end)).expect("an answer");
     }) - ended;
     let all = time(&|template, design| {

@@ -51,7 +51,7 @@ pub mod validate;
 pub mod wording;
 
 pub use phalanx_core::{
-    analytic, check, criteria, drawing, engine, fivebar, grasp, gripper, integrator, invariants, law, numeric, sizing,
-    statics, trace, units,
+    analytic, check, criteria, drawing, engine, fivebar, grasp, gripper, integrator, invariants, law, numeric, shape,
+    sizing, statics, trace, units,
 };
 pub use phalanx_log as log;

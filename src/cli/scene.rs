@@ -13,6 +13,7 @@ use crate::gripper::Finger;
 use crate::gripper::total_mass;
 use crate::scene::words::SceneKind;
 use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
+use crate::shape::{self, Shape};
 use crate::wording::Report;
 
 /// Show, check and describe scene files.
@@ -146,16 +147,22 @@ fn gripper(scene: &Scene) -> String {
             scene.system.palm_width_m * 1e3,
             if scene.system.palm.is_some() { "" } else { " and open" }
         ),
-        format!("object {:.1} mm in radius at ({x:.2}, {y:.2}) mm, {object}", disc.radius_m * 1e3),
+        format!("object {} at ({x:.2}, {y:.2}) mm, {object}", size(&disc.shape)),
     ];
     parts.extend(scene.system.table.map(|table| format!("table at {:.2} mm", table.level_m * 1e3)));
     parts.extend(scene.system.differential.as_ref().map(|_| "differential".to_string()));
     format!("{fingers}; {}; {:.1} ms", parts.join("; "), scene.duration_s * 1e3)
 }
 
+/// How large a shape is.
+fn size(shape: &Shape) -> String {
+    let sizes = shape::sizes(shape).into_iter().map(|(name, size_m)| format!("{:.1} mm in {name}", size_m * 1e3));
+    sizes.collect::<Vec<_>>().join(" and ")
+}
+
 fn finger(scene: &Scene) -> String {
     let object = match scene.object() {
-        Some(disc) => format!("object {:.1} mm in radius", disc.radius_m * 1e3),
+        Some(disc) => format!("object {}", size(&disc.shape)),
         None => "no object".to_string(),
     };
     format!(

@@ -58,11 +58,11 @@ pub enum SizeError {
 pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
     let object =
         scene.only(SceneKind::Finger)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
-    let disc = object.circle();
+    let object = object.placed();
     let contact_rad =
-        contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, disc).map_err(SizingError::from)?;
+        contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, object).map_err(SizingError::from)?;
     let task = Task {
-        disc,
+        object,
         opening_rad: contact_rad - scene.finger().initial.q21_rad,
         gravity_m_s2: scene.system.gravity_m_s2,
         closing_s: asked.closing_s,

@@ -4,9 +4,10 @@
 use std::f64::consts::PI;
 
 use crate::support::runs::Random;
-use phalanx::analytic::contact::{Capsule, Distal, Geometry, distal, nearest, proximal};
+use phalanx::analytic::contact::{Capsule, Distal, Geometry, Nearest, distal, nearest, proximal};
 use phalanx::fivebar::kinematics::{Directions, directions, passive_rates};
 use phalanx::gripper::Lengths;
+use phalanx::shape::Placed;
 
 /// Smallest distance from `centre` to the segment, by sampling it densely and refining around the best sample.
 fn sampled_distance(base: [f64; 2], axis: [f64; 2], length: f64, centre: [f64; 2]) -> f64 {
@@ -34,7 +35,7 @@ fn gap_and_normal_are_those_of_a_densely_sampled_capsule_on_both_sides_and_past_
             radius: random.within(0.001, 0.004),
         };
         let (centre, radius) = ([random.within(-0.06, 0.06), random.within(-0.06, 0.06)], random.within(0.01, 0.03));
-        let (foot, normal, gap) = nearest(&capsule, centre, radius);
+        let Nearest { foot, normal, gap, .. } = nearest(&capsule, &Placed::disc(radius, centre));
         let distance = sampled_distance(capsule.base, capsule.axis, capsule.length, centre);
         assert!((gap - (distance - capsule.radius - radius)).abs() < 1e-13, "{gap} {distance}");
         // From the disc to the capsule, of length 1, and leading from the centre to the foot.
@@ -114,12 +115,12 @@ fn segment(lengths: &Lengths, pose: &Directions<f64>, tip: bool) -> Segment {
 
 fn geometry(case: &Case, tip: bool) -> Geometry<f64> {
     let pose = pose_at(case, 0.0);
-    let lengths = &case.lengths;
+    let (lengths, object) = (&case.lengths, Placed::disc(case.radius, case.centre));
     if tip {
         let rates = passive_rates(lengths, &pose);
-        distal(&pose, &rates, &shape(lengths), case.centre, case.radius)
+        distal(&pose, &rates, &shape(lengths), &object)
     } else {
-        proximal(&pose, lengths.l21_m, lengths.half_width_m, case.centre, case.radius)
+        proximal(&pose, lengths.l21_m, lengths.half_width_m, &object)
     }
 }
 

@@ -2,12 +2,13 @@
 
 use phalanx::analytic::multibody::{Multibody, guards, quadratures};
 use phalanx::analytic::{self, SiteState};
-use phalanx::gripper::{Circle, Site};
+use phalanx::gripper::Site;
 use phalanx::integrator::{
     End, Linearised, Method, Observer, Options, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools,
     System as Equations, Tolerances, integrate,
 };
 use phalanx::scene::{Disc, DiscMotion, Integrator, Place, Preset, Scene, System};
+use phalanx::shape::{Placed, reach};
 
 use crate::support::grippers::{Anchor, anchor, anchors};
 
@@ -77,7 +78,7 @@ pub fn everyday<const N: usize>(scene: &Scene, times: Vec<f64>) -> (Watcher<N>, 
 /// Largest difference of coordinates from the states of an anchor; positions in object radii.
 pub fn off<const N: usize>(anchor: &Anchor, found: &[State<N, QUADRATURES>]) -> f64 {
     assert_eq!(found.len(), anchor.states.len(), "{}", anchor.name);
-    let radius = anchor.scene.system.grasped().radius_m;
+    let radius = reach(&anchor.scene.system.grasped().shape);
     let scale = |coordinate: usize| if coordinate == 4 || coordinate == 5 { 1.0 / radius } else { 1.0 };
     let of = |(found, wanted): (&State<N, QUADRATURES>, &[f64; 7])| {
         (0..N.min(7)).map(|i| scale(i) * (found.q[i] - wanted[i]).abs()).fold(0.0, f64::max)
@@ -155,10 +156,10 @@ fn a_fixed_object_gives_each_finger_its_own_scene() {
         scene.duration_s = anchor.scene.duration_s;
         scene.system.gravity_m_s2 = anchor.scene.system.gravity_m_s2;
         let [x, y] = anchor.scene.system.grasped().centre_m;
-        scene.system.discs = vec![Disc::object(Circle {
-            radius_m: anchor.scene.system.grasped().radius_m,
-            centre_m: [sign * x - 0.5 * anchor.scene.system.palm_width_m, y],
-        })];
+        scene.system.discs = vec![Disc::object(Placed::disc(
+            reach(&anchor.scene.system.grasped().shape),
+            [sign * x - 0.5 * anchor.scene.system.palm_width_m, y],
+        ))];
         scene.integrator = Integrator::preset(Preset::Reference);
         let alone = phalanx::trace::run_analytic(&scene, &mut ()).expect("a run").last;
         let off = (end.state.q[2 * side] - alone.finger().q11_rad)

@@ -1,8 +1,9 @@
 //! Criteria of grippers whose motion an independent program has found, and whether their objects are held fast.
 
 use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, normal_forces, stance};
-use phalanx::gripper::{Circle, Site, final_posture};
+use phalanx::gripper::{Site, final_posture};
 use phalanx::scene::{Place, Scene, Side};
+use phalanx::shape::Placed;
 use phalanx::statics::{
     Blocked, Decision, FormClosure, GripperRow, PerContact, form_closure, gripper_closure, gripper_unilateral,
 };
@@ -145,7 +146,7 @@ fn the_final_grasp_of_b_is_form_closed_with_the_palm_and_those_on_a_wider_palm_a
     }
     let finger = anchor("c").scene.system.fingers[0].linkage;
     for (base_m, closed) in [(15.5e-3, true), (17e-3, false)] {
-        let disc = Circle { radius_m: 0.02, centre_m: [-base_m, 0.02] };
+        let disc = Placed::disc(0.02, [-base_m, 0.02]);
         let end = final_posture(&finger.lengths, finger.assembly, disc).expect("a grasp");
         assert_eq!(form_closure(&finger, &end).expect("a decision").closed, closed, "{base_m}");
     }

@@ -2,6 +2,7 @@
 
 use phalanx::law::{Bristle, FrictionLaw};
 use phalanx::scene::{self, DiscMotion, Preset, Scene};
+use phalanx::shape::reach;
 use phalanx::trace::{EventKind, Model, Outcome, Sample};
 
 use crate::support::held;
@@ -76,11 +77,11 @@ fn a_wedge_jams_up_to_the_angle_of_friction() {
     let at = |degrees: f64| {
         let mut scene = load("jams");
         let (sin, cos) = degrees.to_radians().sin_cos();
-        let reach = 10.0 + 0.02 - 1e-4;
+        let middle = 10.0 + 0.02 - 1e-4;
         for disc in &mut scene.system.discs {
             let [x, _] = disc.centre_m;
-            if disc.radius_m == 10.0 {
-                disc.centre_m = [x.signum() * reach * cos, -reach * sin];
+            if reach(&disc.shape) == 10.0 {
+                disc.centre_m = [x.signum() * middle * cos, -middle * sin];
             }
         }
         scene
@@ -161,7 +162,7 @@ fn what_is_pinched_sinks_under_the_regularised_law_and_stays_where_friction_hold
     let mut scene = load("jams");
     scene.system.gravity_m_s2 = [0.0, -G];
     let press = 1e-4;
-    for disc in scene.system.discs.iter_mut().filter(|disc| disc.radius_m == 10.0) {
+    for disc in scene.system.discs.iter_mut().filter(|disc| reach(&disc.shape) == 10.0) {
         disc.centre_m = [disc.centre_m[0].signum() * (10.0 + 0.02 - press), 0.0];
     }
     let pinched = scene.system.discs.iter().position(|disc| disc.motion.moves()).expect("a disc that moves");

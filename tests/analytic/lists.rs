@@ -2,7 +2,6 @@
 
 use phalanx::analytic::multibody::{Multibody, ROOM, quadratures};
 use phalanx::analytic::{Mode, SiteState};
-use phalanx::gripper::Circle;
 use phalanx::integrator::{Linearised, Rates, State, System as Equations};
 use phalanx::invariants::Invariants;
 use phalanx::law::{Bristle, ContactLaw};
@@ -10,6 +9,7 @@ use phalanx::scene::{
     Axis, Brake, Disc, DiscMotion, HalfPlane, Integrator, Move, PalmMotion, Preset, Scene, Side, System, Touching,
     load_any,
 };
+use phalanx::shape::{Placed, reach};
 use phalanx::trace::{Layout, Model, Outcome, RunError, run};
 
 use crate::support::laws::{Collect, FRICTION, THESIS, at_steps};
@@ -28,7 +28,7 @@ fn free(mass_kg: f64, inertia_kg_m2: Option<f64>) -> DiscMotion {
 }
 
 fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> Disc {
-    Disc { name: name.to_string(), motion, ..Disc::object(Circle { radius_m, centre_m }) }
+    Disc { name: name.to_string(), motion, ..Disc::object(Placed::disc(radius_m, centre_m)) }
 }
 
 /// A disc that nothing reaches.
@@ -60,7 +60,8 @@ fn pushing_two() -> Scene {
 fn two_objects() -> Scene {
     let mut scene = load(GRIPPER);
     scene.system.gravity_m_s2 = [0.0, -9.81];
-    let Circle { radius_m, centre_m: [x, y] } = scene.system.grasped().circle();
+    let Placed { shape, centre_m: [x, y], .. } = scene.system.grasped().placed();
+    let radius_m = reach(&shape);
     scene.system.discs.push(disc("ball", 0.008, [x + 1e-3, y + radius_m + 0.00795], free(0.015, Some(5e-7))));
     scene.system.between_discs = Some(LAW);
     scene.duration_s = 0.01;
@@ -135,7 +136,7 @@ fn ran(model: Model, preset: Preset, scene: &Scene) -> (Outcome, Collect) {
 /// Largest distance between two ends: angles of fingers in rad, places of discs in radii of the first.
 fn apart(system: &System, one: &Outcome, other: &Outcome) -> f64 {
     assert_eq!(one.last.bodies.len(), other.last.bodies.len());
-    let radius_m = system.discs.first().map_or(1.0, |disc| disc.radius_m);
+    let radius_m = system.discs.first().map_or(1.0, |disc| reach(&disc.shape));
     let fingers = one.last.fingers.iter().zip(&other.last.fingers);
     let angles = fingers.flat_map(|(a, b)| [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad]);
     let bodies = one.last.bodies.iter().zip(&other.last.bodies);

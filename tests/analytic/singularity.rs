@@ -4,6 +4,7 @@ use crate::support::runs::{Collect, anchor, engineering, reference, run};
 use phalanx::gripper::Assembly;
 use phalanx::integrator::{Failure, Reason};
 use phalanx::scene::{Actuation, Initial, Integrator, Method, Scene};
+use phalanx::shape::Shape;
 use phalanx::trace::{RunError, Sample, Site, run_analytic};
 
 fn settings() -> [Integrator; 4] {
@@ -210,7 +211,7 @@ fn extremes_do_not_panic() {
     add("start inside the object", &|s| {
         (s.finger_mut().initial.q11_rad, s.finger_mut().initial.q21_rad) = (-0.4, 1.17)
     });
-    add("tiny object", &|s| s.system.grasped_mut().radius_m = 1e-6);
+    add("tiny object", &|s| s.system.grasped_mut().shape = Shape::Disc { radius_m: 1e-6 });
     add("huge friction", &|s| {
         for law in s.finger_mut().contact.both_mut() {
             let friction = law.friction.as_mut().expect("friction");

@@ -3,6 +3,7 @@
 use phalanx::drawing::{self, Drawing, Part, Pose, Shape};
 use phalanx::gripper::{Posture, joints};
 use phalanx::scene::{self, Scene};
+use phalanx::shape::reach;
 use phalanx::trace::{Model, Site, run};
 use phalanx::validate::Recording;
 
@@ -74,7 +75,8 @@ fn the_view_has_start_and_grasp_and_the_object() {
     run(Model::Analytic, &scene, &mut kept).unwrap();
     let object = scene.object().unwrap();
     for k in 0..2 {
-        assert!(low[k] < object.centre_m[k] - object.radius_m && object.centre_m[k] + object.radius_m < high[k]);
+        let radius_m = reach(&object.shape);
+        assert!(low[k] < object.centre_m[k] - radius_m && object.centre_m[k] + radius_m < high[k]);
     }
     for sample in [kept.samples.first().unwrap(), kept.samples.last().unwrap()] {
         for (body, pose) in drawing.bodies.iter().zip(drawing::poses(&scene, sample)) {

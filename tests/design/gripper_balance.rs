@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{SMatrix, SVector};
-use phalanx::gripper::{Bodies, Body, Circle, Finger, Joints, Posture, Site, close, joints};
+use phalanx::gripper::{Bodies, Body, Finger, Joints, Posture, Site, close, joints};
 use phalanx::statics::{
     Balance, Balanced, Drive, HandAtRest, Limit, PerContact, Side, Spot, Stance, Yields, balance_polar,
     balanced_acceleration, drive_loads, equilibrium,
@@ -29,7 +29,7 @@ fn symmetric(Grasp { finger, disc, end }: &Grasp, mu: f64, drives: Vec<Drive>) -
             fingers: [finger; 2],
             angles_rad: [[end.posture.q11_rad, end.posture.q21_rad]; 2],
             palm_width_m: -2.0 * disc.centre_m[0],
-            object: Circle { centre_m: [0.0, disc.centre_m[1]], ..*disc },
+            object: disc.at([0.0, disc.centre_m[1]]),
         },
         friction: PerContact { phalanges: [[Some(mu); 2]; 2], palm: Some(mu) },
         limits: [false; 2],
@@ -305,7 +305,7 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> HandAtRe
             fingers: [&right.finger, &left.finger],
             angles_rad,
             palm_width_m: -right.disc.centre_m[0] - left.disc.centre_m[0],
-            object: Circle { centre_m: [random.within(-1e-3, 1e-3), right.disc.centre_m[1]], ..right.disc },
+            object: right.disc.at([random.within(-1e-3, 1e-3), right.disc.centre_m[1]]),
         };
         let mut mu = || Some(random.within(0.2, 0.9));
         hand.friction = PerContact { phalanges: [[mu(), mu()], [mu(), mu()]], palm: mu() };
@@ -368,7 +368,7 @@ fn mirrored<'a>(hand: &HandAtRest<'a>) -> HandAtRest<'a> {
         stance: Stance {
             fingers: [left, right],
             angles_rad: [of_left, of_right],
-            object: Circle { centre_m: [-x, y], ..object },
+            object: object.at([-x, y]),
             ..hand.stance
         },
         friction: PerContact { phalanges: [mu_left, mu_right], ..hand.friction },

@@ -3,7 +3,7 @@
 
 use crate::support::gripper::{THIRDS, design_95, sweep};
 use crate::support::statics::{Grasp, Random, check, grasp};
-use phalanx::gripper::{Circle, Site, close};
+use phalanx::gripper::{Site, close};
 use phalanx::statics::{
     Blocked, Certificate, Decision, FormClosure, GripperRow, Kind, PerContact, Row, Stance, Unilateral, Unknown,
     decide, decide_by_program, form_closure, gripper_closure, gripper_unilateral,
@@ -17,7 +17,7 @@ fn symmetric(Grasp { finger, disc, end }: &Grasp) -> Stance<'_> {
         fingers: [finger; 2],
         angles_rad: [[end.posture.q11_rad, end.posture.q21_rad]; 2],
         palm_width_m: -2.0 * disc.centre_m[0],
-        object: Circle { centre_m: [0.0, disc.centre_m[1]], ..*disc },
+        object: disc.at([0.0, disc.centre_m[1]]),
     }
 }
 
@@ -33,10 +33,7 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> Stance<'
             fingers: [&right.finger, &left.finger],
             angles_rad,
             palm_width_m: -right.disc.centre_m[0] - left.disc.centre_m[0],
-            object: Circle {
-                centre_m: [random.within(-4e-3, 4e-3), right.disc.centre_m[1] + random.within(-2e-3, 2e-3)],
-                ..right.disc
-            },
+            object: right.disc.at([random.within(-4e-3, 4e-3), right.disc.centre_m[1] + random.within(-2e-3, 2e-3)]),
         };
         // Not every pair of angles closes the loop, and some are too near to where it folds.
         if gripper_unilateral(&stance, &ALL, Blocked::Outputs).is_ok() {
@@ -49,12 +46,7 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> Stance<'
 fn mirrored<'a>(stance: &Stance<'a>) -> Stance<'a> {
     let ([right, left], [of_right, of_left]) = (stance.fingers, stance.angles_rad);
     let [x, y] = stance.object.centre_m;
-    Stance {
-        fingers: [left, right],
-        angles_rad: [of_left, of_right],
-        object: Circle { centre_m: [-x, y], ..stance.object },
-        ..*stance
-    }
+    Stance { fingers: [left, right], angles_rad: [of_left, of_right], object: stance.object.at([-x, y]), ..*stance }
 }
 
 fn certified(u: &Unilateral<GripperRow>) -> FormClosure<GripperRow> {
@@ -97,8 +89,7 @@ fn gaps_say_which_contacts_there_are() {
     let stance = symmetric(&grasp);
     let gaps = stance.gaps().expect("a posture");
     assert_eq!(gaps.map(|gap| gap <= 1e-9), ALL, "{gaps:?}");
-    let lifted =
-        Stance { object: Circle { centre_m: [0.0, stance.object.centre_m[1] + 1e-4], ..stance.object }, ..stance };
+    let lifted = Stance { object: stance.object.at([0.0, stance.object.centre_m[1] + 1e-4]), ..stance };
     let gaps = lifted.gaps().expect("a posture");
     assert!((gaps.palm - 1e-4).abs() < 1e-12, "{gaps:?}");
     // Tips are above it and get in its way; the proximal phalanges lean away.
@@ -214,7 +205,7 @@ fn rows_are_the_rates_of_gaps_and_drives() {
             };
             Stance {
                 angles_rad: [turned(0), turned(1)],
-                object: Circle { centre_m: [x + vx * dt, y + vy * dt], ..stance.object },
+                object: stance.object.at([x + vx * dt, y + vy * dt]),
                 ..stance
             }
         };

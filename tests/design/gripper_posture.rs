@@ -2,10 +2,10 @@
 
 use crate::support::gripper::{R_C, THIRDS, W, assert_near, design_95, sweep};
 use phalanx::gripper::{
-    Assembly, Circle, Design, GraspError, Lengths, Posture, PostureError, ProximalLength, close,
-    contact_angle_proximal, contact_proximal, disc, final_posture, gamma, joint_a13, joints, lengths, posture_at,
-    start_posture, straight,
+    Assembly, Design, GraspError, Lengths, Posture, PostureError, ProximalLength, close, contact_angle_proximal,
+    contact_proximal, disc, final_posture, gamma, joint_a13, joints, lengths, posture_at, start_posture, straight,
 };
+use phalanx::shape::Placed;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -129,7 +129,7 @@ fn contact_turns_with_the_disc() {
     assert_near(here.q21_rad.to_degrees(), 65.0007, 0.00005);
     let (s, c) = 0.3f64.sin_cos();
     let [x, y] = disc(&design_95()).centre_m;
-    let turned = Circle { radius_m: R_C, centre_m: [c * x - s * y, s * x + c * y] };
+    let turned = Placed::disc(R_C, [c * x - s * y, s * x + c * y]);
     let there = contact_proximal(W, turned).unwrap();
     assert_near(there.q21_rad, here.q21_rad + 0.3, 1e-15);
     assert_near(there.length_m, here.length_m, 1e-16);
@@ -153,18 +153,18 @@ fn what_cannot_close_or_reach_is_refused_with_numbers() {
     assert!(error.to_string().contains("l22_m is NaN, but must be a finite length above 0"), "{error}");
     assert!(close(&l, Assembly::Reference, f64::INFINITY, 0.0).is_err());
 
-    let far = Circle { radius_m: R_C, centre_m: [-0.05, 0.02] };
+    let far = Placed::disc(R_C, [-0.05, 0.02]);
     let error = final_posture(&l, Assembly::Reference, far).unwrap_err();
     assert!(matches!(error, GraspError::ProximalTooShort { .. }), "{error}");
     let stub = Lengths { t22_m: 0.005, ..l };
     let error = final_posture(&stub, Assembly::Reference, disc(&design_95())).unwrap_err();
     assert!(matches!(error, GraspError::TipTooShort { .. }), "{error}");
-    let error = contact_proximal(W, Circle { radius_m: R_C, centre_m: [-0.01, 0.02] }).unwrap_err();
+    let error = contact_proximal(W, Placed::disc(R_C, [-0.01, 0.02])).unwrap_err();
     assert!(
         error.to_string().contains("22.3607 mm from the ground joint, but must be more than 22.5000 mm"),
         "{error}"
     );
-    assert!(contact_proximal(W, Circle { radius_m: f64::NAN, centre_m: [-0.01, 0.02] }).is_err());
+    assert!(contact_proximal(W, Placed::disc(f64::NAN, [-0.01, 0.02])).is_err());
 }
 
 fn finger() -> impl Strategy<Value = Lengths> {

@@ -16,6 +16,7 @@ mod optimize_search;
 mod optimize_study;
 mod reproduce;
 mod select;
+mod shapes;
 mod sizing;
 mod statics_closure;
 mod statics_command;

@@ -152,7 +152,7 @@ fn what_cannot_be_sized_says_why() {
     let other = Finger { assembly: Assembly::Other, ..finger };
     assert_eq!(size(&other, &task, Rule::Rigid), Err(SizingError::OtherAssembly));
     let mut far = task;
-    far.disc.centre_m[0] = -0.2;
+    far.object.centre_m[0] = -0.2;
     assert!(refused(&finger, &far).contains("misses the object"));
 }
 

@@ -3,6 +3,7 @@
 use crate::support::gripper::{THIRDS, design_95, sweep};
 use crate::support::statics::{Grasp, Random, check, grasp};
 use phalanx::gripper::{FinalPosture, Finger, Posture, Site, close, joints};
+use phalanx::shape::reach;
 use phalanx::statics::{
     BOUNDARY, Certificate, Decision, FormClosure, Grip, Hand, Row, Side, Unilateral, Unknown, decide,
     decide_by_program, equilibrium, form_closure, unilateral,
@@ -147,7 +148,7 @@ fn gaps(Grasp { finger, disc, end }: &Grasp, object: [f64; 2], joint_rates: [f64
     let gap = |from: [f64; 2], to: [f64; 2]| {
         let (along, off) = ([to[0] - from[0], to[1] - from[1]], [centre[0] - from[0], centre[1] - from[1]]);
         let length = along[0].hypot(along[1]);
-        (along[0] * off[1] - along[1] * off[0]) / length - disc.radius_m - lengths.half_width_m
+        (along[0] * off[1] - along[1] * off[0]) / length - reach(&disc.shape) - lengths.half_width_m
     };
     Moved { q11_rad, gaps_m: [gap([0.0; 2], at.a22_m), gap(at.a22_m, at.tip_m)] }
 }

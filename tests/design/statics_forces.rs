@@ -4,6 +4,7 @@ use crate::support::gripper::design_95;
 use crate::support::statics::{Grasp, Random, constant_spring, grasp, without_width};
 use phalanx::fivebar::kinematics::{directions, passive_rates, reference_gamma};
 use phalanx::gripper::{Lengths, Placement, Site, Spring, SpringKind};
+use phalanx::shape::reach;
 use phalanx::statics::{
     Ejection, StaticsError, at_rest, birglen, contact_jacobian, drive_loads, equilibrium, equilibrium_each, palm_force,
 };
@@ -17,7 +18,7 @@ fn contacts(Grasp { disc, end, .. }: &Grasp) -> [([f64; 2], [f64; 2], [f64; 2]);
     let e = |angle: f64| [angle.cos(), angle.sin()];
     let at = |angle: f64| {
         let (n, t) = (e(angle), e(angle + 0.5 * std::f64::consts::PI));
-        let point = [disc.centre_m[0] + disc.radius_m * n[0], disc.centre_m[1] + disc.radius_m * n[1]];
+        let point = [disc.centre_m[0] + reach(&disc.shape) * n[0], disc.centre_m[1] + reach(&disc.shape) * n[1]];
         (n, t, point)
     };
     [at(end.posture.q21_rad - 0.5 * std::f64::consts::PI), at(end.phi_c_rad)]

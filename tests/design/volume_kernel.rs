@@ -47,7 +47,7 @@ fn points_are_those_of_single_designs() {
                             let finger = Finger { lengths, bodies, assembly: Assembly::Reference };
                             let task = Task::thesis(phalanx::gripper::disc(&design));
                             let sizing = size(&finger, &task, rule).unwrap();
-                            let end = final_posture(&lengths, finger.assembly, task.disc).unwrap();
+                            let end = final_posture(&lengths, finger.assembly, task.object).unwrap();
                             let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m };
                             let spring = Spring { kind, placement: Placement::Phalanges };
                             let loads = drive_loads(&finger, &end, sizing.motor_n_m, Some(&spring)).unwrap();

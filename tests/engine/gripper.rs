@@ -2,6 +2,7 @@
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
 use phalanx::scene::{Axis, DiscMotion, Integrator, Move, Preset, Scene, Side, Stepping};
+use phalanx::shape::reach;
 use phalanx::trace::{Energy, Model, Outcome, Sample, run};
 
 use crate::support::collect::Collect;
@@ -20,7 +21,7 @@ fn reference(scene: &Scene) -> Scene {
 /// Largest difference of angles, and of positions in object radii, over the grid of the log.
 fn apart(scene: &Scene, a: &Collect, b: &Collect) -> f64 {
     let steps = (scene.duration_s * scene.log.numeric_hz).round() as usize;
-    let radius = scene.system.grasped().radius_m;
+    let radius = reach(&scene.system.grasped().shape);
     let mut most = 0.0f64;
     for k in 0..=steps {
         let time_s = k as f64 / scene.log.numeric_hz;
@@ -237,7 +238,7 @@ fn moves_that_follow_each_other_make_no_step_of_their_own() {
     let across = Move { axis: Axis::X, distance: 0.01, start_s: 0.051, length_s: 0.025 };
     assert_ne!(lift.start_s + lift.length_s, across.start_s);
     scene.system.palm_motion.as_mut().expect("it moves").moves = vec![lift, across];
-    let radius_m = scene.system.grasped().radius_m;
+    let radius_m = reach(&scene.system.grasped().shape);
     let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.system.grasped_mut().motion else {
         panic!("it is free")
     };

@@ -99,7 +99,7 @@ struct House {
 
 const MECHANICS: House = House {
     root: "crates/mechanics/src",
-    rooms: &["numeric", "law", "gripper", "fivebar", "sizing", "statics"],
+    rooms: &["numeric", "law", "shape", "gripper", "fivebar", "sizing", "statics"],
     stands_on: &[],
 };
 const SCENE: House =
@@ -221,11 +221,11 @@ fn every_room_is_in_the_order() {
     }
 }
 
-/// Shared: the scene, lengths and masses, the scalar laws, and plain numerics. The integrator belongs to the analytic model;
+/// Shared: the scene, lengths and masses, the scalar laws, what a shape is, and plain numerics. The integrator belongs to the analytic model;
 /// of it, the engine takes the clock alone.
 #[test]
 fn the_engine_uses_nothing_of_the_analytic_model() {
-    check("engine", &["scene", "gripper", "law", "numeric", "integrator"], &["analytic", "Rodas", "Radau"]);
+    check("engine", &["scene", "gripper", "law", "numeric", "shape", "integrator"], &["analytic", "Rodas", "Radau"]);
     for path in sources("engine") {
         for line in code(&path).lines().filter(|line| line.contains("integrator")) {
             assert_eq!(line.trim(), "use crate::integrator::Clock;", "{}", path.display());
@@ -238,14 +238,14 @@ fn the_engine_uses_nothing_of_the_analytic_model() {
 fn the_analytic_model_uses_nothing_of_the_engine() {
     check(
         "analytic",
-        &["analytic", "scene", "gripper", "fivebar", "law", "numeric", "integrator"],
+        &["analytic", "scene", "gripper", "fivebar", "law", "numeric", "shape", "integrator"],
         &["rapier", "parry", "engine"],
     );
-    check_in(MECHANICS.root, "fivebar", &["gripper", "numeric"], &["rapier", "parry", "engine"]);
+    check_in(MECHANICS.root, "fivebar", &["gripper", "numeric", "shape"], &["rapier", "parry", "engine"]);
     check_in(
         MECHANICS.root,
         "sizing",
-        &["gripper", "fivebar", "numeric", "sizing"],
+        &["gripper", "fivebar", "numeric", "shape", "sizing"],
         &["rapier", "parry", "engine", "scene"],
     );
     check("integrator", &["integrator", "numeric"], &["rapier", "parry", "engine", "gripper", "scene"]);

@@ -1,7 +1,7 @@
 //! The anchor case, design 95 of the thesis, through model and criteria at once.
 
 use phalanx::criteria::{Class, FinalAngles, Tracker};
-use phalanx::gripper::{Circle, final_posture};
+use phalanx::gripper::final_posture;
 use phalanx::scene;
 use phalanx::trace::Model;
 
@@ -9,7 +9,7 @@ use phalanx::trace::Model;
 fn design_95_is_stable_when_its_tip_has_landed_whatever_the_log_rate() {
     let mut scene = scene::load("scenes/experiment-95.toml").unwrap_or_else(|error| panic!("{error}"));
     let object = scene.object().expect("an object");
-    let disc = Circle { radius_m: object.radius_m, centre_m: object.centre_m };
+    let disc = object.placed();
     let end = final_posture(&scene.finger().linkage.lengths, scene.finger().linkage.assembly, disc).expect("a grasp");
     for numeric_hz in [1e3, 1e4, 1e6] {
         scene.log.numeric_hz = numeric_hz;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use phalanx::log::{RunInfo, Writer, read, scene_text};
 use phalanx::scene::{Actuation, Preset, Scene, load, load_any, parse, parse_any};
+use phalanx::shape::{Shape, reach};
 use phalanx::trace::{Model, run};
 
 fn anchor() -> Scene {
@@ -54,7 +55,7 @@ fn discs_that_were_changed_are_logged_as_they_were_run() {
     let scene = load_any(Path::new("scenes/laws/impact.toml")).expect("a scene");
     assert_eq!(scene_text(&scene), scene.source);
     let mut changed: Scene = scene.clone();
-    changed.system.discs[0].radius_m *= 1.25;
+    changed.system.discs[0].shape = Shape::Disc { radius_m: 1.25 * reach(&scene.system.discs[0].shape) };
     let text = scene_text(&changed);
     let read = parse_any(&text, "scene.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(Scene { source: changed.source.clone(), ..read }, changed);

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use phalanx::log::{LogError, LoggedRunError, read_any_file, run_into, run_to};
 use phalanx::scene::{Actuation, Scene, load, load_any};
+use phalanx::shape::{Shape, reach};
 use phalanx::trace::{Model, RunError, Site};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout};
@@ -79,7 +80,7 @@ fn a_scene_that_was_changed_is_logged_whole_and_verifies() {
         }
     }
     let mut scene = discs();
-    scene.system.discs[0].radius_m *= 1.03;
+    scene.system.discs[0].shape = Shape::Disc { radius_m: 1.03 * reach(&scene.system.discs[0].shape) };
     scene.system.discs[1].name = "thrown".to_string();
     scene.duration_s = 13.3e-3;
     let run = run_to(&scene, Model::Analytic, &path).expect("a run");

@@ -5,6 +5,7 @@ use phalanx::cli::set::SetArgs;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{self, Bounds, DiscMotion, Engine, HalfPlane, Integrator, Partner, Preset, Response, Scene};
+use phalanx::shape::reach;
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -39,7 +40,7 @@ fn a_short_scene_has_the_defaults() {
     assert_eq!((scene.name.as_str(), scene.description.as_str()), ("test", ""));
     assert_eq!((scene.system.gravity_m_s2, scene.duration_s, scene.system.palm), ([0.0; 2], 0.02, None));
     let [ball] = scene.system.discs.as_slice() else { panic!("{:?}", scene.system.discs) };
-    assert_eq!((ball.name.as_str(), ball.radius_m, ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
+    assert_eq!((ball.name.as_str(), reach(&ball.shape), ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
     // A homogeneous disc: m r²/2 = 0.05 × 0.02²/2.
     let DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = ball.motion else { panic!("{ball:?}") };
     assert_eq!((mass_kg, velocity_m_s, spin_rad_s), (0.05, [0.0; 2], 0.0));

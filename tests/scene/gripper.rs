@@ -4,6 +4,7 @@ use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     self, Actuation, Bounds, DiscMotion, Integrator, Motor, Place, Placement, Preset, Scene, Side, SpringKind, show,
 };
+use phalanx::shape::Placed;
 use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
 
 use crate::support::grippers::anchor;
@@ -98,9 +99,13 @@ fn motors_and_springs_are_sized_for_both_ends_of_the_error() {
     let top = "palm_width = \"34 mm\"\nsizing = \"rigid\"\npositioning_error = \"3.5 mm\"\n";
     let sized = |design: &str, rest: &str| parse(&format!("kind = \"gripper\"\n{top}{design}{rest}"));
     let at = |scene: &Scene, base_m: f64| {
-        let disc = phalanx::gripper::Circle { radius_m: 0.02, centre_m: [-base_m, 0.02] };
-        let task =
-            Task { disc, opening_rad: 25f64.to_radians(), gravity_m_s2: scene.system.gravity_m_s2, closing_s: 0.01 };
+        let disc = Placed::disc(0.02, [-base_m, 0.02]);
+        let task = Task {
+            object: disc,
+            opening_rad: 25f64.to_radians(),
+            gravity_m_s2: scene.system.gravity_m_s2,
+            closing_s: 0.01,
+        };
         size_with(&scene.system.finger(Side::Right).linkage, &task, Rule::Rigid, Placement::Phalanges, INTERVALS)
     };
     let found = |scene: &Scene| {

@@ -6,6 +6,7 @@ use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     self, Actuation, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Scene, SpringKind,
 };
+use phalanx::shape::reach;
 use serde_json::Value;
 
 const FINGER: &str = "[design]\nbase = \"15.5 mm\"\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\n";
@@ -29,7 +30,7 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!(Ok(scene.finger().linkage.lengths), gripper::lengths(&design));
     assert_eq!(gripper::bodies(&scene.finger().linkage.lengths, 1070.0, 0.04), Ok(scene.finger().linkage.bodies));
     let object = scene.object().expect("object");
-    assert_eq!((object.radius_m, object.centre_m), (0.02, [-0.0155, 0.02]));
+    assert_eq!((reach(&object.shape), object.centre_m), (0.02, [-0.0155, 0.02]));
     assert!(scene.system.palm.is_some());
     let limit = NormalLaw { stiffness_n_per_m_e: 1e11, exponent: 2.2, damping_max_n_s_per_m: 1e9, transition_m: 1e-5 };
     assert_eq!(scene.finger().limit, Some(limit));

@@ -2,8 +2,8 @@
 
 use phalanx::grasp::finger::{Instead, grasp};
 use phalanx::grasp::gripper::{Asked, PostureOf, gripper_grasp};
-use phalanx::gripper::Circle;
 use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
+use phalanx::shape::Placed;
 use phalanx::study::size::{Asked as Sizing, size};
 use phalanx::study::stability::{Grid, stability};
 use phalanx::study::step_size::step_size;
@@ -27,7 +27,7 @@ fn free(inertia_kg_m2: Option<f64>) -> DiscMotion {
 
 #[test]
 fn what_no_model_takes_is_refused_by_both() {
-    let another = || Disc::object(Circle { radius_m: 0.01, centre_m: [0.1, 0.1] });
+    let another = || Disc::object(Placed::disc(0.01, [0.1, 0.1]));
     let driven = DiscMotion::Driven { velocity_m_s: [0.0; 2], acceleration_m_s2: [0.0; 2], spin_rad_s: 0.0 };
     let moving = |scene: &mut Scene| scene.system.palm_motion = Some(PalmMotion::default());
     let two_discs = |scene: &mut Scene| {

@@ -2,6 +2,7 @@
 //! (tests/anchors/gripper.json; against 1e-12 its own runs differ by less than 2e-9 rad).
 
 use phalanx::scene::words::SceneKind;
+use phalanx::shape::Shape;
 use std::collections::BTreeMap;
 
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
@@ -195,7 +196,7 @@ fn scene(value: &Value) -> Scene {
             }),
             discs: vec![Disc {
                 name: Disc::OBJECT.to_string(),
-                radius_m: number(&object["radius"]),
+                shape: Shape::Disc { radius_m: number(&object["radius"]) },
                 centre_m: [x, y],
                 angle_rad,
                 motion: DiscMotion::Free {

@@ -7,6 +7,7 @@ use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System,
 };
+use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
 
 pub const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
@@ -24,7 +25,7 @@ pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
 }
 
 pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> Disc {
-    Disc { name: name.to_string(), radius_m, centre_m, angle_rad: 0.0, motion }
+    Disc { name: name.to_string(), shape: Shape::Disc { radius_m }, centre_m, angle_rad: 0.0, motion }
 }
 
 /// A disc of 1 kg that does not turn.

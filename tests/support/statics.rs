@@ -4,16 +4,17 @@ use std::fmt::Debug;
 
 pub use super::random::Random;
 use phalanx::gripper::{
-    Assembly, Circle, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies,
-    disc, final_posture, lengths,
+    Assembly, Design, FinalPosture, Finger, Lengths, Placement, ProximalLength, Spring, SpringKind, bodies, disc,
+    final_posture, lengths,
 };
+use phalanx::shape::{Placed, reach};
 use phalanx::statics::{Certificate, FormClosure, Kind, Unilateral};
 
 /// A finger that holds its disc.
 #[derive(Clone, Debug)]
 pub struct Grasp {
     pub finger: Finger,
-    pub disc: Circle,
+    pub disc: Placed,
     pub end: FinalPosture,
 }
 
@@ -30,7 +31,7 @@ pub fn grasp(design: &Design) -> Option<Grasp> {
 pub fn without_width(grasp: &Grasp) -> Grasp {
     let w = grasp.finger.lengths.half_width_m;
     let finger = Finger { lengths: Lengths { half_width_m: 0.0, ..grasp.finger.lengths }, ..grasp.finger };
-    let disc = Circle { radius_m: grasp.disc.radius_m + w, ..grasp.disc };
+    let disc = Placed::disc(reach(&grasp.disc.shape) + w, grasp.disc.centre_m);
     let end = final_posture(&finger.lengths, finger.assembly, disc).expect("tangent to the same virtual circle");
     Grasp { finger, disc, end }
 }

@@ -1,12 +1,13 @@
 //! A made-up run in closed form for the tests of the sinks: no model needed.
 
-use phalanx::gripper::{Assembly, Bodies, Body, Circle, Finger, Lengths};
+use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     Actuation, Bounds, Contacts, Disc, DrivenFinger, Engine, HalfPlane, Initial, Integrator, LogRates, Method, Motor,
     Placement, Preset, Scene, Spring, SpringKind, System, show,
 };
+use phalanx::shape::Placed;
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
 
 /// A scene whose text says what it is.
@@ -24,7 +25,7 @@ fn resolved() -> Scene {
             fingers: vec![finger()],
             palm_width_m: 0.0,
             differential: None,
-            discs: vec![Disc::object(Circle { radius_m: 20e-3, centre_m: [-15.5e-3, 20e-3] })],
+            discs: vec![Disc::object(Placed::disc(20e-3, [-15.5e-3, 20e-3]))],
             between_discs: None,
             palm: Some(HalfPlane { level_m: 0.0, contact: None }),
             table: None,

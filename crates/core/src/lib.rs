@@ -17,4 +17,4 @@ pub mod integrator;
 pub mod invariants;
 pub mod trace;
 
-pub use phalanx_scene::{fivebar, gripper, law, limits, numeric, scene, sizing, statics, units};
+pub use phalanx_scene::{fivebar, gripper, law, limits, numeric, scene, shape, sizing, statics, units};

@@ -1,6 +1,6 @@
 //! The mechanics that both models of phalanx stand on, without time: kinematics and dynamics of the five-bar, contact laws, sizing, statics.
 //!
-//! Modules depend on each other in one direction only: `numeric ← law, gripper ← fivebar ← sizing, statics`.
+//! Modules depend on each other in one direction only: `numeric ← law, shape ← gripper ← fivebar ← sizing, statics`.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests hold what is computed to other libraries"))]
 
@@ -8,5 +8,6 @@ pub mod fivebar;
 pub mod gripper;
 pub mod law;
 pub mod numeric;
+pub mod shape;
 pub mod sizing;
 pub mod statics;

@@ -8,4 +8,4 @@ pub mod limits;
 pub mod scene;
 pub mod units;
 
-pub use phalanx_mechanics::{fivebar, gripper, law, numeric, sizing, statics};
+pub use phalanx_mechanics::{fivebar, gripper, law, numeric, shape, sizing, statics};

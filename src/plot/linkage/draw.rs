@@ -9,6 +9,7 @@ use crate::plot::outline::head;
 use crate::plot::svg::{Paint, Svg, Words, document};
 use crate::plot::theme::{ANGLE, Colour, FORCE, INK, PALM, PAPER, SOFT};
 use crate::scene::Scene;
+use crate::shape::sizes;
 
 /// A label farther from what it names than this gets a line to it.
 const NEAR: f64 = 20.0;
@@ -117,7 +118,8 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
     ];
     if let Some(object) = scene.object() {
         rows.push(("base", INK, "from joint to middle", mm(-object.centre_m[0])));
-        rows.push(("radius", INK, "of the object", mm(object.radius_m)));
+        let sizes = sizes(&object.shape).into_iter();
+        rows.extend(sizes.map(|(name, size_m)| (name, INK, "of the object", mm(size_m))));
     }
     rows.extend([
         ("q11", ANGLE, "angle of l11", deg(q.q11_rad)),

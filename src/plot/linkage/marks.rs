@@ -5,10 +5,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::mechanism::Mechanism;
 use super::place::{Point, Wish};
 use crate::drawing::{Drawing, poses_in};
+use crate::numeric::plane::{add, scale};
 use crate::plot::outline::{MARGIN, View, mirrored, outlines};
 use crate::plot::svg::Paint;
 use crate::plot::theme::{Colour, OBJECT, SOFT};
 use crate::scene::Scene;
+use crate::shape::round;
 
 /// Width of the picture, and most height of the drawing in it.
 const WIDTH: f64 = 760.0;
@@ -193,8 +195,8 @@ fn dimensions(m: &Mechanism, view: &View, made: &mut Marks) {
     made.lines.push(Line { stroke: Stroke::Reference, points: vec![right, [right[0], y + 6.0]] });
     made.lines.push(Line { stroke: Stroke::Dimension, points: vec![[left[0], y], [right[0], y]] });
     made.letters.push(letter("base", Stroke::Dimension, middle([left[0], y], [right[0], y]), [0.0, -1.0]));
-    let rim = towards(0.75 * PI);
-    let rim = view.pixel([0, 1].map(|k| object.centre_m[k] + object.radius_m * rim[k]));
+    let Some(radius_m) = round(&object.shape) else { return };
+    let rim = view.pixel(add(object.centre_m, scale(towards(0.75 * PI), radius_m)));
     made.lines.push(Line { stroke: Stroke::Dimension, points: vec![left, rim] });
     made.letters.push(letter("radius", Stroke::Dimension, middle(left, rim), [0.5, 1.0]));
 }

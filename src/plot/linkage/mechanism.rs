@@ -2,15 +2,16 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::gripper::{Circle, Joints, Lengths, Posture, close, final_posture, joints, straight};
+use crate::gripper::{Joints, Lengths, Posture, close, final_posture, joints, straight};
 use crate::scene::Scene;
+use crate::shape::Placed;
 
 /// What is drawn, in metres and radians.
 pub(super) struct Mechanism {
     pub lengths: Lengths,
     pub posture: Posture,
     pub joints: Joints,
-    pub object: Option<Circle>,
+    pub object: Option<Placed>,
     pub palm: bool,
     /// Where each phalanx touches the object and which way that pushes the phalanx.
     pub contacts: Option<[([f64; 2], [f64; 2]); 2]>,
@@ -20,7 +21,7 @@ pub(super) struct Mechanism {
 
 pub(super) fn mechanism(scene: &Scene) -> Mechanism {
     let (lengths, assembly) = (scene.finger().linkage.lengths, scene.finger().linkage.assembly);
-    let object = scene.object().map(|object| object.circle());
+    let object = scene.object().map(|object| object.placed());
     let grasp = object.and_then(|object| Some((object, final_posture(&lengths, assembly, object).ok()?)));
     let start = || close(&lengths, assembly, scene.finger().initial.q11_rad, scene.finger().initial.q21_rad).ok();
     // A scene whose start does not close is refused elsewhere; upright it can always be drawn.
@@ -45,7 +46,7 @@ pub(super) fn mechanism(scene: &Scene) -> Mechanism {
             let way = [on[0] - object.centre_m[0], on[1] - object.centre_m[1]];
             let size = way[0].hypot(way[1]);
             let way = way.map(|k| k / size);
-            ([0, 1].map(|k| object.centre_m[k] + object.radius_m * way[k]), way)
+            (object.furthest_m(way), way)
         };
         [
             touch([0.0; 2], joints.a22_m, end.l_c21_m, lengths.l21_m),

@@ -4,7 +4,6 @@ use super::Load;
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, Travel, is_form_closed};
 use crate::grasp::geometric;
 use crate::grasp::run;
-use crate::gripper::Circle;
 use crate::scene::{Scene, Side};
 use crate::statics::{Blocked, PerContact, Stance, gripper_closure};
 use crate::trace::Model;
@@ -81,7 +80,7 @@ fn closed_there(scene: &Scene) -> Option<bool> {
         fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
         angles_rad: geometric(scene).ok()?,
         palm_width_m: scene.system.palm_width_m,
-        object: Circle { radius_m: scene.system.grasped().radius_m, centre_m: scene.system.grasped().centre_m },
+        object: scene.system.grasped().placed(),
     };
     let touching = PerContact { phalanges: [[true; 2]; 2], palm: scene.system.palm.is_some() };
     let blocked = if scene.system.differential.is_some() { Blocked::Input } else { Blocked::Outputs };

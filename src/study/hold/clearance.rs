@@ -5,6 +5,7 @@ use super::load::{Case, Load};
 use super::plan::{Loads, Plan};
 use super::prepared::Prepared;
 use crate::numeric::elementary::sin_cos;
+use crate::shape::support;
 
 /// Clearance that is no contact, m: as much as the object may sink in the hand.
 const CLEAR_M: f64 = 0.5e-3;
@@ -41,11 +42,12 @@ pub(super) fn highest(prepared: &Prepared, plan: &Plan, cases: &[Case]) -> Resul
 fn is_clear(prepared: &Prepared, load: &Load) -> bool {
     let Some(table) = &prepared.scene.system.table else { return true };
     let object = prepared.scene.system.grasped();
-    let ([x, y], begins_s) = (object.centre_m, prepared.stage.begins_s);
+    let (object, begins_s) = (object.placed(), prepared.stage.begins_s);
     (0..=PLACES).all(|index| {
         let time_s = begins_s + (load.over_s - begins_s) * index as f64 / PLACES as f64;
         let [_, height, turn] = load.motion.pose(time_s).place;
         let (sin, cos) = sin_cos(turn);
-        height + sin * x + cos * y + object.radius_m < table.level_m - CLEAR_M
+        let [x, y] = object.centre_m;
+        height + sin * x + cos * y + support(&object, [sin, cos]).distance < table.level_m - CLEAR_M
     })
 }

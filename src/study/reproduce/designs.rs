@@ -126,7 +126,7 @@ fn other_sizings(
 fn sized(scene: &Scene, rule: Rule) -> Result<[f64; 2], ReproduceError> {
     let error = ReproduceError::of("another sizing");
     let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
-    let task = Task::thesis(object.circle());
+    let task = Task::thesis(object.placed());
     let sizing = size(&scene.finger().linkage, &task, rule).map_err(|reason| error(&reason))?;
     Ok([sizing.motor_n_m, sizing.spring_n_m])
 }

@@ -59,6 +59,6 @@ pub fn sizing(designs: &[Scene], chosen: &Scene) -> Result<SizingFound, Reproduc
 fn profiled(scene: &Scene, samples: usize) -> Result<Profile, ReproduceError> {
     let error = ReproduceError::of("the sizing");
     let object = scene.object().ok_or_else(|| error(&"there is no object"))?;
-    let task = Task::thesis(object.circle());
+    let task = Task::thesis(object.placed());
     profile(&scene.finger().linkage, &task, PRELOAD_RAD, samples).map_err(|reason| error(&reason))
 }

@@ -95,7 +95,7 @@ pub fn close(template: &Template, design: &Design, rule: Rule) -> Result<Closed,
     let finger = Finger { lengths, bodies, assembly: template.assembly };
     let task = template.task(design);
     let sizing = size(&finger, &task, rule)?;
-    let end = final_posture(&lengths, finger.assembly, task.disc)?;
+    let end = final_posture(&lengths, finger.assembly, task.object)?;
     let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m };
     let spring = Spring { kind, placement: Placement::Phalanges };
     let loads_n_m = drive_loads(&finger, &end, sizing.motor_n_m, Some(&spring))?;

@@ -7,9 +7,10 @@ use crate::fivebar::spring::SpringModel;
 use crate::gripper::{Assembly, Finger, Site, Spring};
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, angle_between, opening_angle, rotate};
+use crate::numeric::plane::{angle_between, opening_angle, rotate};
 use crate::numeric::{Dual, Real, from_each};
 use crate::scene::{Contacts, Initial};
+use crate::shape::{Placed, Support};
 
 /// A finger with everything that does not change in time worked out.
 #[derive(Clone, Debug)]
@@ -61,18 +62,18 @@ impl FingerModel {
         (pose, rates)
     }
 
-    /// Geometry of a phalanx against a disc; of the joint limit it is [`FingerModel::limit_geometry`].
+    /// Geometry of a phalanx against an object; of the joint limit it is [`FingerModel::limit_geometry`].
     #[inline(always)]
     pub(super) fn phalanx<T: Real>(
         &self,
         pose: &Directions<T>,
         rates: &PassiveRates<T>,
         site: Site,
-        (centre, radius): (Vector<T>, f64),
+        object: &Placed<T>,
     ) -> Geometry<T> {
         match site {
-            Site::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, centre, radius),
-            _ => contact::distal(pose, rates, &self.distal, centre, radius),
+            Site::Proximal => contact::proximal(pose, self.distal.l21, self.distal.w, object),
+            _ => contact::distal(pose, rates, &self.distal, object),
         }
     }
 
@@ -82,7 +83,7 @@ impl FingerModel {
         let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
         let row = [rates.a4[0], rates.a4[1] - 1.0];
         let none = [T::zero(); 2];
-        Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none }
+        Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none, support: Support::none() }
     }
 
     #[inline(always)]

@@ -8,7 +8,6 @@ use super::finger::{FingerModel, Passive};
 use super::mode::SiteState;
 use crate::fivebar::dynamics::{Dynamics, Terms, kinetic_energy, solve_mass, terms};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
-use crate::gripper::Circle;
 use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{
@@ -18,6 +17,7 @@ use crate::law::{
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, each, from_each};
 use crate::scene::{self, Actuation, DrivenFinger, Initial, Side, torque};
+use crate::shape::{Placed, Support};
 
 /// Quadratures carried along: normal impulses of the three sites, work of all contact forces on the finger, work of the motor.
 pub const QUADRATURES: usize = 5;
@@ -40,7 +40,7 @@ const MEMORIES: usize = 2;
 pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
     pub(super) actuation: Actuation,
-    pub(super) object: Option<Circle>,
+    pub(super) object: Option<Placed>,
 }
 
 /// That of a scene whose friction has no memory.
@@ -91,7 +91,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         Self {
             finger: FingerModel::new(linkage, (*spring, *limit), *contact, initial, system.gravity_m_s2),
             actuation: motor.actuation.clone(),
-            object: system.object().map(|object| object.circle()),
+            object: system.object().map(|object| object.placed()),
         }
     }
 
@@ -143,13 +143,10 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         if site == Site::Limit {
             return self.finger.limit.map(|_| self.finger.limit_geometry(pose, rates));
         }
-        let disc = self.object?;
-        Some(self.finger.phalanx(
-            pose,
-            rates,
-            site,
-            ([T::constant(disc.centre_m[0]), T::constant(disc.centre_m[1])], disc.radius_m),
-        ))
+        let Placed { shape, centre_m, angle_rad } = self.object?;
+        let centre_m = [T::constant(centre_m[0]), T::constant(centre_m[1])];
+        let object = Placed { shape, centre_m, angle_rad: T::constant(angle_rad) };
+        Some(self.finger.phalanx(pose, rates, site, &object))
     }
 
     /// q̈_a and the rates of the memories and of the quadratures (2.24), from the position-dependent terms and the geometry of the sites
@@ -356,6 +353,7 @@ impl Geometry<Dual<2>> {
             tangent_row: from_each(self.tangent_row, Dual::among),
             normal: from_each(self.normal, Dual::among),
             point: from_each(self.point, Dual::among),
+            support: Support { distance: self.support.distance.among(), slope: self.support.slope.among() },
         }
     }
 }

@@ -4,6 +4,7 @@ use super::path::{Heard, Keep, POINTS, Path, coordinates, units};
 use crate::analytic::multibody::of_discs;
 use crate::scene::words::SceneKind;
 use crate::scene::{DiscMotion, Engine, Integrator, Method, Scene, Stepping, System, Words, scaled};
+use crate::shape::reach;
 use crate::trace::{self, Layout, Model, Outcome, RunError, Sink};
 
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
@@ -33,7 +34,7 @@ pub fn pushed(scene: &Scene, by: f64) -> Scene {
     if let Some(differential) = differential {
         differential.motor.actuation = scaled(&differential.motor.actuation, 1.0 + by);
         for object in &mut *discs {
-            object.centre_m[0] += by * object.radius_m;
+            object.centre_m[0] += by * reach(&object.shape);
         }
     }
     if fingers.is_empty() {

@@ -32,8 +32,8 @@ impl AtRest {
 /// # Errors
 /// Why the finger cannot grasp the object.
 pub fn at_rest(scene: &Scene, object: &Disc) -> Result<AtRest, GraspError> {
-    let (finger, disc) = (scene.finger(), object.circle());
-    let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, disc)?;
+    let finger = scene.finger();
+    let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, object.placed())?;
     let mu_static = finger.contact.mu_static();
     let motor_n_m = scene::torque(&finger.motor.actuation, scene.duration_s).0;
     let forces = drive_loads(&finger.linkage, &end, motor_n_m, finger.spring.as_ref())

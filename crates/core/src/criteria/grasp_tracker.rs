@@ -7,6 +7,7 @@ use super::pieces::{Judge, Piece, Pieces};
 use crate::gripper::Site;
 use crate::numeric::elementary::hypot;
 use crate::scene::{Cycle, Place, Scene};
+use crate::shape::reach;
 use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError, Wants};
 
 const PLACES: usize = Place::ALL.len();
@@ -24,7 +25,7 @@ pub struct GraspTracker {
 /// What the pieces so far have said.
 #[derive(Clone, Debug)]
 struct Found {
-    radius_m: f64,
+    reach_m: f64,
     /// The object in the first sample, and how far it has got since.
     start: Option<(BodyState, Onset)>,
     contacts: [History; PLACES],
@@ -119,8 +120,8 @@ impl Judge<PLACES> for Found {
     fn path(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Path {
         let ([from, to], [t0, t1]) = ([&last.bodies[0], &next.bodies[0]], [last.time_s, next.time_s]);
         let limits = [
-            Some(([0.0; 2], EJECTED_RADII * self.radius_m)),
-            self.grasped.map(|onset| (onset.pose.centre_m, self.radius_m)),
+            Some(([0.0; 2], EJECTED_RADII * self.reach_m)),
+            self.grasped.map(|onset| (onset.pose.centre_m, self.reach_m)),
         ];
         for (point, limit) in limits.into_iter().flatten() {
             Hermite::new(distance(t0, from, point), distance(t1, to, point)).crossings(limit, cuts_s);
@@ -142,7 +143,7 @@ impl Judge<PLACES> for Found {
         let poses = times.map(|time| path.pose(time));
         let middle = path.pose(0.5 * (piece.from_s + piece.to_s));
         self.start.iter_mut().for_each(|(_, travelled)| travelled.reach(&poses[1]));
-        if middle.distance([0.0; 2]) > EJECTED_RADII * self.radius_m {
+        if middle.distance([0.0; 2]) > EJECTED_RADII * self.reach_m {
             self.ejected_s.get_or_insert(piece.from_s);
         }
         if self.cycle.releases_s.is_some_and(|end| piece.from_s >= end) {
@@ -161,7 +162,7 @@ impl Judge<PLACES> for Found {
             self.grasped.get_or_insert(Onset::new(piece.from_s, poses[0]));
         }
         let Some(grasped) = self.grasped else { return };
-        if self.both_sides && middle.distance(grasped.pose.centre_m) <= self.radius_m {
+        if self.both_sides && middle.distance(grasped.pose.centre_m) <= self.reach_m {
             self.dropped_s = None;
         } else {
             self.dropped_s.get_or_insert(piece.from_s);
@@ -172,7 +173,7 @@ impl Judge<PLACES> for Found {
 impl GraspTracker {
     /// Of a scene, with the times of its cycle.
     pub fn of(scene: &Scene) -> Self {
-        let mut tracker = Self::new(scene.system.grasped().radius_m);
+        let mut tracker = Self::new(reach(&scene.system.grasped().shape));
         tracker.found.cycle = scene.cycle();
         tracker
     }
@@ -184,10 +185,10 @@ impl GraspTracker {
         self
     }
 
-    /// For an object of this radius, that is to be held to the end.
-    pub fn new(radius_m: f64) -> Self {
+    /// For an object that reaches so far from its centre (its radius), that is to be held to the end.
+    pub fn new(reach_m: f64) -> Self {
         let found = Found {
-            radius_m,
+            reach_m,
             start: None,
             contacts: [History::default(); PLACES],
             grasped: None,

@@ -1,7 +1,8 @@
 //! The posture of a gripper in a sample, for those who judge how it is held.
 
-use crate::gripper::{Circle, Site};
+use crate::gripper::Site;
 use crate::scene::{Place, Scene, Side};
+use crate::shape::{Placed, reach};
 use crate::statics::{Blocked, ForceClosure, Holding, PerContact, Stance, force_closure, gripper_closure};
 use crate::trace::{ContactSample, FingerState, Sample};
 
@@ -12,7 +13,11 @@ pub fn stance<'a>(scene: &'a Scene, sample: &Sample) -> Stance<'a> {
         fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
         angles_rad: Side::BOTH.map(|side| angles(&sample.fingers[side as usize])),
         palm_width_m: scene.system.palm_width_m,
-        object: Circle { radius_m: scene.system.grasped().radius_m, centre_m: sample.bodies[0].centre_m },
+        object: Placed {
+            shape: scene.system.grasped().shape,
+            centre_m: sample.bodies[0].centre_m,
+            angle_rad: sample.bodies[0].angle_rad,
+        },
     }
 }
 
@@ -55,5 +60,5 @@ pub fn force_closure_of(scene: &Scene, sample: &Sample) -> ForceClosure {
         (contact.normal_n > 0.0).then_some(Holding { point_m: contact.point_m, push, mu })
     };
     let contacts: Vec<Holding> = Place::ALL.into_iter().zip(&sample.contacts).filter_map(holding).collect();
-    force_closure(&contacts, sample.bodies[0].centre_m, scene.system.grasped().radius_m)
+    force_closure(&contacts, sample.bodies[0].centre_m, reach(&scene.system.grasped().shape))
 }

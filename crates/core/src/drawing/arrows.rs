@@ -3,11 +3,12 @@
 use crate::law::ContactLaw;
 use crate::numeric::elementary::{hypot, pow};
 use crate::scene::{Actuation, DiscMotion, Pair, Partner, Side, System};
+use crate::shape::reach;
 
 /// Length for each newton, and the longest arrow: a usual force is about half as long as a phalanx; without fingers, as a radius.
 pub(super) fn arrows(system: &System) -> (f64, f64) {
     let (usual_n, half_m, longest_m) = if system.fingers.is_empty() {
-        let smallest_m = system.discs.iter().map(|disc| disc.radius_m).fold(f64::INFINITY, f64::min);
+        let smallest_m = system.discs.iter().map(|disc| reach(&disc.shape)).fold(f64::INFINITY, f64::min);
         let impact = |pair| system.between_discs.map_or(0.0, |law| impact_n(system, &law, pair));
         let usual_n = system.pairs().into_iter().map(impact).fold(0.0, f64::max);
         (if usual_n.is_finite() { usual_n } else { 0.0 }, 0.5 * smallest_m, 2.0 * smallest_m)

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 pub use parts::{Body, Drawing, Part, Pose, Shape};
 
-use crate::gripper::{Circle, Posture, close, final_posture};
+use crate::gripper::{Posture, close, final_posture};
 use crate::scene::{Disc, DrivenFinger, Scene, Side, System, Touching};
 use crate::trace::{BodyState, FingerState, Sample};
 use arrows::arrows;
@@ -35,7 +35,7 @@ impl Drawing {
             name: disc.name.clone(),
             part,
             fixed: !disc.motion.moves(),
-            shapes: vec![Shape::Disc { radius_m: disc.radius_m }],
+            shapes: vec![Shape::of(&disc.shape)],
         }));
         for (side, finger) in system.sided() {
             bodies.extend(links(&finger.linkage.lengths).map(|body| Body {
@@ -134,9 +134,8 @@ fn view(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
     let postures = system.sided().map(|(side, DrivenFinger { linkage, initial, .. })| {
         let start = close(&linkage.lengths, linkage.assembly, initial.q11_rad, initial.q21_rad).unwrap_or(upright);
         let grasp = system.object().and_then(|object| {
-            let [x, y] = object.centre_m;
-            let centre_m = [side.mirror() * x - 0.5 * system.palm_width_m, y];
-            final_posture(&linkage.lengths, linkage.assembly, Circle { radius_m: object.radius_m, centre_m }).ok()
+            let seen = object.placed().in_finger(side.mirror(), 0.5 * system.palm_width_m);
+            final_posture(&linkage.lengths, linkage.assembly, seen).ok()
         });
         [start, grasp.map_or(start, |end| end.posture)]
     });

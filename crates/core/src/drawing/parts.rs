@@ -1,6 +1,7 @@
 //! What a drawing is made of.
 
 use crate::numeric::elementary::sin_cos;
+use crate::shape;
 
 /// Everything that is to be drawn of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,14 @@ pub enum Shape {
     Disc { radius_m: f64 },
     /// Everything below y = level.
     HalfPlane { level_m: f64 },
+}
+
+impl Shape {
+    /// Of a body of any shape: a disc where it is round, or else a polygon.
+    pub fn of(shape: &shape::Shape) -> Self {
+        let polygon = || Shape::Polygon { corners_m: shape.at([0.0; 2]).outline_m() };
+        shape::round(shape).map_or_else(polygon, |radius_m| Shape::Disc { radius_m })
+    }
 }
 
 /// Where the frame of a body is in the world.

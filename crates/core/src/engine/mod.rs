@@ -35,6 +35,7 @@ mod settle;
 mod space;
 mod stepper;
 mod substeps;
+mod surfaces;
 mod touch;
 mod world;
 

@@ -6,6 +6,7 @@
 use crate::gripper::Body;
 use crate::law::{ContactLaw, NormalLaw};
 use crate::scene::{Actuation, Brake, PalmMotion, SpringKind, next_corner, torque};
+use crate::shape;
 
 /// A moving body: its mass properties, and where it starts. A body without mass is moved by a drive; one without inertia
 /// does not turn by itself.
@@ -26,9 +27,7 @@ pub struct PlannedBody {
 pub enum Shape {
     Capsule(Capsule),
     /// About the origin of its frame.
-    Disc {
-        radius_m: f64,
-    },
+    Disc(shape::Shape),
     /// Everything below the origin of its frame.
     HalfPlane,
 }

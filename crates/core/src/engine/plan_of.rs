@@ -6,6 +6,7 @@ use super::plan::{
     Against, Course, Meet, Plan, PlannedBody, PlannedContact, PlannedDrive, PlannedFixed, PlannedHold, Shape,
 };
 use crate::gripper::Body;
+use crate::numeric::elementary::sin_cos;
 use crate::scene::{Disc, DiscMotion, DrivenFinger, PalmMotion, Side, System, Touching};
 
 /// The plan of a system, or the finger whose angles do not close its loop.
@@ -45,8 +46,8 @@ fn surfaces(plan: &mut Plan, system: &System) -> Vec<Against> {
     let mut next = LINKS * system.fingers.len();
     let surface = |disc: &Disc| match disc.motion {
         DiscMotion::Fixed => {
-            let shape = Shape::Disc { radius_m: disc.radius_m };
-            plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, direction: [1.0, 0.0] });
+            let (shape, (sin, cos)) = (Shape::Disc(disc.shape), sin_cos(disc.angle_rad));
+            plan.fixed.push(PlannedFixed { shape, origin_m: disc.centre_m, direction: [cos, sin] });
             Against::Fixed(plan.fixed.len() - 1)
         }
         DiscMotion::Driven { .. } | DiscMotion::Free { .. } => {
@@ -96,7 +97,7 @@ fn add_disc(plan: &mut Plan, disc: &Disc) {
         angle_rad: disc.angle_rad,
         velocity_m_s,
         rate_rad_s,
-        shape: Some(Shape::Disc { radius_m: disc.radius_m }),
+        shape: Some(Shape::Disc(disc.shape)),
     });
 }
 

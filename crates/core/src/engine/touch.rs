@@ -5,6 +5,7 @@ use rapier2d_f64::prelude::*;
 
 use super::linkage::{Linkage, Place, Twist};
 use super::plan::{Against, Meet, Plan, PlannedHold};
+use super::surfaces::{self, Surfaces};
 use super::world::World;
 use crate::law::{Bristle, FrictionLaw, NormalLaw, Stepped, friction_coefficient, stepped};
 use crate::numeric::elementary::hypot;
@@ -254,17 +255,12 @@ fn stop_gap(plan: &Plan, index: usize, places: &[Place]) -> f64 {
     places[stop.on].angle - places[stop.against].angle - stop.least_rad
 }
 
-/// Two surfaces at given places: the gap, the nearest point of each, and the normal from the other surface to the body's.
-struct Surfaces {
-    gap: f64,
-    point: [f64; 2],
-    other_point: [f64; 2],
-    normal: [f64; 2],
-}
-
-/// The surfaces of a contact with all bodies at given places, from parry.
+/// The surfaces of a contact with all bodies at given places, from parry where it knows them exactly.
 fn surfaces(world: &World, plan: &Plan, index: usize, places: &[Place]) -> Option<Surfaces> {
     let contact = &plan.contacts[index];
+    if let Some(found) = surfaces::of_shapes(plan, contact, places) {
+        return Some(found);
+    }
     let [own, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
     let pose = pose(plan, contact.body, places);
     let other_pose = match contact.against {

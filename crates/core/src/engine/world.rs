@@ -7,6 +7,7 @@ use super::hook::Governed;
 use super::plan::{Against, Capsule, Plan, PlannedBody, PlannedPin, Shape};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::{Construction, Response};
+use crate::shape::{self, reach, round};
 
 /// A rapier world, and what of it belongs to which body of the plan.
 pub struct World {
@@ -97,7 +98,8 @@ fn refresh(world: &mut World) {
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
     let shapes = plan.fixed.iter().map(|fixed| fixed.shape).chain(plan.bodies.iter().filter_map(|body| body.shape));
     let radius = |shape| match shape {
-        Shape::Capsule(Capsule { radius_m, .. }) | Shape::Disc { radius_m } => radius_m,
+        Shape::Capsule(Capsule { radius_m, .. }) => radius_m,
+        Shape::Disc(shape) => reach(&shape),
         Shape::HalfPlane => 0.0,
     };
     let reach_m = REACH * shapes.map(radius).fold(0.0, f64::max);
@@ -196,13 +198,20 @@ fn groups(plan: &Plan, surface: usize) -> InteractionGroups {
     InteractionGroups::new(group(surface), partners, InteractionTestMode::And)
 }
 
-fn collider(shape: Shape) -> ColliderBuilder {
+/// What stands for a shape that is not round: it says what is near; where its surface is, [`surfaces`](super::surfaces) asks the shape.
+pub fn polygon(shape: &shape::Shape) -> ColliderBuilder {
+    let corners = shape.at([0.0; 2]).outline_m().into_iter().map(|[x, y]| Vector::new(x, y)).collect();
+    ColliderBuilder::convex_polyline(corners).expect("the corners of a convex outline")
+}
+
+/// What rapier has in place of a surface.
+pub fn collider(shape: Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
             let end = Vector::new(cos(capsule.angle_rad), sin(capsule.angle_rad)) * capsule.length_m;
             ColliderBuilder::capsule_from_endpoints(Vector::ZERO, end, capsule.radius_m)
         }
-        Shape::Disc { radius_m } => ColliderBuilder::ball(radius_m),
+        Shape::Disc(shape) => round(&shape).map_or_else(|| polygon(&shape), ColliderBuilder::ball),
         Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }

@@ -3,10 +3,11 @@
 use serde::Serialize;
 
 use crate::fivebar::spring::gradient;
-use crate::gripper::{Circle, FinalPosture, Finger, GraspError, Spring, final_posture};
+use crate::gripper::{FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
 use crate::scene::words::SceneKind;
 use crate::scene::{Scene, WrongKind, torque};
+use crate::shape::Placed;
 use crate::statics::{
     AtRest, Birglen, Equilibrium, FormClosure, Hand, StaticsError, at_rest, birglen, decide, drive_loads,
     equilibrium_each, unilateral,
@@ -20,7 +21,7 @@ const RESTS_M: f64 = 1e-6;
 pub struct Grasp {
     pub scene: String,
     pub finger: Finger,
-    pub disc: Circle,
+    pub object: Placed,
     pub end: FinalPosture,
     /// Proximal and distal.
     pub contacts: [Contact; 2],
@@ -137,13 +138,13 @@ pub fn grasp(scene: &Scene, instead: &Instead) -> Result<Grasp, GraspStudyError>
     let Some(object) = scene.only(SceneKind::Finger)?.object() else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };
-    let disc = object.circle();
-    let end = final_posture(&scene.finger().linkage.lengths, scene.finger().linkage.assembly, disc)
+    let object = object.placed();
+    let end = final_posture(&scene.finger().linkage.lengths, scene.finger().linkage.assembly, object)
         .map_err(|error| GraspStudyError::NoGrasp { scene: name(), error })?;
-    at_rest_with(scene, disc, end, instead).map_err(|error| GraspStudyError::Statics { scene: name(), error })
+    at_rest_with(scene, object, end, instead).map_err(|error| GraspStudyError::Statics { scene: name(), error })
 }
 
-fn at_rest_with(scene: &Scene, disc: Circle, end: FinalPosture, instead: &Instead) -> Result<Grasp, StaticsError> {
+fn at_rest_with(scene: &Scene, object: Placed, end: FinalPosture, instead: &Instead) -> Result<Grasp, StaticsError> {
     let finger = scene.finger().linkage;
     let motor_n_m = instead.motor_n_m.unwrap_or_else(|| torque(&scene.finger().motor.actuation, scene.duration_s).0);
     let drive = drive(&finger, &end, motor_n_m, scene.finger().spring.as_ref())?;
@@ -159,14 +160,14 @@ fn at_rest_with(scene: &Scene, disc: Circle, end: FinalPosture, instead: &Instea
         let birglen = birglen(&finger, &end, drive.loads_n_m, mu_static[1])?;
         Ok(Forces { mu_static, equilibrium, birglen })
     };
-    let palm = palm(scene, disc);
+    let palm = palm(scene, &object);
     let hand = Hand { palm: palm.holds(), ..Hand::symmetric(&finger, &end) };
     Ok(Grasp {
         scene: scene.name.clone(),
         finger,
-        disc,
+        object,
         end,
-        contacts: contacts(&finger, disc, &end),
+        contacts: contacts(&finger, &object, &end),
         drive,
         forces: asked.into_iter().map(forces).collect::<Result<_, _>>()?,
         palm,
@@ -190,14 +191,14 @@ fn drive(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Sp
     Ok(Drive { motor_n_m, spring, loads_n_m, motor_min_n_m })
 }
 
-fn contacts(finger: &Finger, disc: Circle, end: &FinalPosture) -> [Contact; 2] {
+fn contacts(finger: &Finger, object: &Placed, end: &FinalPosture) -> [Contact; 2] {
     let quarter = 0.5 * std::f64::consts::PI;
     let contact = |angle: f64, from_joint_m: f64, phalanx_m: f64| {
         let normal = [cos(angle), sin(angle)];
         Contact {
             from_joint_m,
             phalanx_m,
-            point_m: [0, 1].map(|i| disc.centre_m[i] + disc.radius_m * normal[i]),
+            point_m: object.furthest_m(normal),
             normal,
             tangent: [-normal[1], normal[0]],
         }
@@ -208,8 +209,8 @@ fn contacts(finger: &Finger, disc: Circle, end: &FinalPosture) -> [Contact; 2] {
     ]
 }
 
-fn palm(scene: &Scene, disc: Circle) -> Palm {
-    let gap_m = disc.centre_m[1] - disc.radius_m;
+fn palm(scene: &Scene, object: &Placed) -> Palm {
+    let gap_m = object.lowest_m()[1];
     match scene.system.palm.is_some() {
         false => Palm::None,
         true if gap_m.abs() <= RESTS_M => Palm::Rests,

@@ -1,6 +1,6 @@
 //! Where the fingers of a gripper close around its object.
 
-use crate::gripper::{Circle, GraspError, final_posture};
+use crate::gripper::{GraspError, final_posture};
 use crate::scene::{Scene, Side};
 
 /// (q11, q21) of right and left at which all phalanges touch the object where the scene has it.
@@ -8,13 +8,12 @@ use crate::scene::{Scene, Side};
 /// # Errors
 /// The first finger that does not reach around it, and why.
 pub fn geometric(scene: &Scene) -> Result<[[f64; 2]; 2], (Side, GraspError)> {
-    let [x, y] = scene.system.grasped().centre_m;
+    let object = scene.system.grasped().placed();
     let mut angles_rad = [[0.0; 2]; 2];
     for side in Side::BOTH {
         let finger = &scene.system.finger(side).linkage;
-        let centre_m = [side.mirror() * x - 0.5 * scene.system.palm_width_m, y];
-        let disc = Circle { radius_m: scene.system.grasped().radius_m, centre_m };
-        let end = final_posture(&finger.lengths, finger.assembly, disc).map_err(|error| (side, error))?;
+        let seen = object.in_finger(side.mirror(), 0.5 * scene.system.palm_width_m);
+        let end = final_posture(&finger.lengths, finger.assembly, seen).map_err(|error| (side, error))?;
         angles_rad[side as usize] = [end.posture.q11_rad, end.posture.q21_rad];
     }
     Ok(angles_rad)

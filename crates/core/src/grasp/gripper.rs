@@ -9,6 +9,7 @@ use crate::criteria::{Driven, Fate, GraspTracker, Pressed, friction, hand_at_res
 use crate::gripper::{GraspError, Site, close};
 use crate::scene::words::SceneKind;
 use crate::scene::{DiscMotion, Place, Scene, Side, WrongKind};
+use crate::shape::reach;
 use crate::statics::{
     Balance, Blocked, Drive, ForceClosure, FormClosure, GripperRow, HandAtRest, Holding, MetAt, PerContact, Stance,
     StaticsError, balance_polar, force_closure, gripper_closure,
@@ -351,7 +352,7 @@ fn holds(
     let Stance { object, .. } = hands[0].stance;
     Ok(Holds {
         mu_static,
-        force_closure: force_closure(&holding, object.centre_m, object.radius_m),
+        force_closure: force_closure(&holding, object.centre_m, reach(&object.shape)),
         polar: [polar(&hands[0])?, polar(&hands[1])?],
     })
 }

@@ -3,8 +3,9 @@
 use super::{BodyState, Event, Outcome, RunError, Sample, Sink, SinkError, Wants};
 use crate::numeric::elementary::hypot;
 use crate::scene::System;
+use crate::shape::reach;
 
-/// How far from the palm's middle an object has left the gripper, in its radii.
+/// How far from the palm's middle an object has left the gripper, in its reaches (radii of a disc).
 pub const EJECTED_RADII: f64 = 3.0;
 
 /// Runs a gripper with `run`, which gets `sink`, up to where the object is ejected; [`Outcome::ejected_s`] says when.
@@ -13,7 +14,7 @@ pub(super) fn up_to_ejection(
     sink: &mut dyn Sink,
     run: impl FnOnce(&mut dyn Sink) -> Result<Outcome, RunError>,
 ) -> Result<Outcome, RunError> {
-    let far_m = EJECTED_RADII * system.object().map_or(f64::INFINITY, |object| object.radius_m);
+    let far_m = EJECTED_RADII * system.object().map_or(f64::INFINITY, |object| reach(&object.shape));
     let mut watch = Watch { sink, far_m, before: (0.0, 0.0), ejected_s: None };
     let result = run(&mut watch);
     let ejected_s = watch.ejected_s;

@@ -3,10 +3,11 @@
 //! A design fixes how far the finger stands from the disc (`base`), where the proximal phalanx lies within the range
 //! that base allows, the angle of the distal body and its arm. Everything else follows.
 
-use super::grasp::{Circle, GraspError, contact_proximal};
+use super::grasp::{GraspError, contact_proximal};
 use super::posture::{PostureError, gamma};
 use super::{Assembly, Lengths};
 use crate::numeric::elementary::{cos, hypot, sin, sin_cos, tan};
+use crate::shape::Placed;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Height of the finger over the diameter of the disc: h = 0.9375 · 2 r_c (thesis Table 3.2).
@@ -114,8 +115,8 @@ pub enum DesignError {
 }
 
 /// The disc a design is made for: radius r_c, centre (−base, r_c).
-pub fn disc(design: &Design) -> Circle {
-    Circle { radius_m: design.object_radius_m, centre_m: [-design.base_m, design.object_radius_m] }
+pub fn disc(design: &Design) -> Placed {
+    Placed::disc(design.object_radius_m, [-design.base_m, design.object_radius_m])
 }
 
 /// l22 = r_l l11.

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `design` | the few free numbers of a design → link lengths (thesis B.2.2) |
 //! | `posture` | loop closure and assembly mode (thesis (2.1)) |
-//! | `grasp` | postures against a disc: contact, start, final |
+//! | `grasp` | postures against an object: contact, start, final |
 //! | `outline` | polygon outline of each body, and polygon moments |
 //! | `mass` | mass, centre of mass and inertia of each body |
 //! | `site`, `spring` | where a finger can meet something, what pulls it straight |
@@ -25,8 +25,7 @@ pub use design::{
     Design, DesignError, HEIGHT_RATIO, ProximalLength, TIP_CONTACT_MIN_RAD, arm_length, disc, lengths, proximal_range,
 };
 pub use grasp::{
-    Circle, FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture,
-    start_posture,
+    FinalPosture, GraspError, ProximalContact, contact_angle_proximal, contact_proximal, final_posture, start_posture,
 };
 pub use mass::{BodyOverride, bodies, bodies_with, total_mass};
 pub use mass_error::MassError;

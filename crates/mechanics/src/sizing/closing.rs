@@ -40,8 +40,8 @@ pub fn closing(finger: &Finger, task: &Task) -> Result<Closing, SizingError> {
     if finger.assembly != Assembly::Reference {
         return Err(SizingError::OtherAssembly);
     }
-    let start = start_posture(&finger.lengths, task.disc, task.opening_rad)?;
-    let end = final_posture(&finger.lengths, finger.assembly, task.disc)?;
+    let start = start_posture(&finger.lengths, task.object, task.opening_rad)?;
+    let end = final_posture(&finger.lengths, finger.assembly, task.object)?;
     let swing_rad = end.posture.q21_rad - start.q21_rad;
     let stroke_rad = end.posture.q11_rad - start.q11_rad;
     if stroke_rad <= swing_rad || stroke_rad.is_nan() {

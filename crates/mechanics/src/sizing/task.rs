@@ -1,6 +1,6 @@
 //! What a finger is sized for.
 
-use crate::gripper::Circle;
+use crate::shape::Placed;
 
 /// T, the time the closing may take (thesis §3.3.2).
 pub const CLOSING_S: f64 = 0.010;
@@ -12,7 +12,7 @@ pub const OPENING_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
     /// The object to be grasped.
-    pub disc: Circle,
+    pub object: Placed,
     /// How far before the proximal contact the finger starts, straight and at rest.
     pub opening_rad: f64,
     pub gravity_m_s2: [f64; 2],
@@ -22,7 +22,7 @@ pub struct Task {
 
 impl Task {
     /// The task of the thesis: 25° in 10 ms, gravity out of the palm.
-    pub const fn thesis(disc: Circle) -> Self {
-        Task { disc, opening_rad: OPENING_RAD, gravity_m_s2: [0.0, 9.81], closing_s: CLOSING_S }
+    pub const fn thesis(object: Placed) -> Self {
+        Task { object, opening_rad: OPENING_RAD, gravity_m_s2: [0.0, 9.81], closing_s: CLOSING_S }
     }
 }

@@ -11,6 +11,7 @@ use super::{AtRest, PerContact, Side, Stance, StaticsError};
 use crate::fivebar::carried::{Carried, Field};
 use crate::gripper::{Site, Spring};
 use crate::numeric::plane::{add, cross, scale, sub};
+use crate::shape;
 
 /// Number of rows.
 pub const ROWS: usize = 7;
@@ -101,18 +102,24 @@ pub fn loads(hand: &HandAtRest<'_>) -> Result<Loads, StaticsError> {
         drives: Vec::with_capacity(hand.drives.len()),
         fixed: [0.0; ROWS],
         inertia: [[0.0; ROWS]; 2],
-        length_m: stance.object.radius_m,
+        length_m: shape::reach(&stance.object.shape),
     };
     for side in Side::BOTH {
         add_finger(hand, side, &mut found)?;
     }
     if let Some(mu) = friction.palm {
-        // Its point is on the palm, below the object's centre: the lever is its height.
-        let [x, y] = stance.object.centre_m;
+        // Its point is on the palm, where the object is lowest: the lever of friction is the centre's height.
+        let ([x, y], [lowest, _]) = (stance.object.centre_m, stance.object.lowest_m());
         let mut columns = [[0.0; ROWS]; 2];
-        columns[0][X + 1] = 1.0;
+        (columns[0][X + 1], columns[0][MOMENT]) = (1.0, lowest - x);
         (columns[1][X], columns[1][MOMENT]) = (-1.0, -y);
-        found.pressing.push(Pressing { spot: Spot::Palm, point_m: Some([x, 0.0]), normal: [0.0, 1.0], mu, columns });
+        found.pressing.push(Pressing {
+            spot: Spot::Palm,
+            point_m: Some([lowest, 0.0]),
+            normal: [0.0, 1.0],
+            mu,
+            columns,
+        });
     }
     for pressing in &found.pressing {
         number("mu_static", pressing.mu, pressing.mu >= 0.0, "must be finite, 0 or more")?;
@@ -134,7 +141,7 @@ pub fn loads(hand: &HandAtRest<'_>) -> Result<Loads, StaticsError> {
 }
 
 fn add_finger(hand: &HandAtRest<'_>, side: Side, found: &mut Loads) -> Result<(), StaticsError> {
-    let Reach { finger, posture, a22, disc, phalanges } = hand.stance.reach(side)?;
+    let Reach { finger, posture, a22, object, phalanges } = hand.stance.reach(side)?;
     let at_rest = at_posture(finger, &posture)?;
     let AtRest { pose, rates, tip_slope } = &at_rest;
     let [first, second] = rows(side);
@@ -171,7 +178,7 @@ fn add_finger(hand: &HandAtRest<'_>, side: Side, found: &mut Loads) -> Result<()
             }
             let on_object = scale(force, -1.0);
             (column[X], column[X + 1]) = (mirror * on_object[0], on_object[1]);
-            column[MOMENT] = mirror * cross(sub(point, disc.centre_m), on_object);
+            column[MOMENT] = mirror * cross(sub(point, object.centre_m), on_object);
             column
         });
         let (point_m, normal) = (Some(hand.stance.in_palm(side, point)), [mirror * nx, ny]);

@@ -1,9 +1,10 @@
 //! The hand that a posture of a gripper makes: both fingers where they are, the object where it is, no symmetry assumed.
 
 use super::{Grip, Hand, Side, StaticsError, Touch};
-use crate::fivebar::capsule::{Capsule, nearest};
-use crate::gripper::{Circle, Finger, Posture, close, joints};
-use crate::numeric::plane::{Vector, add, dot, scale, sub};
+use crate::fivebar::capsule::{Capsule, Nearest, nearest};
+use crate::gripper::{Finger, Posture, close, joints};
+use crate::numeric::plane::{Vector, add, scale};
+use crate::shape::Placed;
 
 /// A gripper in one posture. The frame is the palm's: origin in its middle, x along it, y out of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct Stance<'a> {
     pub angles_rad: [[f64; 2]; 2],
     /// Distance between the ground joints.
     pub palm_width_m: f64,
-    pub object: Circle,
+    pub object: Placed,
 }
 
 /// Where a surface of the hand is nearest to the object, in the palm's frame.
@@ -64,7 +65,7 @@ impl<'a> Stance<'a> {
     /// A posture in which a loop does not close.
     pub fn gaps(&self) -> Result<PerContact<f64>, StaticsError> {
         let [(_, right), (_, left)] = self.near()?;
-        Ok(PerContact { phalanges: [right, left], palm: self.object.centre_m[1] - self.object.radius_m })
+        Ok(PerContact { phalanges: [right, left], palm: self.object.lowest_m()[1] })
     }
 
     /// Where phalanges and palm are nearest to the object, touching or not.
@@ -80,8 +81,8 @@ impl<'a> Stance<'a> {
                 gap_m: gap,
             }))
         };
-        let [x, y] = self.object.centre_m;
-        let palm = MetAt { point_m: [x, 0.0], normal: [0.0, 1.0], gap_m: y - self.object.radius_m };
+        let [x, gap_m] = self.object.lowest_m();
+        let palm = MetAt { point_m: [x, 0.0], normal: [0.0, 1.0], gap_m };
         Ok(PerContact { phalanges: [of(Side::Right)?, of(Side::Left)?], palm })
     }
 
@@ -121,12 +122,10 @@ impl<'a> Stance<'a> {
         let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
         let posture = close(&finger.lengths, finger.assembly, q11, q21)?;
         let at = joints(&finger.lengths, &posture);
-        let [x, y] = self.object.centre_m;
-        let disc =
-            Circle { centre_m: [side.mirror() * x - 0.5 * self.palm_width_m, y], radius_m: self.object.radius_m };
+        let object = self.object.in_finger(side.mirror(), 0.5 * self.palm_width_m);
         let w = finger.lengths.half_width_m;
-        let phalanges = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, disc));
-        Ok(Reach { finger, posture, a22: at.a22_m, disc, phalanges })
+        let phalanges = [([0.0; 2], at.a22_m), (at.a22_m, at.tip_m)].map(|(from, to)| meet(from, to, w, &object));
+        Ok(Reach { finger, posture, a22: at.a22_m, object, phalanges })
     }
 
     /// A point of a finger's frame as that of the palm has it.
@@ -140,7 +139,7 @@ pub(super) struct Reach<'a> {
     pub finger: &'a Finger,
     pub posture: Posture,
     pub a22: Vector<f64>,
-    pub disc: Circle,
+    pub object: Placed,
     /// Proximal and distal.
     pub phalanges: [Meeting; 2],
 }
@@ -153,10 +152,7 @@ pub(super) struct Meeting {
     pub gap: f64,
 }
 
-fn meet(from: Vector<f64>, to: Vector<f64>, half_width: f64, disc: Circle) -> Meeting {
-    let along = sub(to, from);
-    let length = dot(along, along).sqrt();
-    let capsule = Capsule { base: from, axis: scale(along, 1.0 / length), length, radius: half_width };
-    let (foot, normal, gap) = nearest(&capsule, disc.centre_m, disc.radius_m);
+fn meet(from: Vector<f64>, to: Vector<f64>, half_width: f64, object: &Placed) -> Meeting {
+    let Nearest { foot, normal, gap, .. } = nearest(&Capsule::between(from, to, half_width), object);
     Meeting { foot, normal: scale(normal, -1.0), gap }
 }

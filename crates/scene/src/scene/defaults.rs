@@ -1,5 +1,7 @@
 //! What holds when a scene does not say otherwise: thesis Table 3.2.
 
+use crate::shape::Shape;
+
 pub const DURATION_S: f64 = 0.020;
 /// The gripper hangs upside down: gravity pulls the object out of it.
 pub const GRAVITY_M_S2: [f64; 2] = [0.0, 9.81];
@@ -7,7 +9,7 @@ pub const L11_M: f64 = 0.015;
 pub const HALF_WIDTH_M: f64 = 0.0025;
 pub const DENSITY_KG_M3: f64 = 1070.0;
 pub const DEPTH_M: f64 = 0.040;
-pub const OBJECT_RADIUS_M: f64 = 0.020;
+pub const OBJECT: Shape = Shape::Disc { radius_m: 0.020 };
 /// q_0: how far before the proximal contact the finger starts, in degrees.
 pub const OFFSET_DEG: f64 = 25.0;
 /// μ_d = 0.7 μ_s; 0.56 for 0.8, to the last bit.

@@ -1,13 +1,13 @@
-//! Discs and half planes.
+//! Discs, or whatever shape they have, and half planes.
 
-use crate::gripper::Circle;
 use crate::law::ContactLaw;
+use crate::shape::{Placed, Shape};
 
-/// A disc and how it moves.
+/// A disc, or a body of another shape, and how it moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disc {
     pub name: String,
-    pub radius_m: f64,
+    pub shape: Shape,
     /// Where its centre starts.
     pub centre_m: [f64; 2],
     pub angle_rad: f64,
@@ -51,14 +51,14 @@ impl Disc {
     /// Name of the one that fingers grasp.
     pub const OBJECT: &str = "object";
 
-    /// What fingers grasp, of a size at a place: it does not move.
-    pub fn object(circle: Circle) -> Self {
-        let Circle { radius_m, centre_m } = circle;
-        Self { name: Self::OBJECT.to_string(), radius_m, centre_m, angle_rad: 0.0, motion: DiscMotion::Fixed }
+    /// What fingers grasp, of a shape at a place: it does not move.
+    pub fn object(placed: Placed) -> Self {
+        let Placed { shape, centre_m, angle_rad } = placed;
+        Self { name: Self::OBJECT.to_string(), shape, centre_m, angle_rad, motion: DiscMotion::Fixed }
     }
 
-    /// The disc as postures and grasps know it.
-    pub fn circle(&self) -> Circle {
-        Circle { radius_m: self.radius_m, centre_m: self.centre_m }
+    /// Where it starts, as postures and grasps know it.
+    pub fn placed(&self) -> Placed {
+        Placed { shape: self.shape, centre_m: self.centre_m, angle_rad: self.angle_rad }
     }
 }

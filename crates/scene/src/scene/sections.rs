@@ -17,6 +17,7 @@ use super::table::top::Top;
 use super::words::{ANY, FINGERS, NO_FINGER, SceneKind, TWO_FINGERS};
 use super::{Engine, Integrator, LogRates};
 use crate::gripper::{Design, Lengths};
+use crate::shape::Shape;
 
 /// A section, or some of its keys: its name (none before all sections), in which kinds of scene it is, and what is in it.
 type Listed = (&'static str, &'static [SceneKind], fn(SceneKind) -> Value);
@@ -29,6 +30,7 @@ const LIST: &[Listed] = &[
     ("material", FINGERS, schema::<Material>),
     ("bodies", FINGERS, schema::<Bodies>),
     ("object", FINGERS, schema::<Object>),
+    ("object", FINGERS, schema::<Shape>),
     ("discs", NO_FINGER, discs),
     ("half_plane", NO_FINGER, schema::<Ground>),
     ("table", TWO_FINGERS, schema::<Support>),
@@ -70,17 +72,21 @@ pub fn listed(kind: SceneKind) -> Value {
     let mut whole = json!({});
     for (name, _, schema) in LIST.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
         let section = if name.is_empty() { &mut whole } else { &mut whole["properties"][name] };
-        let mut made = schema(kind);
-        let keys = made.get_mut("properties").map(Value::take);
-        match (section.get_mut("properties"), keys) {
-            (Some(Value::Object(known)), Some(Value::Object(more))) => known.extend(more),
-            (_, keys) => {
-                *section = made;
-                keys.into_iter().for_each(|keys| section["properties"] = keys);
-            }
-        }
+        put(section, schema(kind));
     }
     whole
+}
+
+/// A section, or more keys of it.
+fn put(section: &mut Value, mut made: Value) {
+    let keys = made.get_mut("properties").map(Value::take);
+    match (section.get_mut("properties"), keys) {
+        (Some(Value::Object(known)), Some(Value::Object(more))) => known.extend(more),
+        (_, keys) => {
+            *section = made;
+            keys.into_iter().for_each(|keys| section["properties"] = keys);
+        }
+    }
 }
 
 /// Sections of one kind, each under a name of its own.
@@ -94,11 +100,13 @@ fn named<T: Table>(kind: SceneKind) -> Value {
 }
 
 fn discs(kind: SceneKind) -> Value {
+    let mut disc = schema::<DiscKeys>(kind);
+    put(&mut disc, schema::<Shape>(kind));
     json!({
         "description": "Discs, each under a name of its own: [discs.hammer]. At least one must move.",
         "type": "object",
         "minProperties": 1,
         "propertyNames": { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "plane" } },
-        "additionalProperties": schema::<DiscKeys>(kind),
+        "additionalProperties": disc,
     })
 }

@@ -47,6 +47,6 @@ impl Template {
     /// The task a design is sized for.
     pub fn task(&self, design: &Design) -> Task {
         let Self { opening_rad, gravity_m_s2, closing_s, .. } = *self;
-        Task { disc: disc(design), opening_rad, gravity_m_s2, closing_s }
+        Task { object: disc(design), opening_rad, gravity_m_s2, closing_s }
     }
 }

@@ -11,6 +11,7 @@ use crate::criteria::Driven;
 use crate::drawing::{Drawing, poses};
 use crate::grasp::gripper::{GripperGrasp, Holds};
 use crate::scene::Scene;
+use crate::shape::reach;
 use crate::statics::{Balance, Balanced};
 use crate::wording::figures::G_M_S2;
 
@@ -208,7 +209,7 @@ fn heading(angle_rad: f64) -> [f64; 2] {
 fn silhouette(svg: &mut Svg, scene: &Scene, found: &GripperGrasp) {
     let bodies = outlines(&Drawing::of(scene).bodies, &poses(scene, &found.sample));
     let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
-    points.push([0.0, -0.35 * scene.system.grasped().radius_m]);
+    points.push([0.0, -0.35 * reach(&scene.system.grasped().shape)]);
     let view = View::within(&points, [BESIDE - 20.0, SIDE - LEGEND - 40.0]);
     if scene.system.palm.is_some() {
         palm(svg, &view, 0.0);

@@ -1,13 +1,14 @@
 //! A grasp at rest: the finger, its mirror image, the object, forces on the object, and a motion that is free.
 
 use super::canvas::{Entry, HEAD, Mark, THIN, WIDTH, legend, picture};
-use super::outline::{Point, View, arrow, circle, filled, mirrored, outlines, palm};
+use super::outline::{Point, View, arrow, filled, mirrored, outlines, palm};
 use super::svg::{Paint, Svg};
 use super::theme::{BLUE, Colour, GREEN, INK, OBJECT, ORANGE, PURPLE, SOFT};
 use crate::drawing::{Body, Drawing, poses_in};
 use crate::grasp::finger::{Forces, Grasp, Palm};
 use crate::gripper::{Posture, posture_at};
 use crate::scene::Scene;
+use crate::shape::reach;
 use crate::statics::{Certificate, FormClosure, Unknown};
 
 /// Width of the legend.
@@ -23,14 +24,14 @@ const LONGEST: f64 = 0.65;
 pub fn grasp(scene: &Scene, found: &Grasp) -> String {
     let bodies = Drawing::of(scene).bodies;
     let rest = links(scene, &bodies, &found.end.posture);
-    let centre = found.disc.centre_m;
-    let round = circle(centre, found.disc.radius_m);
+    let centre = found.object.centre_m;
+    let round = found.object.outline_m();
     let ghosts = ghosts(scene, found, &bodies);
     let both = |outline: &Vec<Point>| [outline.clone(), mirrored(outline, centre[0])];
     let mut points: Vec<Point> =
         rest.iter().map(|(outline, _)| outline).flat_map(both).flatten().chain(round.clone()).collect();
     points.extend(ghosts.iter().flatten());
-    points.push([centre[0], -0.15 * found.disc.radius_m]);
+    points.push([centre[0], -0.15 * reach(&found.object.shape)]);
     let view = View::of(&points, WIDTH - BESIDE);
 
     let last = found.forces.last();
@@ -76,7 +77,7 @@ fn shown(found: &Grasp) -> Option<(Point, [[f64; 2]; 2])> {
     let joints = [0, 1].map(|finger| [of(Unknown::Proximal { finger }), of(Unknown::Distal { finger })]);
     let fastest = joints.iter().flatten().fold(0.0, |most: f64, rate| most.max(rate.abs()));
     let speed = object[0].hypot(object[1]);
-    let by_object = SHOWN_RADII * found.disc.radius_m / speed;
+    let by_object = SHOWN_RADII * reach(&found.object.shape) / speed;
     let time = by_object.min(SHOWN_RAD / fastest);
     time.is_finite().then(|| (object.map(|v| v * time), joints.map(|rates| rates.map(|rate| rate * time))))
 }
@@ -86,10 +87,10 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
     let Some((moved, joints)) = shown(found) else {
         return Vec::new();
     };
-    let centre = found.disc.centre_m;
+    let centre = found.object.centre_m;
     let mut ghosts = Vec::new();
     if moved != [0.0; 2] {
-        ghosts.push(circle([centre[0] + moved[0], centre[1] + moved[1]], found.disc.radius_m));
+        ghosts.push(found.object.at([centre[0] + moved[0], centre[1] + moved[1]]).outline_m());
     }
     for (finger, [q21, q22]) in joints.into_iter().enumerate() {
         let end = &found.end.posture;
@@ -109,13 +110,13 @@ fn ghosts(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
 
 /// Forces on the object by both fingers and by the palm, and what the legend says of them.
 fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Entry> {
-    let centre = found.disc.centre_m;
+    let centre = found.object.centre_m;
     let normal = [forces.equilibrium.f21_n, forces.equilibrium.f22_n];
     let palm_n = 2.0 * forces.equilibrium.pfp_n;
     let held = found.palm.holds() && palm_n >= 0.0;
     let size = |i: usize| normal[i].abs() * 1f64.hypot(forces.mu_static[i]);
     let largest = size(0).max(size(1)).max(if held { palm_n } else { 0.0 });
-    let scale = if largest > 0.0 { LONGEST * found.disc.radius_m / largest } else { 0.0 };
+    let scale = if largest > 0.0 { LONGEST * reach(&found.object.shape) / largest } else { 0.0 };
     let line = Mark::Line { width: 3.0 };
     let mut entries = Vec::new();
     for (i, (name, colour)) in
@@ -144,7 +145,7 @@ fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Ent
         (_, force) => format!("2 PFP, by the palm: would have to pull {:.2} N", -force),
     };
     if held {
-        let foot = [centre[0], centre[1] - found.disc.radius_m];
+        let foot = found.object.lowest_m();
         arrow(svg, view.pixel(foot), view.pixel([foot[0], foot[1] + scale * palm_n]), PURPLE);
     }
     entries.push(Entry::new(line, PURPLE, &text));
@@ -153,13 +154,13 @@ fn arrows(svg: &mut Svg, view: &View, found: &Grasp, forces: &Forces) -> Vec<Ent
 
 /// Whether the grasp is form-closed, and the motion of the object if not.
 fn closure(svg: &mut Svg, view: &View, found: &Grasp) -> Entry {
-    let centre = found.disc.centre_m;
+    let centre = found.object.centre_m;
     let Some((moved, _)) = shown(found) else {
         return Entry::new(Mark::Circle, GREEN, "form-closed");
     };
     let length = moved[0].hypot(moved[1]);
     if length > 0.0 {
-        let to = [0, 1].map(|i| centre[i] + 0.5 * found.disc.radius_m * moved[i] / length);
+        let to = [0, 1].map(|i| centre[i] + 0.5 * reach(&found.object.shape) * moved[i] / length);
         arrow(svg, view.pixel(centre), view.pixel(to), GREEN);
     }
     Entry::new(THIN, GREEN, "not form-closed: a free motion")

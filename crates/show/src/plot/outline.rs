@@ -83,7 +83,7 @@ fn on_circle(centre: Point, radius: f64, angle: f64) -> Point {
     [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()]
 }
 
-pub fn circle(centre: Point, radius: f64) -> Vec<Point> {
+fn circle(centre: Point, radius: f64) -> Vec<Point> {
     (0..96).map(|i| on_circle(centre, radius, TAU * f64::from(i) / 96.0)).collect()
 }
 

@@ -53,36 +53,28 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         posture: impl FnOnce(usize) -> Posture,
         contact: &Joined,
     ) -> Touch<f64, N> {
-        let centre = |disc: usize| {
-            let [x, y, _] = self.place_of(disc, q);
-            [x, y]
-        };
         match contact.meet {
             Meet::Phalanx { .. } | Meet::Stop { .. } if Self::DISCS => unreachable!("there are no fingers"),
             Meet::Phalanx { finger, site, disc } => {
-                let (part, disc_part) = (&self.fingers[finger], &self.discs[disc]);
+                let part = &self.fingers[finger];
                 let ((pose, rates), mirror) = (posture(finger), part.side.mirror());
-                let centre = self.in_finger(part.side, centre(disc));
-                let geometry = part.model.phalanx(&pose, &rates, site, (centre, disc_part.radius));
-                spread(&touch::phalanx(&geometry, disc_part.radius), &of_phalanx(finger, self.first_of(disc), mirror))
+                let geometry = part.model.phalanx(&pose, &rates, site, &self.in_finger(part.side, disc, q));
+                spread(&touch::phalanx(&geometry), &of_phalanx(finger, self.first_of(disc), mirror))
             }
             Meet::Stop { finger } => {
                 let (pose, rates) = posture(finger);
                 spread(&touch::limit(&self.fingers[finger].model.limit_geometry(&pose, &rates)), &of_finger(finger))
             }
             Meet::Discs { disc, other } => {
-                let [one, two] = [&self.discs[disc], &self.discs[other]];
-                let touch = touch::discs([centre(disc), centre(other)], [one.radius, two.radius]);
-                spread(&touch, &of_discs([one.first, two.first]))
+                let touch = touch::discs([&self.placed(disc, q), &self.placed(other, q)]);
+                spread(&touch, &of_discs([self.first_of(disc), self.first_of(other)]))
             }
             Meet::Plane { disc, plane } => {
-                let part = &self.discs[disc];
-                let touch = touch::plane(&plane, centre(disc), part.radius, self.meets_in_one_point());
+                let touch = touch::plane(&plane, &self.placed(disc, q), self.meets_in_one_point());
                 spread(&touch, &of_disc(self.first_of(disc)))
             }
             Meet::PassingPlane { disc, plane } => {
-                let part = &self.discs[disc];
-                let touch = frame::table(&plane, &self.pose(q), 0.0, centre(disc), part.radius);
+                let touch = frame::table(&plane, &self.pose(q), 0.0, &self.placed(disc, q));
                 spread(&touch, &of_disc_in_time(self.first_of(disc), self.time.unwrap_or(N)))
             }
         }

@@ -88,12 +88,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let ([first, second], mirror) = (Self::own(finger, v), part.side.mirror());
         match self.meet_of(finger, index, contact) {
             Meet::Phalanx { site, disc, .. } => {
-                let of = &self.discs[disc];
-                let ([x, y, _], [vx, vy, spin]) = (self.place_of(disc, q), self.rates_of(disc, v));
-                let centre = self.in_finger(part.side, [x, y]);
-                let geometry = part.model.phalanx(&terms.pose, &terms.rates, site, (centre, of.radius));
+                let [vx, vy, spin] = self.rates_of(disc, v);
+                let object = self.in_finger(part.side, disc, q);
+                let geometry = part.model.phalanx(&terms.pose, &terms.rates, site, &object);
                 let rates = [first, second, mirror * vx, vy, mirror * spin];
-                let touch = touch::phalanx(&geometry, of.radius);
+                let touch = touch::phalanx(&geometry);
                 let press = touch::press(&touch, &rates, self.remembered(contact, v), laws);
                 sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
             }
@@ -116,26 +115,23 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
         let memory = self.remembered(contact, v);
-        let at = |disc: usize| {
-            let ([x, y, _], rates) = (self.place_of(disc, q), self.rates_of(disc, v));
-            (&self.discs[disc], [x, y], rates)
-        };
+        let at = |disc: usize| (self.placed(disc, q), self.rates_of(disc, v));
         match contact.meet {
             Meet::Discs { disc, other } if !Self::GRASP => {
-                let ((one, centre, [vx, vy, spin]), (two, others, [wx, wy, turn])) = (at(disc), at(other));
-                let touch = touch::discs([centre, others], [one.radius, two.radius]);
+                let ((one, [vx, vy, spin]), (two, [wx, wy, turn])) = (at(disc), at(other));
+                let touch = touch::discs([&one, &two]);
                 let press = touch::press(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
-                sums.add((index, contact), &press, &of_discs([one.first, two.first]));
+                sums.add((index, contact), &press, &of_discs([self.first_of(disc), self.first_of(other)]));
             }
             Meet::PassingPlane { disc, plane } if self.moves() => {
-                let ((one, centre, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
-                let touch = frame::table(&plane, &self.pose(q), 0.0, centre, one.radius);
+                let ((one, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
+                let touch = frame::table(&plane, &self.pose(q), 0.0, &one);
                 let press = touch::press(&touch, &[vx, vy, v[time], spin], memory, laws);
                 sums.add((index, contact), &press, &of_disc_in_time(self.first_of(disc), time));
             }
             Meet::Plane { disc, plane } => {
-                let (one, centre, rates) = at(disc);
-                let touch = touch::plane(&plane, centre, one.radius, self.meets_in_one_point());
+                let (one, rates) = at(disc);
+                let touch = touch::plane(&plane, &one, self.meets_in_one_point());
                 sums.add((index, contact), &touch::press(&touch, &rates, memory, laws), &of_disc(self.first_of(disc)));
             }
             _ => {}

@@ -6,8 +6,9 @@ use super::touch::Touch;
 use crate::fivebar::carried::Field;
 use crate::numeric::Real;
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, dot, perp, rotate, scale};
+use crate::numeric::plane::{add, dot, perp, rotate, scale, sub};
 use crate::scene::{PalmMotion, Pose};
+use crate::shape::{Placed, Support, support};
 
 /// What is felt, and its derivative by time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,12 +43,12 @@ pub fn felt(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> Felt {
     }
 }
 
-/// A disc on a table that rests in the world, on (x, y, t, θ): of a place that depends on the first three.
+/// A disc on a table that rests in the world, on (x, y, t, θ).
 ///
 /// The table's surface is at height h of the world, its normal (0, −1) there; in the palm's frame n = R(−Φ) (0, −1), and the rates of gap
-/// and slip beyond those of the disc are −(Ẏ + Ω n⊥·ρ) and Ẋ − Ω (h − Y).
+/// and slip beyond those of the disc are −(Ẏ + Ω n⊥·ρ) at the point ρ that touches, and Ẋ − Ω (h − Y).
 #[inline(always)]
-pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, centre: Vector<T>, radius: f64) -> Touch<T, 4> {
+pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, placed: &Placed<T>) -> Touch<T, 4> {
     let Pose { place, rate, acceleration, .. } = *pose;
     // Each with its rate in time.
     let grows = |value: f64, rate: f64| since * rate + value;
@@ -55,17 +56,19 @@ pub fn table<T: Real>(plane: &Plane, pose: &Pose, since: T, centre: Vector<T>, r
     let normal = [-sin, -cos];
     let omega = grows(rate[2], acceleration[2]);
     let height = grows(plane.offset - place[1], -rate[1]);
+    let Support { distance, slope } = support(placed, [-normal[0], -normal[1]]);
+    let centre = placed.centre_m;
     let along = dot(normal, centre);
     let lever = along + height;
     let tangent = perp(normal);
-    let moves = -(grows(rate[1], acceleration[1]) + omega * dot(tangent, centre));
+    let moves = -(grows(rate[1], acceleration[1]) + omega * (dot(tangent, centre) - slope));
     let slides = grows(rate[0], acceleration[0]) - omega * height;
     Touch {
-        gap: lever - radius,
-        normal_row: [normal[0], normal[1], moves, T::zero()],
+        gap: lever - distance,
+        normal_row: [normal[0], normal[1], moves, slope],
         tangent_row: [tangent[0], tangent[1], slides, -lever],
         normal,
-        point: add(centre, scale(normal, -lever)),
+        point: sub(add(centre, scale(normal, -lever)), scale(tangent, slope)),
     }
 }
 
@@ -155,7 +158,7 @@ mod tests {
     fn a_table_at_rest_is_seen_to_move() {
         let (motion, radius, h) = (motion(), 0.02, 1e-6);
         let plane = Plane::at(0.04, -1.0);
-        let at = |t: f64, centre: [f64; 2]| table(&plane, &motion.pose(t), 0.0, centre, radius);
+        let at = |t: f64, centre: [f64; 2]| table(&plane, &motion.pose(t), 0.0, &Placed::disc(radius, centre));
         for t in [0.03, 0.06] {
             let centre = [0.004, 0.019];
             let found = at(t, centre);
@@ -168,7 +171,10 @@ mod tests {
             let gap = slope(&|touch| touch.gap);
             assert!((0..3).all(|i| (gap[i] - found.normal_row[i]).abs() < 1e-7), "{gap:?} {:?}", found.normal_row);
             let dual = |value: f64, index: usize| Dual::<3>::variable(value, index);
-            let duals = table(&plane, &motion.pose(t), dual(0.0, 2), [dual(centre[0], 0), dual(centre[1], 1)], radius);
+            let Placed { shape, .. } = Placed::disc(radius, centre);
+            let centre_m = [dual(centre[0], 0), dual(centre[1], 1)];
+            let placed = Placed { shape, centre_m, angle_rad: Dual::zero() };
+            let duals = table(&plane, &motion.pose(t), dual(0.0, 2), &placed);
             for k in 0..4 {
                 for (row, by) in [
                     (duals.normal_row[k].grad, slope(&|touch| touch.normal_row[k])),

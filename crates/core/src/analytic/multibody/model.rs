@@ -11,8 +11,9 @@ use crate::gripper::Site;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::plane::Vector;
-use crate::numeric::{Dual, each};
+use crate::numeric::{Dual, Real, each};
 use crate::scene::{DiscMotion, DrivenFinger, PalmMotion, Place, Side, System, Touching};
+use crate::shape::{Placed, round};
 
 /// The model of a system with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
@@ -308,10 +309,28 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
     }
 
-    /// A point of the frame as a finger's has it.
+    /// Whether a contact changes as its discs turn where they are.
     #[inline(always)]
-    pub(super) fn in_finger(&self, side: Side, [x, y]: [f64; 2]) -> [f64; 2] {
-        [side.mirror() * x - self.half_palm, y]
+    pub(super) fn turns(&self, meet: Meet) -> bool {
+        let turns = |disc: usize| round(&self.discs[disc].shape).is_none();
+        match meet {
+            Meet::Stop { .. } => false,
+            Meet::Discs { disc, other } => turns(disc) || turns(other),
+            Meet::Phalanx { disc, .. } | Meet::Plane { disc, .. } | Meet::PassingPlane { disc, .. } => turns(disc),
+        }
+    }
+
+    /// The same with its shape.
+    #[inline(always)]
+    pub(super) fn placed(&self, disc: usize, q: &[f64; N]) -> Placed {
+        let [x, y, angle_rad] = self.place_of(disc, q);
+        Placed { shape: self.discs[disc].shape, centre_m: [x, y], angle_rad }
+    }
+
+    /// A disc as a finger's frame has it.
+    #[inline(always)]
+    pub(super) fn in_finger(&self, side: Side, disc: usize, q: &[f64; N]) -> Placed {
+        self.placed(disc, q).in_finger(side.mirror(), self.half_palm)
     }
 
     /// A point of a finger's frame as that of all has it.
@@ -326,8 +345,16 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 }
 
+/// A disc of which place and angle are these variables, as far as there are so many.
+#[inline(always)]
+pub(super) fn variables<const P: usize>(placed: &Placed, [x, y, turn]: [usize; 3]) -> Placed<Dual<P>> {
+    let Placed { shape, centre_m, angle_rad } = *placed;
+    let angle_rad = if turn < P { Dual::variable(angle_rad, turn) } else { Dual::constant(angle_rad) };
+    Placed { shape, centre_m: [Dual::variable(centre_m[0], x), Dual::variable(centre_m[1], y)], angle_rad }
+}
+
 /// Coordinates of a finger, each a variable of its own.
 #[inline(always)]
-pub(super) fn variables(q: [f64; 2]) -> Vector<Dual<2>> {
+pub(super) fn angles(q: [f64; 2]) -> Vector<Dual<2>> {
     [Dual::variable(q[0], 0), Dual::variable(q[1], 1)]
 }

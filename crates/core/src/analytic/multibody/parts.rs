@@ -7,6 +7,7 @@ use crate::fivebar::carried::Carried;
 use crate::gripper::Site;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::scene::{Disc, DiscMotion, Side};
+use crate::shape::Shape;
 
 /// A finger, and its contacts among all.
 #[derive(Clone, Debug)]
@@ -22,7 +23,7 @@ pub struct FingerPart {
 pub struct DiscPart {
     /// The first of its three coordinates; beyond all of them where it is fixed.
     pub first: usize,
-    pub radius: f64,
+    pub shape: Shape,
     /// Of kinetic and gravity energy: 0 where it does not move by itself.
     pub mass: f64,
     pub inertia: f64,
@@ -82,7 +83,7 @@ impl DiscPart {
         let ([x, y], angle) = (disc.centre_m, disc.angle_rad);
         let fixed = Self {
             first,
-            radius: disc.radius_m,
+            shape: disc.shape,
             mass: 0.0,
             inertia: 0.0,
             inverse_mass: 0.0,

@@ -13,6 +13,7 @@ use crate::fivebar::dynamics::Terms;
 use crate::law::{elastic_energy, friction_with_memory};
 use crate::numeric::plane::dot;
 use crate::numeric::{changed, from_each};
+use crate::shape::Support;
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     fn terms(&self, q: &[f64; N]) -> [Option<Terms<f64>>; FINGERS] {
@@ -60,7 +61,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             Meet::Plane { .. } if !self.meets_in_one_point() => (touch.point, touch.normal),
             Meet::Plane { .. } | Meet::PassingPlane { .. } => (touch.point, changed(touch.normal, |part| -part)),
         };
-        let geometry = Geometry { gap: touch.gap, normal_row: none, tangent_row: none, normal: direction, point };
+        let geometry = Geometry {
+            gap: touch.gap,
+            normal_row: none,
+            tangent_row: none,
+            normal: direction,
+            point,
+            support: Support::none(),
+        };
         Some(SiteReading { geometry, delta, delta_rate, slip: turned * slip, normal, tangential: turned * tangential })
     }
 

@@ -4,7 +4,8 @@ use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, o
 use super::drive::Pull;
 use super::frame::{self, Felt, disc_feels};
 use super::inertia::Inertia;
-use super::model::{Multibody, variables};
+use super::laws::Laws;
+use super::model::{Multibody, angles, variables};
 use super::parts::{FingerPart, Joined, Meet};
 use super::touch::{self, Press, Slope};
 use super::{FINGERS, mode};
@@ -168,7 +169,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         sums: &mut Sums<N, Z>,
     ) -> [Dual<2>; 3] {
         let own = Self::own(index, v);
-        let terms = part.model.terms(variables(Self::own(index, q)));
+        let terms = part.model.terms(angles(Self::own(index, q)));
         let (load, by_rates) = part.model.load_with_slopes(&terms, own);
         for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
             let row = 2 * index + i;
@@ -192,28 +193,39 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         terms.mass
     }
 
-    /// Adds a contact of a finger.
+    /// Adds a contact of a finger: of what the finger's two angles and the centre of a disc say, and also how that is turned unless it is round.
     #[inline(always)]
     fn add_slopes_to_finger<const Z: usize>(
         &self,
         index: usize,
-        (finger, part, terms): (usize, &FingerPart, &Terms<Dual<2>>),
-        (q, v): (&[f64; N], &[f64; N]),
+        part: (usize, &FingerPart, &Terms<Dual<2>>),
+        state: (&[f64; N], &[f64; N]),
         mode: &mode::Mode<C>,
         sums: &mut Sums<N, Z>,
     ) {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
+        match self.turns(self.meet_of(part.0, index, contact)) {
+            false => self.add_finger_contact::<Z, 4>((index, contact, laws), part, state, sums),
+            true => self.add_finger_contact::<Z, 5>((index, contact, laws), part, state, sums),
+        }
+    }
+
+    #[inline(always)]
+    fn add_finger_contact<const Z: usize, const P: usize>(
+        &self,
+        (index, contact, laws): (usize, &Joined, Laws<'_>),
+        (finger, part, terms): (usize, &FingerPart, &Terms<Dual<2>>),
+        (q, v): (&[f64; N], &[f64; N]),
+        sums: &mut Sums<N, Z>,
+    ) {
         let (own, mirror) = (Self::own(finger, v), part.side.mirror());
         match self.meet_of(finger, index, contact) {
             Meet::Phalanx { site, disc, .. } => {
-                // Where surfaces are depends on the finger's angles and the centre, not on how the disc is turned.
-                let of = &self.discs[disc];
-                let ([x, y, _], [vx, vy, spin]) = (self.place_of(disc, q), self.rates_of(disc, v));
-                let [x, y] = self.in_finger(part.side, [x, y]);
-                let centre = [Dual::<4>::variable(x, 2), Dual::variable(y, 3)];
+                let [vx, vy, spin] = self.rates_of(disc, v);
+                let object = variables::<P>(&self.in_finger(part.side, disc, q), [2, 3, 4]);
                 let (pose, rates) = (terms.pose.widen(), terms.rates.widen());
-                let touch = touch::phalanx(&part.model.phalanx(&pose, &rates, site, (centre, of.radius)), of.radius);
+                let touch = touch::phalanx(&part.model.phalanx(&pose, &rates, site, &object));
                 let rates = [own[0], own[1], mirror * vx, vy, mirror * spin];
                 let press = touch::press_with_slopes(&touch, &rates, self.remembered(contact, v), laws);
                 sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
@@ -231,36 +243,45 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     fn add_slopes_between<const Z: usize>(
         &self,
         index: usize,
-        (q, v): (&[f64; N], &[f64; N]),
+        state: (&[f64; N], &[f64; N]),
         mode: &mode::Mode<C>,
         sums: &mut Sums<N, Z>,
     ) {
         let Some(contact) = &self.contacts[index] else { return };
         let Some(laws) = contact.laws(mode[index]) else { return };
+        match self.turns(contact.meet) {
+            false => self.add_contact_between::<Z, 4, 3, 2>((index, contact, laws), state, sums),
+            true => self.add_contact_between::<Z, 6, 4, 3>((index, contact, laws), state, sums),
+        }
+    }
+
+    /// By so many positions of two discs, of a disc and time, and of a disc.
+    #[inline(always)]
+    fn add_contact_between<const Z: usize, const TWO: usize, const TIMED: usize, const ONE: usize>(
+        &self,
+        (index, contact, laws): (usize, &Joined, Laws<'_>),
+        (q, v): (&[f64; N], &[f64; N]),
+        sums: &mut Sums<N, Z>,
+    ) {
         let memory = self.remembered(contact, v);
-        let at = |disc: usize| {
-            let ([x, y, _], rates) = (self.place_of(disc, q), self.rates_of(disc, v));
-            (&self.discs[disc], [x, y], rates)
-        };
+        let at = |disc: usize| (self.placed(disc, q), self.rates_of(disc, v));
         match contact.meet {
             Meet::Discs { disc, other } if !Self::GRASP => {
-                let ((one, [x, y], [vx, vy, spin]), (two, [z, w], [wx, wy, turn])) = (at(disc), at(other));
-                let variable = |value, index| Dual::<4>::variable(value, index);
-                let centres = [[variable(x, 0), variable(y, 1)], [variable(z, 2), variable(w, 3)]];
-                let touch = touch::discs(centres, [one.radius, two.radius]);
+                let ((one, [vx, vy, spin]), (two, [wx, wy, turn])) = (at(disc), at(other));
+                let touch = touch::discs([&variables::<TWO>(&one, [0, 1, 4]), &variables(&two, [2, 3, 5])]);
                 let press = touch::press_with_slopes(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
-                sums.add((index, contact), &press, &of_discs([one.first, two.first]));
+                sums.add((index, contact), &press, &of_discs([self.first_of(disc), self.first_of(other)]));
             }
             Meet::PassingPlane { disc, plane } if self.moves() => {
-                let ((one, [x, y], [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
-                let centre = [Dual::<3>::variable(x, 0), Dual::variable(y, 1)];
-                let touch = frame::table(&plane, &self.pose(q), Dual::variable(0.0, 2), centre, one.radius);
+                let ((one, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
+                let one = variables::<TIMED>(&one, [0, 1, 3]);
+                let touch = frame::table(&plane, &self.pose(q), Dual::variable(0.0, 2), &one);
                 let press = touch::press_with_slopes(&touch, &[vx, vy, v[time], spin], memory, laws);
                 sums.add((index, contact), &press, &of_disc_in_time(self.first_of(disc), time));
             }
             Meet::Plane { disc, plane } => {
-                let (one, centre, rates) = at(disc);
-                let touch = touch::plane(&plane, variables(centre), one.radius, self.meets_in_one_point());
+                let (one, rates) = at(disc);
+                let touch = touch::plane(&plane, &variables::<ONE>(&one, [0, 1, 2]), self.meets_in_one_point());
                 let press = touch::press_with_slopes(&touch, &rates, memory, laws);
                 sums.add((index, contact), &press, &of_disc(self.first_of(disc)));
             }
@@ -355,6 +376,90 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             for (i, weight) in drive.weights.into_iter().enumerate().take(fingers) {
                 sums.load_v[2 * i][memory] += weight * hold.by_memory;
                 sums.load_v[memory][2 * i] += weight * hold.gain * hold.pull.by_rate;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analytic::multibody::quadratures;
+    use crate::analytic::{Mode, SiteState};
+    use crate::numeric::plane::{Vector, add, perp, scale};
+    use crate::scene::{Scene, parse_any};
+
+    const CONTACTS: usize = 10;
+    type Model = Multibody<12, CONTACTS>;
+    type All = Sums<12, { quadratures(CONTACTS) }>;
+
+    const LISTS: [&str; 2] = [
+        include_str!("../../../../../scenes/gripper/lift.toml"),
+        include_str!("../../../../../scenes/laws/two-free.toml"),
+    ];
+
+    fn scene(text: &str) -> Scene {
+        parse_any(text, "scene.toml").unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// A disc is pressed, whether it is asked how that changes as it turns or not: it does not.
+    #[test]
+    fn round_shapes_do_not_change_as_they_turn() {
+        let mut pressed = 0;
+        for scene in LISTS.map(scene) {
+            let model = Model::new(&scene.system);
+            let start = model.start::<{ quadratures(CONTACTS) }>(&scene.system);
+            let mode = Mode::from([SiteState::Active; CONTACTS]);
+            for (index, contact) in model.contacts.iter().enumerate() {
+                let Some(contact) = contact else { continue };
+                let (mut q, mut v) = (start.q, start.v);
+                (0..8).for_each(|i| v[i] += 0.1 * (i as f64 - 3.3));
+                // Just so near that it presses, and turned.
+                let Some((disc, at)) = pressing(&model, contact, &q) else { continue };
+                let first = model.first_of(disc);
+                (q[first], q[first + 1], q[first + 2]) = (at[0], at[1], 0.3);
+                let laws = contact.laws(mode[index]).expect("a branch that presses");
+                let (mut without, mut with) = (All::ZERO, All::ZERO);
+                let contact = (index, contact, laws);
+                if let Meet::Phalanx { finger, .. } = contact.1.meet {
+                    let terms = model.fingers[finger].model.terms(angles(Model::own(finger, &q)));
+                    let part = (finger, &model.fingers[finger], &terms);
+                    model.add_finger_contact::<_, 4>(contact, part, (&q, &v), &mut without);
+                    model.add_finger_contact::<_, 5>(contact, part, (&q, &v), &mut with);
+                } else {
+                    model.add_contact_between::<_, 4, 3, 2>(contact, (&q, &v), &mut without);
+                    model.add_contact_between::<_, 6, 4, 3>(contact, (&q, &v), &mut with);
+                }
+                assert!(without.g[index] != 0.0, "{:?} does not press", contact.1.meet);
+                assert_eq!((without.load, without.g), (with.load, with.g));
+                assert_eq!((without.load_q, without.load_v), (with.load_q, with.load_v));
+                assert_eq!((without.g_q, without.g_v), (with.g_q, with.g_v));
+                pressed += 1;
+            }
+        }
+        assert_eq!(pressed, 7);
+    }
+
+    /// A disc that moves, and a centre at which it is 1 µm within what it meets.
+    fn pressing(model: &Model, contact: &Joined, q: &[f64; 12]) -> Option<(usize, Vector<f64>)> {
+        let radius = |disc: usize| crate::shape::reach(&model.discs[disc].shape) - 1e-6;
+        match contact.meet {
+            Meet::Stop { .. } => None,
+            Meet::Phalanx { finger, site, disc } => {
+                let part = &model.fingers[finger];
+                let object = model.in_finger(part.side, disc, q);
+                let (pose, rates) = part.model.place(Model::own(finger, q));
+                let found = part.model.phalanx(&pose, &rates, site, &object);
+                let away = scale(found.normal, found.gap + 1e-6);
+                Some((disc, model.in_palm(part.side, add(object.centre_m, away))))
+            }
+            Meet::Discs { disc, other } => {
+                let [x, y, _] = model.place_of(other, q);
+                Some((disc, [x + radius(disc) + radius(other) + 1e-6, y]))
+            }
+            Meet::Plane { disc, plane } | Meet::PassingPlane { disc, plane } => {
+                let level = scale(plane.normal, radius(disc) - plane.offset);
+                Some((disc, add(level, scale(perp(plane.normal), 0.01))))
             }
         }
     }

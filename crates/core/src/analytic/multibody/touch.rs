@@ -1,6 +1,7 @@
-//! A phalanx, a plane or a disc against a disc: gap, and the rows that give its rate and the slip.
+//! A phalanx, a plane or a disc against a disc of any shape: gap, and the rows that give its rate and the slip.
 //!
-//! Where there are fingers, phalanges and planes are touched on their own surfaces, so the disc's lever arm is r − δ, and both sides feel
+//! The surface of a disc is at h n + h' n⊥ from its centre (its support function and the derivative of that, [`Support`]). Where there are
+//! fingers, phalanges and planes are touched on their own surfaces, so the disc's lever arm is h − δ, and both sides feel
 //! opposite forces at one point: momentum and angular momentum are exchanged exactly. Discs touch one another each on its own surface, and
 //! so they do a plane where they are alone, as in the thesis.
 
@@ -9,6 +10,8 @@ use crate::analytic::mode::along;
 use crate::law::{friction_with_memory, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, each};
+
+use crate::shape::{Placed, Support, facing, support};
 
 use super::branch;
 use super::laws::Laws;
@@ -27,13 +30,13 @@ pub struct Touch<T, const K: usize> {
 
 /// A phalanx against a disc, which moves too: on (q11, q21, x, y, θ) as the finger's frame has them.
 #[inline(always)]
-pub fn phalanx<T: Real>(geometry: &Geometry<T>, radius: f64) -> Touch<T, 5> {
-    let Geometry { gap, normal_row, tangent_row, normal, point } = *geometry;
+pub fn phalanx<T: Real>(geometry: &Geometry<T>) -> Touch<T, 5> {
+    let Geometry { gap, normal_row, tangent_row, normal, point, support } = *geometry;
     let tangent = perp(normal);
     Touch {
         gap,
-        normal_row: [normal_row[0], normal_row[1], -normal[0], -normal[1], T::zero()],
-        tangent_row: [tangent_row[0], tangent_row[1], -tangent[0], -tangent[1], -(gap + radius)],
+        normal_row: [normal_row[0], normal_row[1], -normal[0], -normal[1], support.slope],
+        tangent_row: [tangent_row[0], tangent_row[1], -tangent[0], -tangent[1], -(gap + support.distance)],
         normal,
         point,
     }
@@ -41,41 +44,42 @@ pub fn phalanx<T: Real>(geometry: &Geometry<T>, radius: f64) -> Touch<T, 5> {
 
 /// A disc on a plane: on (x, y, θ). `on_plane` is whether the plane's surface is where they meet.
 #[inline(always)]
-pub fn plane<T: Real>(plane: &Plane, centre: Vector<T>, radius: f64, on_plane: bool) -> Touch<T, 3> {
+pub fn plane<T: Real>(plane: &Plane, placed: &Placed<T>, on_plane: bool) -> Touch<T, 3> {
     let normal: Vector<T> = [T::constant(plane.normal[0]), T::constant(plane.normal[1])];
     let tangent = perp(normal);
-    let gap = dot(normal, centre) + (plane.offset - radius);
-    let lever = if on_plane { gap + radius } else { T::constant(radius) };
+    let Support { distance, slope } = support(placed, [-normal[0], -normal[1]]);
+    let gap = dot(normal, placed.centre_m) + (-distance + plane.offset);
+    let lever = if on_plane { gap + distance } else { distance };
     Touch {
         gap,
-        normal_row: [normal[0], normal[1], T::zero()],
+        normal_row: [normal[0], normal[1], slope],
         tangent_row: [tangent[0], tangent[1], -lever],
         normal,
-        point: add(centre, scale(normal, -lever)),
+        point: sub(add(placed.centre_m, scale(normal, -lever)), scale(tangent, slope)),
     }
 }
 
 /// A disc against another one: on (x, y) of it and of the other, then the angles of both.
 #[inline(always)]
-pub fn discs<T: Real>([centre, other]: [Vector<T>; 2], [radius, others]: [f64; 2]) -> Touch<T, 6> {
-    let away = sub(centre, other);
-    let distance = dot(away, away).sqrt();
-    let normal = scale(away, distance.recip());
-    let ([nx, ny], [tx, ty]) = (normal, perp(normal));
+pub fn discs<T: Real>([disc, other]: [&Placed<T>; 2]) -> Touch<T, 6> {
+    let (normal, distance) = facing([disc, other]);
+    let ([nx, ny], tangent) = (normal, perp(normal));
+    let (own, others) = (support(disc, [-nx, -ny]), support(other, normal));
+    let [tx, ty] = tangent;
     Touch {
-        gap: distance - (radius + others),
-        normal_row: [nx, ny, -nx, -ny, T::zero(), T::zero()],
+        gap: distance - (own.distance + others.distance),
+        normal_row: [nx, ny, -nx, -ny, own.slope, others.slope],
         // Either surface point lies so that friction turns its disc against its sense.
-        tangent_row: [tx, ty, -tx, -ty, T::constant(-radius), T::constant(-others)],
+        tangent_row: [tx, ty, -tx, -ty, -own.distance, -others.distance],
         normal,
-        point: add(centre, scale(normal, T::constant(-radius))),
+        point: sub(add(disc.centre_m, scale(normal, -own.distance)), scale(tangent, own.slope)),
     }
 }
 
 /// Of the joint limit.
 #[inline(always)]
 pub fn limit<T: Real>(geometry: &Geometry<T>) -> Touch<T, 2> {
-    let Geometry { gap, normal_row, tangent_row, normal, point } = *geometry;
+    let Geometry { gap, normal_row, tangent_row, normal, point, .. } = *geometry;
     Touch { gap, normal_row, tangent_row, normal, point }
 }
 

@@ -12,7 +12,8 @@ use super::super::table::{Table, read};
 use super::super::words::Motion;
 use super::super::{Disc, DiscMotion, System};
 use crate::limits::MOST_DISCS;
-use crate::numeric::elementary::{hypot, powi};
+use crate::numeric::elementary::hypot;
+use crate::shape::{self, Shape};
 use crate::units::{Dimension, format};
 
 /// Name of the half plane in pairs.
@@ -57,27 +58,28 @@ pub fn discs(c: &mut Checker<'_>, raw: &Raw, gravity_m_s2: [f64; 2]) -> Option<V
 /// One disc; `None` where something is wrong with it.
 fn disc(c: &mut Checker<'_>, name: &str, place: Option<Range<usize>>, raw: &Keys<'_>) -> Option<Disc> {
     let named = judge_name(c, name, place);
-    let said = read(c, &format!("discs.{name}"), raw, DiscKeys::usual());
+    let path = format!("discs.{name}");
+    let (shape, said) = (read(c, &path, raw, Shape::usual_in(raw.kind)), read(c, &path, raw, DiscKeys::usual()));
     // An unknown motion says nothing about the other keys.
     if !raw.is_known::<Choice<Motion>>("motion") {
         return None;
     }
-    let DiscKeys { radius_m, centre_m, velocity_m_s, acceleration_m_s2, mass_kg, spin_rad_s, .. } = said;
+    let DiscKeys { centre_m, velocity_m_s, acceleration_m_s2, mass_kg, spin_rad_s, .. } = said;
     let motion = match said.motion {
         Motion::Fixed => DiscMotion::Fixed,
         Motion::Driven => DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s },
         Motion::Free => {
-            let inertia_kg_m2 = inertia(c, name, raw, &said)?;
+            let inertia_kg_m2 = inertia(c, name, raw, &said, &shape)?;
             if mass_kg.is_nan() {
                 return None;
             }
             DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s }
         }
     };
-    if radius_m.is_nan() || centre_m[0].is_nan() {
+    if shape::sizes(&shape).iter().any(|(_, size_m)| size_m.is_nan()) || centre_m[0].is_nan() {
         return None;
     }
-    Some(Disc { name: named?, radius_m, centre_m, angle_rad: 0.0, motion })
+    Some(Disc { name: named?, shape, centre_m, angle_rad: 0.0, motion })
 }
 
 /// Names stand in topics, keys and columns, joined by `-` in those of pairs.
@@ -100,7 +102,7 @@ fn judge_name(c: &mut Checker<'_>, text: &str, place: Option<Range<usize>>) -> O
 }
 
 /// Inertia of a free disc: `Some(None)` if it does not turn, `None` where it is wrong.
-fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<'_>, said: &DiscKeys) -> Option<Option<f64>> {
+fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<'_>, said: &DiscKeys, shape: &Shape) -> Option<Option<f64>> {
     if !said.rotates {
         for key in ["inertia", "spin"] {
             c.unused_at(&format!("discs.{name}.{key}"), raw.span(key), "with rotates = false");
@@ -110,7 +112,7 @@ fn inertia(c: &mut Checker<'_>, name: &str, raw: &Keys<'_>, said: &DiscKeys) -> 
     if raw.has("inertia") {
         return Some(said.inertia_kg_m2).filter(|inertia| !inertia.is_nan()).map(Some);
     }
-    let homogeneous = 0.5 * said.mass_kg * powi(said.radius_m, 2);
+    let homogeneous = said.mass_kg * shape::inertia(shape, 1.0);
     if homogeneous.is_nan() {
         return None;
     }
@@ -133,8 +135,9 @@ pub fn judge_starts(c: &mut Checker<'_>, raw: &Raw, system: &System) {
         let place = section.inner(&b.name).span("centre");
         for a in &system.discs[..index] {
             let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
+            let [one, other] = [a, b].map(|disc| shape::reach(&disc.shape));
             let moves = a.motion.moves() || b.motion.moves();
-            if !moves || distance_m > a.radius_m.max(b.radius_m) {
+            if !moves || distance_m > one.max(other) {
                 continue;
             }
             let length = |metres| format(metres, Dimension::Length);
@@ -146,8 +149,8 @@ pub fn judge_starts(c: &mut Checker<'_>, raw: &Raw, system: &System) {
                     a.name,
                     b.name,
                     length(distance_m),
-                    length(a.radius_m),
-                    length(b.radius_m)
+                    length(one),
+                    length(other)
                 ),
                 "too deep",
                 "move them apart: surfaces may overlap at the start, but a centre must be outside of the other disc",

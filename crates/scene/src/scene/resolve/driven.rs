@@ -15,14 +15,15 @@ pub struct Stand {
     pub gravity_m_s2: [f64; 2],
     /// Whether it has a motor of its own.
     pub has_motor: bool,
-    pub object_radius_m: f64,
+    /// Radius of curvature of the object.
+    pub curvature_m: f64,
     /// What it closes on; `None` where something is wrong with that.
     pub seen: Option<Seen>,
 }
 
 /// The finger, and what its motor and spring were sized to.
 pub fn driven(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, stand: Stand) -> (Sized, Option<DrivenFinger>) {
-    let Stand { side, gravity_m_s2: [x, y], has_motor, object_radius_m, seen } = stand;
+    let Stand { side, gravity_m_s2: [x, y], has_motor, curvature_m, seen } = stand;
     let linkage = finger::finger(c, raw, plan);
     let sound = linkage.as_ref().zip(seen.as_ref());
     let sized = ends_sized(c, raw, &plan.said, sound, [side.mirror() * x, y]);
@@ -32,7 +33,7 @@ pub fn driven(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, stand: Stand) ->
     };
     let spring = drive::spring(c, &raw.inner("spring"), sized);
     let limit = contact::limit(c, &raw.inner("limit"));
-    let contact = contact::contacts(c, &raw.inner("contact"), object_radius_m);
+    let contact = contact::contacts(c, &raw.inner("contact"), curvature_m);
     let initial = start::initial(c, raw, plan, sound, limit);
     let whole = (linkage, motor, spring, contact, initial);
     let (Some(linkage), Some(motor), Some(spring), Some(contact), Some(initial)) = whole else { return (sized, None) };

@@ -5,21 +5,32 @@ use super::super::table::keys::Keys;
 use super::super::table::object::{GraspedMotion, Object};
 use super::super::table::{Table, read};
 use super::super::{Disc, defaults};
-use crate::gripper::Circle;
+use crate::shape::{self, Placed, Shape};
 
-/// The object as it is said, with what follows from its radius.
+/// Its shape.
+pub fn shape(c: &mut Checker<'_>, raw: &Keys<'_>) -> Shape {
+    read(c, "object", &raw.inner("object"), Shape::usual())
+}
+
+/// One that rests on the palm, so far along it.
+pub fn on_the_palm(shape: Shape, x_m: f64) -> Placed {
+    let [_, below] = shape.at([x_m, 0.0]).lowest_m();
+    shape.at([x_m, -below])
+}
+
+/// The object as it is said, with what follows from its shape.
 pub fn said(c: &mut Checker<'_>, raw: &Keys<'_>) -> Object {
-    let mut object = read(c, "object", &raw.inner("object"), Object::usual_in(raw.kind));
-    let radius_m = object.radius_m;
+    let shape = shape(c, raw);
+    let mut object = Object { shape, ..read(c, "object", &raw.inner("object"), Object::usual_in(raw.kind)) };
     if object.centre_m[1].is_nan() {
-        object.centre_m[1] = radius_m;
+        object.centre_m[1] = -Object { centre_m: [0.0; 2], ..object }.heights_m()[0];
     }
     if let GraspedMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut object.motion {
         if mass_kg.is_nan() {
-            *mass_kg = defaults::DENSITY_KG_M3 * std::f64::consts::PI * radius_m * radius_m * defaults::DEPTH_M;
+            *mass_kg = shape::mass(&shape, defaults::DENSITY_KG_M3, defaults::DEPTH_M);
         }
         if inertia_kg_m2.is_nan() {
-            *inertia_kg_m2 = *mass_kg * radius_m * radius_m / 2.0;
+            *inertia_kg_m2 = shape::inertia(&shape, *mass_kg);
         }
     }
     object
@@ -27,7 +38,7 @@ pub fn said(c: &mut Checker<'_>, raw: &Keys<'_>) -> Object {
 
 /// What one finger closes on: no disc where the scene has none, `None` where it is wrong.
 pub fn beside(c: &mut Checker<'_>, raw: &Keys<'_>, said: Object, base_m: Option<f64>) -> Option<Vec<Disc>> {
-    let Object { present, radius_m, centre_m, .. } = said;
+    let Object { present, shape, centre_m, .. } = said;
     let object = raw.inner("object");
     if !present {
         if !raw.inner("design").is_given() {
@@ -44,7 +55,7 @@ pub fn beside(c: &mut Checker<'_>, raw: &Keys<'_>, said: Object, base_m: Option<
         );
         return None;
     }
-    let centre_m = if object.has("centre") { centre_m } else { [-base_m?, radius_m] };
+    let placed = if object.has("centre") { shape.at(centre_m) } else { on_the_palm(shape, -base_m?) };
     // A wrong one is noted already.
-    centre_m[0].is_finite().then(|| vec![Disc::object(Circle { radius_m, centre_m })])
+    placed.centre_m[0].is_finite().then(|| vec![Disc::object(placed)])
 }

@@ -20,7 +20,7 @@ pub fn levels(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, object: Object) ->
     };
     let table = table.is_given().then(|| read(c, "table", &table, Support::usual()));
     let level = |table: Support| match table.level_m.is_nan() {
-        true => object.centre_m[1] + object.radius_m,
+        true => object.heights_m()[1],
         false => table.level_m,
     };
     [below, table.filter(|table| table.present).map(level)]
@@ -28,11 +28,11 @@ pub fn levels(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, object: Object) ->
 
 /// Palm and table must not be inside the object.
 pub fn judge_object(c: &mut Checker<'_>, raw: &Keys<'_>, object: Object, [palm, table]: [Option<f64>; 2]) {
-    let [_, y] = object.centre_m;
+    let [lowest, highest] = object.heights_m();
     let said = raw.inner("object");
     let planes = [
-        ("palm", palm.map(|_| object.radius_m - y), said.span("height").or(said.span)),
-        ("table", table.map(|level_m| y + object.radius_m - level_m), raw.inner("table").span("level")),
+        ("palm", palm.map(|_| -lowest), said.span("height").or(said.span)),
+        ("table", table.map(|level_m| highest - level_m), raw.inner("table").span("level")),
     ];
     for (plane, depth, place) in planes {
         let Some(depth) = depth.filter(|depth| *depth > MAX_PENETRATION_M) else { continue };

@@ -13,8 +13,9 @@ use super::finger::Plan;
 use super::seen::Seen;
 use super::sizing::Sized;
 use super::{plane, sizing};
-use crate::gripper::{Circle, Finger};
+use crate::gripper::Finger;
 use crate::numeric::elementary::hypot;
+use crate::shape::{Placed, tangent};
 use crate::units::{Dimension, format};
 
 /// Given, or twice the base that both fingers are made for; 0 of one finger, and of none.
@@ -101,20 +102,21 @@ fn room(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, object: Object, palm_wid
 
 impl Room {
     fn seen(&self, side: Side, object: Object) -> Seen {
-        let [x, y] = object.centre_m;
-        let at = |x: f64| Circle { radius_m: object.radius_m, centre_m: [x - self.half_palm_m, y] };
+        let Placed { shape, centre_m: [x, y], angle_rad } = object.placed();
+        let angle_rad = side.mirror() * angle_rad;
+        let at = |x: f64| Placed { shape, centre_m: [x - self.half_palm_m, y], angle_rad };
         Seen { object: Some(at(side.mirror() * x)), ends: vec![at(-self.error_m), at(self.error_m)] }
     }
 }
 
 /// Whether the ground joint of a finger is outside of the object grown by half a link's width, wherever that may be.
 fn is_clear(c: &mut Checker<'_>, place: Option<Range<usize>>, side: Side, seen: &Seen, half_width_m: f64) -> bool {
-    let near = |disc: &Circle| hypot(disc.centre_m[0], disc.centre_m[1]);
-    let distance = seen.object.iter().chain(&seen.ends).map(near).fold(f64::INFINITY, f64::min);
-    let reach = seen.object.map_or(0.0, |object| object.radius_m) + half_width_m;
-    if distance >= reach {
-        return true;
-    }
+    let near = |placed: &Placed| {
+        let reach = tangent(placed, half_width_m).err()?;
+        Some((hypot(placed.centre_m[0], placed.centre_m[1]), reach))
+    };
+    let nearest = seen.object.iter().chain(&seen.ends).filter_map(near);
+    let Some((distance, reach)) = nearest.min_by(|one, other| one.0.total_cmp(&other.0)) else { return true };
     let [distance, reach] = [distance, reach].map(|value| format!("{:.3} mm", value * 1e3));
     c.push(
         place,

@@ -6,7 +6,8 @@ use super::super::table::finger::Links;
 use super::super::table::keys::Keys;
 use super::super::{Actuation, Placement, SpringKind};
 use super::finger::geometry;
-use crate::gripper::{Circle, Finger, contact_angle_proximal};
+use crate::gripper::{Finger, contact_angle_proximal};
+use crate::shape::Placed;
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
 /// Whether motor and spring come from a sizing.
@@ -54,7 +55,7 @@ pub fn sizing(
     c: &mut Checker<'_>,
     raw: &Keys<'_>,
     said: &Links,
-    sound: Option<(&Finger, &Option<Circle>)>,
+    sound: Option<(&Finger, &Option<Placed>)>,
     gravity_m_s2: [f64; 2],
 ) -> Sized {
     if !raw.has("sizing") {
@@ -67,7 +68,7 @@ pub fn sizing(
     let (Some((finger, object)), Some(rule)) = (sound, rule) else {
         return Sized::Wrong;
     };
-    let Some(disc) = object else {
+    let Some(object) = object else {
         c.push(
             raw.span("sizing"),
             "`sizing` needs the object that the finger closes on, and this scene has none",
@@ -76,10 +77,10 @@ pub fn sizing(
         );
         return Sized::Wrong;
     };
-    let Some(opening_rad) = opening(c, raw, finger, *disc) else {
+    let Some(opening_rad) = opening(c, raw, finger, *object) else {
         return Sized::Wrong;
     };
-    let task = Task { disc: *disc, opening_rad, gravity_m_s2, closing_s };
+    let task = Task { object: *object, opening_rad, gravity_m_s2, closing_s };
     match size_with(finger, &task, rule, placement, INTERVALS) {
         Ok(sizing) => Sized::By(sizing),
         Err(error) => {
@@ -121,7 +122,7 @@ fn refuse_given(c: &mut Checker<'_>, raw: &Keys<'_>) {
 }
 
 /// q_0: how far before the proximal contact the finger starts.
-fn opening(c: &mut Checker<'_>, raw: &Keys<'_>, finger: &Finger, disc: Circle) -> Option<f64> {
+fn opening(c: &mut Checker<'_>, raw: &Keys<'_>, finger: &Finger, object: Placed) -> Option<f64> {
     let start = raw.inner("initial");
     if start.has("q11") {
         c.push(
@@ -138,7 +139,7 @@ fn opening(c: &mut Checker<'_>, raw: &Keys<'_>, finger: &Finger, disc: Circle) -
         return Some(offset);
     }
     let q21_rad = Some(joints.q21_rad).filter(|angle| !angle.is_nan())?;
-    let contact = contact_angle_proximal(finger.lengths.half_width_m, disc);
+    let contact = contact_angle_proximal(finger.lengths.half_width_m, object);
     contact.map_err(|error| refuse(c, raw, &SizingError::from(error))).ok().map(|contact| contact - q21_rad)
 }
 

@@ -6,13 +6,14 @@ use super::super::Initial;
 use super::super::check::Checker;
 use super::super::table::finger::Start;
 use super::super::table::keys::Keys;
-use super::super::table::object::Object;
 use super::super::table::{Table, read};
 use super::finger::{Plan, geometry};
+use super::object::{self, on_the_palm};
 use super::seen::Seen;
-use crate::gripper::{self, Assembly, Circle, Finger, Joints, Lengths, Posture};
+use crate::fivebar::capsule::{Capsule, nearest};
+use crate::gripper::{self, Assembly, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
-use crate::numeric::elementary::hypot;
+use crate::shape::Placed;
 use crate::units::{Dimension, format};
 
 /// Deepest overlap of a phalanx and the object a scene may start with.
@@ -74,8 +75,8 @@ pub fn initial(
     if limit.is_some() {
         judge_limit(c, place.clone(), &posture, lengths);
     }
-    if let Some(disc) = object {
-        judge_overlap(c, place, &posture, lengths, disc);
+    if let Some(object) = object {
+        judge_overlap(c, place, &posture, lengths, &object);
     }
     Some(Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s })
 }
@@ -89,21 +90,18 @@ fn place(raw: &Keys<'_>) -> Option<Range<usize>> {
 /// q21 = q_c21 − q_0 (2-design §2.1), for the object or else for the one the design is made for.
 fn before_contact(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, seen: &Seen, offset: f64) -> Option<f64> {
     let lengths = plan.lengths?;
-    let circle = match (seen.object, plan.base_m) {
-        (Some(disc), _) => disc,
-        (None, Some(base_m)) => {
-            let Object { radius_m, .. } = read(c, "object", &raw.inner("object"), Object::usual());
-            Circle { radius_m, centre_m: [-base_m, radius_m] }
-        }
+    let placed = match (seen.object, plan.base_m) {
+        (Some(object), _) => object,
+        (None, Some(base_m)) => on_the_palm(object::shape(c, raw), -base_m),
         (None, None) => {
             let help = "without object and [design] nothing says where to start: add [initial] q21 = \"40 deg\"";
             c.lacks("initial.q21", raw.inner("initial").span, help);
             return None;
         }
     };
-    let mut circles = std::iter::once(&circle).chain(&seen.ends);
-    let first = circles.try_fold(f64::INFINITY, |first, circle| {
-        gripper::contact_angle_proximal(lengths.half_width_m, *circle).map(|contact| first.min(contact))
+    let mut all = std::iter::once(&placed).chain(&seen.ends);
+    let first = all.try_fold(f64::INFINITY, |first, placed| {
+        gripper::contact_angle_proximal(lengths.half_width_m, *placed).map(|contact| first.min(contact))
     });
     match first {
         Ok(contact) => Some(contact - offset),
@@ -155,11 +153,16 @@ fn judge_limit(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Postu
     );
 }
 
-fn judge_overlap(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Posture, lengths: &Lengths, disc: Circle) {
+fn judge_overlap(
+    c: &mut Checker<'_>,
+    place: Option<Range<usize>>,
+    posture: &Posture,
+    lengths: &Lengths,
+    object: &Placed,
+) {
     let Joints { a22_m, tip_m, .. } = gripper::joints(lengths, posture);
-    let reach = disc.radius_m + lengths.half_width_m;
     for (name, from, to) in [("proximal", [0.0, 0.0], a22_m), ("distal", a22_m, tip_m)] {
-        let depth = reach - distance(disc.centre_m, from, to);
+        let depth = -nearest(&Capsule::between(from, to, lengths.half_width_m), object).gap;
         if depth <= MAX_PENETRATION_M {
             continue;
         }
@@ -171,13 +174,4 @@ fn judge_overlap(c: &mut Checker<'_>, place: Option<Range<usize>>, posture: &Pos
         let help = "open the finger further (lower q21, raise offset), or move the object away";
         c.push(place.clone(), message, "starts inside the object", help);
     }
-}
-
-/// Distance of a point from a segment.
-fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
-    let along = [to[0] - from[0], to[1] - from[1]];
-    let off = [point[0] - from[0], point[1] - from[1]];
-    let s = (off[0] * along[0] + off[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
-    let s = s.clamp(0.0, 1.0);
-    hypot(off[0] - s * along[0], off[1] - s * along[1])
 }

@@ -9,12 +9,14 @@ use super::super::{DiscMotion, DrivenFinger, HalfPlane, System};
 use super::driven::{Stand, driven};
 use super::sizing::Sized;
 use super::{contact, differential, disc, finger, motion, object, plane, room};
+use crate::shape;
 
 /// `None` where a part is wrong; that is noted.
 pub fn system(c: &mut Checker<'_>, raw: &Raw, top: &Top) -> Option<System> {
     let (whole, gravity_m_s2) = (raw.whole(), top.gravity_m_s2);
     let said = object::said(c, &whole);
-    let plans: Vec<_> = raw.sides().iter().map(|side| finger::plan(c, &raw.finger(*side), said.radius_m)).collect();
+    let plans: Vec<_> =
+        raw.sides().iter().map(|side| finger::plan(c, &raw.finger(*side), shape::reach(&said.shape))).collect();
     let discs = match raw.sides().len() {
         0 => disc::discs(c, raw, gravity_m_s2),
         1 => object::beside(c, &whole, said, plans[0].base_m),
@@ -29,8 +31,13 @@ pub fn system(c: &mut Checker<'_>, raw: &Raw, top: &Top) -> Option<System> {
     let seesaw = seesaw.filter(|seesaw| seesaw.present);
     let (mut sized, mut fingers): (Vec<Sized>, Vec<Option<DrivenFinger>>) = Default::default();
     for ((side, plan), seen) in raw.sides().iter().zip(&plans).zip(seen) {
-        let stand =
-            Stand { side: *side, gravity_m_s2, has_motor: seesaw.is_none(), object_radius_m: said.radius_m, seen };
+        let stand = Stand {
+            side: *side,
+            gravity_m_s2,
+            has_motor: seesaw.is_none(),
+            curvature_m: shape::curvature(&said.shape),
+            seen,
+        };
         let (sizing, finger) = driven(c, &raw.finger(*side), plan, stand);
         sized.push(sizing);
         fingers.push(finger);
@@ -51,7 +58,8 @@ pub fn system(c: &mut Checker<'_>, raw: &Raw, top: &Top) -> Option<System> {
         // Nothing that moves can reach a palm.
         1 => [None; 3],
         _ => {
-            let [palm, table] = contact::planes(c, &law, levels.map(|level| level.is_some()), said.radius_m)?;
+            let [palm, table] =
+                contact::planes(c, &law, levels.map(|level| level.is_some()), shape::curvature(&said.shape))?;
             [None, palm, table]
         }
     };

@@ -5,12 +5,12 @@ use super::super::error::Problem;
 use super::super::raw::Raw;
 use super::super::table::finger::Links;
 use super::super::table::keys::Keys;
-use super::super::table::object::Object;
 use super::super::table::{Table, read};
 use super::super::{Scene, Side, Template};
-use super::{finger, start};
+use super::{finger, object, start};
 use crate::gripper::Design;
 use crate::law::ContactLaw;
+use crate::shape;
 
 /// Reads once more what a resolved scene does not keep; `scene` is the same one, resolved.
 pub fn template(raw: &Raw, mut c: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
@@ -69,6 +69,6 @@ fn design(c: &mut Checker<'_>, raw: &Keys<'_>, half_width_m: f64) -> Option<Desi
         );
         return None;
     }
-    let Object { radius_m, .. } = read(c, "object", &raw.inner("object"), Object::usual());
-    finger::design(c, &raw.inner("design"), half_width_m, radius_m)
+    let object = object::shape(c, raw);
+    finger::design(c, &raw.inner("design"), half_width_m, shape::reach(&object))
 }

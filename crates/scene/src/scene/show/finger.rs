@@ -20,7 +20,7 @@ pub fn links(out: &mut Out, finger: &Finger) {
 /// All sections of a finger; of one that is alone with its object.
 pub fn finger(out: &mut Out, path: &str, finger: &DrivenFinger, object: Option<Object>, has_motor: bool) {
     bodies(out, path, &finger.linkage);
-    object.iter().for_each(|object| show_table(out, "object", object));
+    object.iter().for_each(|object| self::object(out, object));
     if has_motor {
         motor(out, path, &finger.motor, finger.motor.inertia_kg_m2);
     }
@@ -30,6 +30,14 @@ pub fn finger(out: &mut Out, path: &str, finger: &DrivenFinger, object: Option<O
     contact(out, &format!("{path}contact.proximal"), &finger.contact.proximal);
     contact(out, &format!("{path}contact.distal"), &finger.contact.distal);
     show_table(out, &format!("{path}initial"), &Start { offset_rad: None, joints: finger.initial });
+}
+
+/// What fingers grasp.
+pub fn object(out: &mut Out, object: &Object) {
+    out.section("object");
+    show_keys(out, object, |key| Object::HEADING.contains(&key));
+    show_keys(out, &object.shape, |_| true);
+    show_keys(out, object, |key| !Object::HEADING.contains(&key));
 }
 
 fn bodies(out: &mut Out, path: &str, finger: &Finger) {

@@ -8,7 +8,7 @@ use super::super::table::plane::{Ground, Support};
 use super::super::table::top::{HEADING, Top};
 use super::super::table::{Table, show as show_table, show_keys};
 use super::super::{Differential, PalmMotion, System};
-use super::finger::{finger, links, motor};
+use super::finger::{finger, links, motor, object as show_object};
 use super::law::contact;
 use super::out::Out;
 
@@ -44,7 +44,9 @@ pub fn system(out: &mut Out, top: &Top, system: &System) {
 
 fn discs(out: &mut Out, system: &System) {
     for disc in &system.discs {
-        show_table(out, &format!("discs.{}", disc.name), &DiscKeys::of(disc));
+        out.section(&format!("discs.{}", disc.name));
+        show_keys(out, &disc.shape, |_| true);
+        show_keys(out, &DiscKeys::of(disc), |_| true);
     }
     if let Some(ground) = system.palm {
         show_table(out, "half_plane", &Ground { level_m: ground.level_m });
@@ -54,7 +56,7 @@ fn discs(out: &mut Out, system: &System) {
 
 /// What both fingers grasp, and what else is there.
 fn around_fingers(out: &mut Out, system: &System) {
-    system.object().iter().for_each(|object| show_table(out, "object", &Object::of(object)));
+    system.object().iter().for_each(|object| show_object(out, &Object::of(object)));
     let level_m = system.table.map_or(f64::NAN, |table| table.level_m);
     show_table(out, "table", &Support { present: system.table.is_some(), level_m });
     differential(out, system.differential.as_ref());

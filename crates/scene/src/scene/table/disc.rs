@@ -9,10 +9,9 @@ use crate::scene::{Disc, DiscMotion};
 /// Not a number where something must be given, or follows from something else.
 const GIVEN: f64 = f64::NAN;
 
-/// A disc; a motion has a meaning for some of its figures only.
+/// A disc but for its [shape](super::shape); a motion has a meaning for some of its figures only.
 #[derive(Clone, Copy, Debug)]
 pub struct DiscKeys {
-    pub radius_m: f64,
     pub centre_m: [f64; 2],
     pub motion: Motion,
     pub velocity_m_s: [f64; 2],
@@ -24,7 +23,6 @@ pub struct DiscKeys {
 }
 
 const USUAL: DiscKeys = DiscKeys {
-    radius_m: GIVEN,
     centre_m: [GIVEN; 2],
     motion: Motion::Free,
     velocity_m_s: [0.0; 2],
@@ -37,7 +35,7 @@ const USUAL: DiscKeys = DiscKeys {
 
 impl DiscKeys {
     pub fn of(disc: &Disc) -> Self {
-        let whole = Self { radius_m: disc.radius_m, centre_m: disc.centre_m, ..USUAL };
+        let whole = Self { centre_m: disc.centre_m, ..USUAL };
         match disc.motion {
             DiscMotion::Fixed => Self { motion: Motion::Fixed, ..whole },
             DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => {
@@ -60,8 +58,6 @@ impl DiscKeys {
 lines! {
     /// A disc.
     DiscKeys = USUAL, d;
-    /// Required.
-    "radius": Length = Some(&mut d.radius_m), allowed(POSITIVE), needed("add its size: radius = \"10 mm\"");
     /// Where its centre starts. Required.
     "centre": Pair<Length> = Some(&mut d.centre_m), follows(),
         needed("add where it starts: centre = [\"0 mm\", \"10 mm\"]");

@@ -20,6 +20,7 @@ use crate::gripper::{BodyOverride, Design, Lengths};
 use crate::law::FrictionLaw;
 use crate::scene::check::ANY;
 use crate::scene::words::SceneKind::{self, Bodies, Finger, Gripper};
+use crate::shape::Shape;
 use crate::units::Dimension;
 
 /// Every section of the table with its keys.
@@ -35,13 +36,13 @@ pub fn markdown() -> String {
         section::<Lengths>("`[lengths]`", Finger),
         section::<Material>("`[material]`", Finger),
         section::<BodyOverride>("`[bodies.NAME]`, of `l11`, `l12`, `l21` and `l22`", Finger),
-        section::<Object>("`[object]`", Finger),
+        shaped::<Object>("`[object]`", Finger),
         section::<Motor>("`[motor]`", Finger),
         section::<Springs>("`[spring]`", Finger),
         section::<Start>("`[initial]`", Finger),
-        section::<DiscKeys>("`[discs.NAME]` of a scene of discs", Bodies),
+        shaped::<DiscKeys>("`[discs.NAME]` of a scene of discs", Bodies),
         section::<Ground>("`[half_plane]` of a scene of discs", Bodies),
-        section::<Object>("`[object]` of a gripper", Gripper),
+        shaped::<Object>("`[object]` of a gripper", Gripper),
         section::<Support>("`[table]` of a gripper", Gripper),
         section::<Seesaw>("`[differential]` of a gripper", Gripper),
         section::<Motor>("`[motor]` of a gripper", Gripper) + &rows::<Shaft>(Gripper),
@@ -63,8 +64,17 @@ pub fn markdown() -> String {
 }
 
 fn section<T: Table>(title: &str, kind: SceneKind) -> String {
+    head::<T>(title, kind) + &rows::<T>(kind)
+}
+
+/// Of what has a shape besides.
+fn shaped<T: Table>(title: &str, kind: SceneKind) -> String {
+    head::<T>(title, kind) + &rows::<Shape>(kind) + &rows::<T>(kind)
+}
+
+fn head<T: Table>(title: &str, kind: SceneKind) -> String {
     let doc = escaped(T::doc(kind));
-    format!("{title}: {doc}\n\n| key | default | allowed | what it is |\n|---|---|---|---|\n{}", rows::<T>(kind))
+    format!("{title}: {doc}\n\n| key | default | allowed | what it is |\n|---|---|---|---|\n")
 }
 
 fn rows<T: Table>(kind: SceneKind) -> String {

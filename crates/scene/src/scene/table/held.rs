@@ -42,7 +42,7 @@ impl Written {
     /// Whether it is a value, and not a place for one.
     pub fn is_given(&self) -> bool {
         match self {
-            Written::Quantities(values, _) => !values.is_empty(),
+            Written::Quantities(values, _) => !values.is_empty() && values.iter().copied().all(f64::is_finite),
             Written::Text(text) => !text.is_empty(),
             other => other.number().is_none_or(f64::is_finite),
         }

@@ -33,6 +33,7 @@ pub mod motion;
 pub mod object;
 pub mod plane;
 mod section;
+pub mod shape;
 pub mod top;
 
 use serde_json::Value;
@@ -97,10 +98,12 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base:
             continue;
         }
         let whole = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-        match (raw.get(key), line.get(&mut base).is_some()) {
-            (None, true) => needed.into_iter().for_each(|help| c.lacks(&whole, raw.span.clone(), help)),
-            (None, false) => {}
-            (Some(given), false) if beside.is_some() => {
+        match (raw.get(key), line.get(&mut base)) {
+            (None, Some(base)) if !base.is_given() => {
+                needed.into_iter().for_each(|help| c.lacks(&whole, raw.span.clone(), help));
+            }
+            (None, _) => {}
+            (Some(given), None) if beside.is_some() => {
                 beside.into_iter().for_each(|(_, why)| c.unused_at(&whole, Some(given.span()), why));
             }
             (Some(given), _) => match line.read(&whole, given, &mut base) {

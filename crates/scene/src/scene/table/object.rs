@@ -1,10 +1,12 @@
 //! `[object]`: what fingers grasp.
 
+use super::shape::UNSAID;
 use super::{lines, of};
 use crate::scene::check::POSITIVE;
 use crate::scene::kinds::{Angle, AngularRate, Choice, Flag, Inertia, Length, Mass, Pair, Speed, Words};
 use crate::scene::words::{ONE_FINGER, SceneKind, TWO_FINGERS};
 use crate::scene::{Disc, DiscMotion, defaults};
+use crate::shape::{Placed, Shape};
 
 /// Follows from something else unless it is given.
 const FOLLOWS: f64 = f64::NAN;
@@ -13,7 +15,8 @@ const FOLLOWS: f64 = f64::NAN;
 #[derive(Clone, Copy, Debug)]
 pub struct Object {
     pub present: bool,
-    pub radius_m: f64,
+    /// By keys of its own.
+    pub shape: Shape,
     pub centre_m: [f64; 2],
     pub angle_rad: f64,
     pub motion: GraspedMotion,
@@ -27,24 +30,33 @@ pub enum GraspedMotion {
 }
 
 impl Object {
-    /// None; its size means nothing.
-    pub const NONE: Self = Self {
-        present: false,
-        radius_m: f64::NAN,
-        centre_m: [f64::NAN; 2],
-        angle_rad: 0.0,
-        motion: GraspedMotion::Fixed,
-    };
+    /// Keys that stand before those of its shape.
+    pub const HEADING: [&str; 2] = ["present", "motion"];
+
+    /// None; its shape means nothing.
+    pub const NONE: Self =
+        Self { present: false, shape: UNSAID, centre_m: [f64::NAN; 2], angle_rad: 0.0, motion: GraspedMotion::Fixed };
 
     pub fn disc(self) -> Disc {
-        let Self { radius_m, centre_m, angle_rad, motion, .. } = self;
+        let Self { shape, centre_m, angle_rad, motion, .. } = self;
         let motion = match motion {
             GraspedMotion::Fixed => DiscMotion::Fixed,
             GraspedMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => {
                 DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), velocity_m_s, spin_rad_s }
             }
         };
-        Disc { name: Disc::OBJECT.to_string(), radius_m, centre_m, angle_rad, motion }
+        Disc { name: Disc::OBJECT.to_string(), shape, centre_m, angle_rad, motion }
+    }
+
+    /// Where it starts.
+    pub fn placed(self) -> Placed {
+        self.disc().placed()
+    }
+
+    /// Where it begins and ends above the palm.
+    pub fn heights_m(self) -> [f64; 2] {
+        let placed = self.placed();
+        [-1.0, 1.0].map(|to| placed.furthest_m([0.0, to])[1])
     }
 
     /// As it would be said; nothing drives an object.
@@ -55,7 +67,7 @@ impl Object {
             }
             _ => GraspedMotion::Fixed,
         };
-        Self { present: true, radius_m: disc.radius_m, centre_m: disc.centre_m, angle_rad: disc.angle_rad, motion }
+        Self { present: true, shape: disc.shape, centre_m: disc.centre_m, angle_rad: disc.angle_rad, motion }
     }
 }
 
@@ -73,7 +85,7 @@ lines! {
     /// The disc to be grasped; it is fixed.
     Object = Self {
         present: true,
-        radius_m: defaults::OBJECT_RADIUS_M,
+        shape: defaults::OBJECT,
         centre_m: [FOLLOWS; 2],
         angle_rad: 0.0,
         motion: GraspedMotion::Fixed,
@@ -91,7 +103,6 @@ lines! {
     "present": Flag = Some(&mut o.present), of(ONE_FINGER);
     /// What moves it: "free": contact and gravity; "fixed": nothing.
     "motion": Choice<GraspedMotion> = Some(&mut o.motion), of(TWO_FINGERS);
-    "radius": Length = Some(&mut o.radius_m), allowed(POSITIVE);
     /// Default with [design]: (−base, radius), resting on the palm. Required with [lengths].
     "centre": Pair<Length> = o.present.then_some(&mut o.centre_m), follows(),
         beside("present", "with present = false"), of(ONE_FINGER);

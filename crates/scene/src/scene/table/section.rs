@@ -18,7 +18,7 @@ pub struct About {
     pub allowed: Bound,
     /// The key that decides whether the section has a place for this one, and why there is none.
     pub beside: Option<(&'static str, &'static str)>,
-    /// What to do where it is lacking, if it must be given.
+    /// What to do where it is lacking and has no default, if it must be given.
     pub needed: Option<&'static str>,
     /// Its default follows from something else.
     pub follows: bool,
