@@ -156,7 +156,7 @@ fn gripper(scene: &Scene) -> String {
 
 /// How large a shape is.
 fn size(shape: &Shape) -> String {
-    let sizes = shape::sizes(shape).into_iter().map(|(name, size_m)| format!("{:.1} mm in {name}", size_m * 1e3));
+    let sizes = shape::sizes(shape).map(|(name, size_m)| format!("{:.1} mm in {name}", size_m * 1e3));
     sizes.collect::<Vec<_>>().join(" and ")
 }
 

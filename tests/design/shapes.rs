@@ -133,7 +133,7 @@ fn mass_and_inertia_are_those_of_the_outline() {
         // The polygon lacks what is beyond its edges: (2π/96)²/6 of the area, twice that of the second moment.
         is_near(mass_kg, 1070.0 * 0.04 * found.area_m2, 1e-3 * mass_kg);
         is_near(inertia(&shape, mass_kg), 1070.0 * 0.04 * found.second_moment_m4, 2e-3 * inertia(&shape, mass_kg));
-        assert!(sizes(&shape).iter().all(|(_, size_m)| *size_m <= reach(&shape)));
+        assert!(sizes(&shape).all(|(_, size_m)| size_m <= reach(&shape)));
         assert!(curvature(&shape) > 0.0);
     }
 }

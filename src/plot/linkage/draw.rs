@@ -118,7 +118,7 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
     ];
     if let Some(object) = scene.object() {
         rows.push(("base", INK, "from joint to middle", mm(-object.centre_m[0])));
-        let sizes = sizes(&object.shape).into_iter();
+        let sizes = sizes(&object.shape);
         rows.extend(sizes.map(|(name, size_m)| (name, INK, "of the object", mm(size_m))));
     }
     rows.extend([

@@ -23,11 +23,12 @@ pub enum Shape {
     Disc { radius_m: f64 },
 }
 
-/// What says how large it is: the name of each length, and that in m.
-pub fn sizes(shape: &Shape) -> Vec<(&'static str, f64)> {
-    match shape {
-        Shape::Disc { radius_m } => vec![("radius", *radius_m)],
-    }
+/// What says how large it is, one or two lengths: the name of each, and that in m. A study asks by the million, so it is no list.
+pub fn sizes(shape: &Shape) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+    let sizes = match shape {
+        Shape::Disc { radius_m } => [Some(("radius", *radius_m)), None],
+    };
+    sizes.into_iter().flatten()
 }
 
 /// The radius of one that is a circle about its centre, m: how it is turned shows nowhere.

@@ -18,6 +18,7 @@
 //! | `inertia` | the mass matrix by its blocks, and what solves it |
 //! | `frame` | a palm that moves: what is felt there, and the table as it is seen from there |
 //! | `forces` | accelerations |
+//! | `pressing` | what links and contacts do, with slopes, whatever size the whole has |
 //! | `slopes` | their exact Jacobian, put together from that of every finger and contact |
 //! | `modes` | branches of the laws, and where they change |
 //! | `reading` | one contact, and the energies, in one state |
@@ -32,6 +33,7 @@ mod laws;
 mod model;
 mod modes;
 mod parts;
+mod pressing;
 mod reading;
 mod size;
 mod slopes;

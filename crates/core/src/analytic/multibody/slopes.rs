@@ -2,12 +2,13 @@
 
 use super::coordinates::{Where, of_disc, of_disc_in_time, of_discs, of_finger, of_phalanx, scatter};
 use super::drive::Pull;
-use super::frame::{self, Felt, disc_feels};
+use super::frame::{Felt, disc_feels};
 use super::inertia::Inertia;
 use super::laws::Laws;
-use super::model::{Multibody, angles, variables};
+use super::model::Multibody;
 use super::parts::{FingerPart, Joined, Meet};
-use super::touch::{self, Press, Slope};
+use super::pressing;
+use super::touch::{Press, Slope};
 use super::{FINGERS, mode};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
@@ -160,7 +161,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// Adds what acts on a finger, and gives its mass matrix, with derivatives.
-    #[inline(always)]
+    #[inline(never)]
     fn add_finger_slopes<const Z: usize>(
         &self,
         (index, part): (usize, &FingerPart),
@@ -169,8 +170,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         sums: &mut Sums<N, Z>,
     ) -> [Dual<2>; 3] {
         let own = Self::own(index, v);
-        let terms = part.model.terms(angles(Self::own(index, q)));
-        let (load, by_rates) = part.model.load_with_slopes(&terms, own);
+        let (terms, load, by_rates) = pressing::turning(&part.model, (Self::own(index, q), own));
         for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
             let row = 2 * index + i;
             sums.load[row] += load.value;
@@ -211,7 +211,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn add_finger_contact<const Z: usize, const P: usize>(
         &self,
         (index, contact, laws): (usize, &Joined, Laws<'_>),
@@ -223,16 +223,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         match self.meet_of(finger, index, contact) {
             Meet::Phalanx { site, disc, .. } => {
                 let [vx, vy, spin] = self.rates_of(disc, v);
-                let object = variables::<P>(&self.in_finger(part.side, disc, q), [2, 3, 4]);
-                let (pose, rates) = (terms.pose.widen(), terms.rates.widen());
-                let touch = touch::phalanx(&part.model.phalanx(&pose, &rates, site, &object));
+                let object = self.in_finger(part.side, disc, q);
                 let rates = [own[0], own[1], mirror * vx, vy, mirror * spin];
-                let press = touch::press_with_slopes(&touch, &rates, self.remembered(contact, v), laws);
+                let at = (terms, site, &object);
+                let press = pressing::phalanx::<P>(&part.model, at, &rates, self.remembered(contact, v), laws);
                 sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
             }
             _ => {
-                let touch = touch::limit(&part.model.limit_geometry(&terms.pose, &terms.rates));
-                let press = touch::press_with_slopes(&touch, &own, None, laws);
+                let press = pressing::limit(&part.model, terms, &own, laws);
                 sums.add((index, contact), &press, &of_finger(finger));
             }
         }
@@ -256,7 +254,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// By so many positions of two discs, of a disc and time, and of a disc.
-    #[inline(always)]
+    #[inline(never)]
     fn add_contact_between<const Z: usize, const TWO: usize, const TIMED: usize, const ONE: usize>(
         &self,
         (index, contact, laws): (usize, &Joined, Laws<'_>),
@@ -268,21 +266,20 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         match contact.meet {
             Meet::Discs { disc, other } if !Self::GRASP => {
                 let ((one, [vx, vy, spin]), (two, [wx, wy, turn])) = (at(disc), at(other));
-                let touch = touch::discs([&variables::<TWO>(&one, [0, 1, 4]), &variables(&two, [2, 3, 5])]);
-                let press = touch::press_with_slopes(&touch, &[vx, vy, wx, wy, spin, turn], memory, laws);
+                let rates = [vx, vy, wx, wy, spin, turn];
+                let press = pressing::discs::<TWO>([&one, &two], &rates, memory, laws);
                 sums.add((index, contact), &press, &of_discs([self.first_of(disc), self.first_of(other)]));
             }
             Meet::PassingPlane { disc, plane } if self.moves() => {
                 let ((one, [vx, vy, spin]), time) = (at(disc), self.time.unwrap_or(N));
-                let one = variables::<TIMED>(&one, [0, 1, 3]);
-                let touch = frame::table(&plane, &self.pose(q), Dual::variable(0.0, 2), &one);
-                let press = touch::press_with_slopes(&touch, &[vx, vy, v[time], spin], memory, laws);
+                let (rates, pose) = ([vx, vy, v[time], spin], self.pose(q));
+                let press = pressing::table::<TIMED>((&plane, &pose, &one), &rates, memory, laws);
                 sums.add((index, contact), &press, &of_disc_in_time(self.first_of(disc), time));
             }
             Meet::Plane { disc, plane } => {
                 let (one, rates) = at(disc);
-                let touch = touch::plane(&plane, &variables::<ONE>(&one, [0, 1, 2]), self.meets_in_one_point());
-                let press = touch::press_with_slopes(&touch, &rates, memory, laws);
+                let on_plane = self.meets_in_one_point();
+                let press = pressing::plane::<ONE>((&plane, &one, on_plane), &rates, memory, laws);
                 sums.add((index, contact), &press, &of_disc(self.first_of(disc)));
             }
             _ => {}

@@ -76,7 +76,7 @@ fn disc(c: &mut Checker<'_>, name: &str, place: Option<Range<usize>>, raw: &Keys
             DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s }
         }
     };
-    if shape::sizes(&shape).iter().any(|(_, size_m)| size_m.is_nan()) || centre_m[0].is_nan() {
+    if shape::sizes(&shape).any(|(_, size_m)| size_m.is_nan()) || centre_m[0].is_nan() {
         return None;
     }
     Some(Disc { name: named?, shape, centre_m, angle_rad: 0.0, motion })
