@@ -61,9 +61,15 @@ fn declared(line: &str) -> Option<String> {
 fn index() -> BTreeMap<Number, Vec<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
-    for part in
-        ["crates/mechanics/src", "crates/scene/src", "crates/core/src", "crates/show/src", "crates/log/src", "src"]
-    {
+    for part in [
+        "crates/mechanics/src",
+        "crates/integrator/src",
+        "crates/scene/src",
+        "crates/core/src",
+        "crates/show/src",
+        "crates/log/src",
+        "src",
+    ] {
         sources(&root.join(part), &mut files);
     }
     let mut found: BTreeMap<Number, Vec<String>> = BTreeMap::new();

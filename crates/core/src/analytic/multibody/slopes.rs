@@ -381,6 +381,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analytic::multibody::model::angles;
     use crate::analytic::multibody::quadratures;
     use crate::analytic::{Mode, SiteState};
     use crate::numeric::plane::{Vector, add, perp, scale};

@@ -1,10 +1,10 @@
 //! A mass on a line among walls, under the contact laws of the library: the smallest system with every kind of event.
 
-use phalanx::integrator::{
+use phalanx_integrator::{
     Guard, Hybrid, Linearised, Look, Observer, Options, Rates, State, Step, StepTools, Strain, System, Tolerances,
     Watch,
 };
-use phalanx::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
+use phalanx_mechanics::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
 
 /// Law with the numbers of the object's contact (thesis Table 3.2).
 pub const OBJECT: NormalLaw =
@@ -239,7 +239,7 @@ macro_rules! with_both {
         $crate::wall::with_both!($system, $options, $start, 0.0, $end)
     };
     ($system:expr, $options:expr, $start:expr, $begin:expr, $end:expr) => {{
-        use phalanx::integrator::{Radau5, Rodas5p, integrate};
+        use phalanx_integrator::{Radau5, Rodas5p, integrate};
         let mut logs = [$crate::wall::Log::default(), $crate::wall::Log::default()];
         let [a, b] = &mut logs;
         let rodas = integrate::<1, 2, _, _, Rodas5p<1, 2>, _>($system, &$options, $begin, $start, $end, a);

@@ -5,7 +5,7 @@
 //! h⁵), the cubic collocation polynomial of Radau IIA of order 3 (h⁴).
 
 use crate::stepping::{march, slopes};
-use phalanx::integrator::{Linearised, Method, Radau5, Rates, Rodas5p, State, System};
+use phalanx_integrator::{Linearised, Method, Radau5, Rates, Rodas5p, State, System};
 
 struct Forced;
 

@@ -1,7 +1,7 @@
 //! Stiffness: both methods damp what is fast and keep what is slow, at steps far beyond the fast scale.
 
 use crate::stepping::march;
-use phalanx::integrator::{
+use phalanx_integrator::{
     Guard, Hybrid, Linearised, Method, Options, Radau5, Rates, Rodas5p, State, System, Tolerances, Watch, integrate,
 };
 

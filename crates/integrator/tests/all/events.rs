@@ -1,8 +1,8 @@
 //! Events: where they are found, that none is missed, and that those which coincide do no harm.
 
 use crate::wall::{Branch, Line, Log, OBJECT, Place, Wall, at, tight, with_both};
-use phalanx::integrator::{Options, Tolerances};
-use phalanx::law::NormalLaw;
+use phalanx_integrator::{Options, Tolerances};
+use phalanx_mechanics::law::NormalLaw;
 
 const ELASTIC: NormalLaw = NormalLaw { damping_max_n_s_per_m: 0.0, ..OBJECT };
 

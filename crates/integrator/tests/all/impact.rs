@@ -1,7 +1,7 @@
 //! Impacts of one mass on a wall against closed forms.
 
 use crate::wall::{Branch, Line, OBJECT, Place, Wall, at, tight, with_both};
-use phalanx::law::{NormalLaw, elastic_energy};
+use phalanx_mechanics::law::{NormalLaw, elastic_energy};
 
 const COAST: crate::wall::Field = |_, _, _| [0.0; 4];
 const FALL: crate::wall::Field = |_, _, _| [-9.81, 0.0, 0.0, 0.0];

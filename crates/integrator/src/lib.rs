@@ -4,6 +4,7 @@
 //! coordinates, `Z` that of quadratures (ż = g(t, q, v), carried along but never fed back), `S` that of sites whose
 //! branch may change.
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests hold what is computed to other libraries"))]
 // Kernels index several arrays of one constant size side by side; iterators would hide that.
 #![allow(clippy::needless_range_loop)]
 
@@ -25,6 +26,8 @@ mod state;
 mod strain;
 mod system;
 mod tableau;
+
+use phalanx_mechanics::numeric;
 
 pub use chosen::RadauOrRodas;
 pub use clock::Clock;

@@ -1,6 +1,6 @@
 //! Fixed steps with either method, for tests of the methods alone.
 
-use phalanx::integrator::{Dense, Method, Origin, State, System, Tolerances};
+use phalanx_integrator::{Dense, Method, Origin, State, System, Tolerances};
 
 /// Tight enough for Radau's Newton iteration to go down to rounding.
 pub const TIGHT: Tolerances = Tolerances { atol_q: 1e-15, atol_v: 1e-15, rtol_v: 1e-15 };
