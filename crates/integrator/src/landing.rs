@@ -265,7 +265,8 @@ fn root(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Linearised, Rates, State, System, Watch};
+    use crate::state::State;
+    use crate::system::{Linearised, Rates, System, Watch};
 
     /// Something that moves evenly past marks, in no mode.
     struct Marks([f64; 3]);

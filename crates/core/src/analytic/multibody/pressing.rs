@@ -23,7 +23,7 @@ pub fn turning(model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> (Terms<Dual
 
 /// A phalanx against an object, on (q11, q21, x, y, θ) as the finger's frame has them, of which the first P say where the contact is.
 #[inline(never)]
-pub fn phalanx<const P: usize>(
+pub fn phalanx_on_object<const P: usize>(
     model: &FingerModel,
     (terms, site, object): (&Terms<Dual<2>>, Site, &Placed),
     rates: &[f64; 5],

@@ -226,7 +226,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 let object = self.in_finger(part.side, disc, q);
                 let rates = [own[0], own[1], mirror * vx, vy, mirror * spin];
                 let at = (terms, site, &object);
-                let press = pressing::phalanx::<P>(&part.model, at, &rates, self.remembered(contact, v), laws);
+                let press =
+                    pressing::phalanx_on_object::<P>(&part.model, at, &rates, self.remembered(contact, v), laws);
                 sums.add((index, contact), &press, &of_phalanx(finger, self.first_of(disc), mirror));
             }
             _ => {
