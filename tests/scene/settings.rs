@@ -10,7 +10,7 @@ use phalanx::scene::table::drive::{Motor, Shaft, Springs};
 use phalanx::scene::table::finger::{Material, Start};
 use phalanx::scene::table::law::{Contact, Limit};
 use phalanx::scene::table::object::Object;
-use phalanx::scene::table::{self, Table, lines_of};
+use phalanx::scene::table::{self, Table};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{Engine, Integrator, LogRates};
 
@@ -41,7 +41,7 @@ fn defaults_are_what_a_scene_has_that_says_nothing() {
     fn check<T: Table>(path: &str) {
         for kind in SceneKind::ALL {
             let schema = &schema_of(kind)["properties"][path]["properties"];
-            for line in lines_of::<T>(kind) {
+            for line in T::LINES.iter().filter(|line| line.about().of.contains(&kind)) {
                 let (key, usual) = (line.about().key, T::usual_in(kind));
                 // Lists are set in files only.
                 let Some(default) = schema[key].get("default").filter(|default| !default.is_array()) else { continue };

@@ -14,8 +14,9 @@ use super::log::LogRates;
 use super::motion::{MoveKeys, PathKeys, VibrationKeys};
 use super::object::Object;
 use super::plane::{Ground, Support};
+use super::range;
+use super::section::{Said, Section, Table, default, lines_of};
 use super::top::Top;
-use super::{Field, Table, default, lines_of, range};
 use crate::gripper::{BodyOverride, Design, Lengths};
 use crate::law::FrictionLaw;
 use crate::scene::check::ANY;
@@ -78,24 +79,25 @@ fn head<T: Table>(title: &str, kind: SceneKind) -> String {
 }
 
 fn rows<T: Table>(kind: SceneKind) -> String {
-    lines_of::<T>(kind).map(|line| row(line, kind)).collect()
+    let mut usual = T::usual_in(kind);
+    lines_of(&usual, kind).into_iter().map(|line| row(&mut usual, line)).collect()
 }
 
-fn row<T: Table>(line: &dyn Field<T>, kind: SceneKind) -> String {
-    let about = line.about();
-    let default = match default(line, kind) {
+fn row(usual: &mut dyn Section, (line, said): (usize, &dyn Said)) -> String {
+    let about = said.about();
+    let default = match default(usual, (line, said)) {
         Some(Value::String(text)) => text,
         Some(value) => value.to_string(),
         None => about.needed.map_or("", |_| "required").to_string(),
     };
     // Quantities are said by their unit.
-    let held = line.kind();
+    let held = said.kind();
     let quantity = held["items"].get("x-units").or(held.get("x-units")).and_then(|units| units[0].as_str());
     let dimension = Dimension::ALL.into_iter().find(|dimension| Some(dimension.units()[0].name) == quantity);
     let allowed = match dimension {
         Some(dimension) if about.allowed.text == ANY.text => dimension.name().to_string(),
         Some(dimension) => format!("{} {}", dimension.name(), about.allowed.text),
-        None => range(line),
+        None => range(said),
     };
     format!("| `{}` | {default} | {allowed} | {} |\n", about.key, escaped(about.doc))
 }

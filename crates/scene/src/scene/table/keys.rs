@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde_json::{Map, Value, json};
 use toml::Spanned;
 
-use super::section::{Field, Table, default, lines_of};
+use super::section::{Inner, Said, Section, Table, default, lines_of};
 use crate::scene::any::Any;
 use crate::scene::check::End;
 use crate::scene::kinds::Kind;
@@ -75,26 +75,32 @@ impl<'a> Keys<'a> {
 
 /// JSON Schema of a section in scenes of a kind.
 pub fn schema<T: Table>(kind: SceneKind) -> Value {
-    let mut properties = Map::new();
-    lines_of::<T>(kind).for_each(|line| _ = properties.insert(line.about().key.to_string(), property(line, kind)));
-    for (key, _, schema) in T::INNER.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
-        properties.insert(key.to_string(), schema(kind));
-    }
-    json!({ "description": T::doc(kind), "type": "object", "properties": properties, "additionalProperties": false })
+    schema_of(&mut T::usual_in(kind), (T::doc(kind), T::INNER), kind)
 }
 
-fn property<T: Table>(line: &dyn Field<T>, kind: SceneKind) -> Value {
-    let mut schema = line.kind();
-    let doc = line.about().doc.trim_start();
+fn schema_of(usual: &mut dyn Section, (doc, inner): (&str, Inner), kind: SceneKind) -> Value {
+    let mut properties = Map::new();
+    for line in lines_of(usual, kind) {
+        properties.insert(line.1.about().key.to_string(), property(usual, line));
+    }
+    for (key, _, schema) in inner.iter().filter(|(_, kinds, _)| kinds.contains(&kind)) {
+        properties.insert(key.to_string(), schema(kind));
+    }
+    json!({ "description": doc, "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+fn property(usual: &mut dyn Section, (line, said): (usize, &dyn Said)) -> Value {
+    let mut schema = said.kind();
+    let doc = said.about().doc.trim_start();
     if !doc.is_empty() {
         schema["description"] = doc.into();
     }
-    if let Some(default) = default(line, kind) {
+    if let Some(default) = default(usual, (line, said)) {
         schema["default"] = default;
     }
     let number = schema["type"] == "number";
     if number || schema.get("x-units").is_some() {
-        bounds(&mut schema, line.about().allowed.ends(), number);
+        bounds(&mut schema, said.about().allowed.ends(), number);
     }
     schema
 }

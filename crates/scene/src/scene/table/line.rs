@@ -4,7 +4,7 @@ use serde_json::Value;
 use toml::Spanned;
 
 use super::held::{Held, Written};
-use super::section::{About, Field, Table};
+use super::section::{About, Field, Said, Section, Table};
 use crate::scene::any::Any;
 use crate::scene::check::{ANY, Bound};
 use crate::scene::error::Problem;
@@ -74,11 +74,15 @@ impl<T, K: Held> Line<T, K> {
     }
 
     fn fits(&self, value: &K::Value) -> bool {
-        K::written(value).number().is_none_or(self.about.allowed.allowed)
+        is_within(&K::written(value), self.about.allowed)
     }
 }
 
-impl<T: Table, K: Held> Field<T> for Line<T, K> {
+fn is_within(value: &Written, bound: Bound) -> bool {
+    value.number().is_none_or(bound.allowed)
+}
+
+impl<T: Table, K: Held> Said for Line<T, K> {
     fn about(&self) -> &About {
         &self.about
     }
@@ -86,18 +90,21 @@ impl<T: Table, K: Held> Field<T> for Line<T, K> {
     fn kind(&self) -> Value {
         K::schema().to_value()
     }
+}
 
+impl<T: Table, K: Held> Field<T> for Line<T, K> {
     fn get(&self, section: &mut T) -> Option<Written> {
         (self.place)(section).map(|value| K::written(value))
     }
 
-    fn variants(&self) -> Vec<T> {
-        let with = |value| {
+    fn variants(&self) -> Vec<Box<dyn Section>> {
+        let mut found: Vec<Box<dyn Section>> = Vec::new();
+        for value in K::all() {
             let mut section = T::usual();
             self.set(&mut section, value);
-            section
-        };
-        K::all().into_iter().map(with).collect()
+            found.push(Box::new(section));
+        }
+        found
     }
 
     fn read(&self, key: &str, given: &Spanned<Any>, into: &mut T) -> Result<bool, Vec<Problem>> {

@@ -41,13 +41,14 @@ use toml::Spanned;
 
 pub use document::markdown;
 pub use line::Line;
-pub use section::{About, Field, Inner, Table, default, lines_of};
+pub use section::{About, Field, Inner, Said, Section, Table};
 
 use super::any::Any;
 use super::check::{ANY, Checker};
 use super::show::Out;
 use held::Written;
 use keys::Keys;
+use section::{all, chosen, lines_of};
 
 /// Makes a struct a [`Table`]: what its section is for and is usually, then its lines: what a key is for, its name, the kind of its
 /// value, where that stands in the struct, and what else is to be said of it. Behind `where` stands what is other in some kinds of
@@ -90,15 +91,20 @@ use {lines, of};
 /// A section with what the scene says put in place of `base`; `path` is its own, such as `engine`, or empty for what stands before all
 /// sections. What is wrong is noted.
 pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base: T) -> T {
+    fill(c, path, raw, &mut base);
+    base
+}
+
+fn fill(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, base: &mut dyn Section) {
     let mut unknown: Vec<&str> = Vec::new();
-    for line in lines_of::<T>(raw.kind) {
-        let About { key, beside, needed, allowed, .. } = *line.about();
+    for (line, said) in lines_of(base, raw.kind) {
+        let About { key, beside, needed, allowed, .. } = *said.about();
         // A choice that cannot be read says nothing about the keys beside it.
         if beside.is_some_and(|(choice, _)| unknown.contains(&choice)) {
             continue;
         }
         let whole = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-        match (raw.get(key), line.get(&mut base)) {
+        match (raw.get(key), base.get(line)) {
             (None, Some(base)) if !base.is_given() => {
                 needed.into_iter().for_each(|help| c.lacks(&whole, raw.span.clone(), help));
             }
@@ -106,7 +112,7 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base:
             (Some(given), None) if beside.is_some() => {
                 beside.into_iter().for_each(|(_, why)| c.unused_at(&whole, Some(given.span()), why));
             }
-            (Some(given), _) => match line.read(&whole, given, &mut base) {
+            (Some(given), _) => match base.read(line, &whole, given) {
                 Ok(true) => {}
                 Ok(false) => c.beyond(&whole, Some(given.span()), allowed),
                 Err(problems) => {
@@ -116,7 +122,6 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base:
             },
         }
     }
-    base
 }
 
 /// Puts the text of one value into a section, together with the choice beside which alone it has a meaning. Texts are read as in
@@ -125,21 +130,28 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base:
 /// # Errors
 /// Why it is no such value.
 pub fn set<T: Table>(section: &mut T, path: &str, key: &str, text: &str) -> Result<bool, String> {
-    let find = |key: &str| T::LINES.iter().find(|line| line.about().key == key).copied();
-    let line = find(key).ok_or_else(|| format!("[{path}] has no `{key}`"))?;
-    let About { beside, .. } = *line.about();
-    if let (None, Some(choice)) = (line.get(section), beside.and_then(|(choice, _)| find(choice))) {
-        let chosen = choice.variants().into_iter().find(|other| line.get(&mut other.clone()).is_some());
-        let word = chosen.and_then(|mut other| choice.get(&mut other));
-        word.into_iter().for_each(|word| _ = choice.recall(&word.record(), section));
+    put(section, path, key, text)
+}
+
+fn put(section: &mut dyn Section, path: &str, key: &str, text: &str) -> Result<bool, String> {
+    let lines = all(section);
+    let find = |key: &str| lines.iter().find(|(_, said)| said.about().key == key).copied();
+    let (line, said) = find(key).ok_or_else(|| format!("[{path}] has no `{key}`"))?;
+    let About { beside, .. } = *said.about();
+    if let (None, Some((choice, _))) = (section.get(line), beside.and_then(|(choice, _)| find(choice))) {
+        let chosen = section.variants(choice).into_iter().find_map(|mut other| {
+            other.get(line)?;
+            other.get(choice)
+        });
+        chosen.into_iter().for_each(|word| _ = section.recall(choice, &word.record()));
     }
-    let value = match (line.kind()["type"].as_str(), text.parse(), text.parse()) {
+    let value = match (said.kind()["type"].as_str(), text.parse(), text.parse()) {
         (Some("integer" | "number"), Ok(whole), _) => Any::Integer(whole),
         (Some("number"), _, Ok(number)) => Any::Float(number),
         (Some("boolean"), ..) => text.parse().map_or_else(|_| Any::Text(text.to_string()), Any::Flag),
         _ => Any::Text(text.to_string()),
     };
-    let found = line.read(&format!("{path}.{key}"), &Spanned::new(0..text.len(), value), section);
+    let found = section.read(line, &format!("{path}.{key}"), &Spanned::new(0..text.len(), value));
     found.map_err(|problems| problems.into_iter().map(|problem| problem.message).collect::<Vec<_>>().join("; "))
 }
 
@@ -151,14 +163,17 @@ pub fn show<T: Table>(out: &mut Out, path: &str, section: &T) {
 
 /// Writes the keys that are wanted of a section, as far as they have a value.
 pub fn show_keys<T: Table>(out: &mut Out, section: &T, wanted: impl Fn(&str) -> bool) {
-    let of = |about: &About| about.of.contains(&out.kind) && wanted(about.key);
-    let shown: Vec<_> = values(section).filter(|(about, value)| of(about) && value.is_given()).collect();
-    shown.into_iter().for_each(|(about, value)| value.show(out, about.key));
+    for (about, value) in values(&mut section.clone()) {
+        if about.of.contains(&out.kind) && wanted(about.key) && value.is_given() {
+            value.show(out, about.key);
+        }
+    }
 }
 
 /// What a log keeps of a section: keys with their units, and values that read back to the same bits.
 pub fn record<T: Table>(path: &str, section: &T) -> Vec<(String, String)> {
-    values(section).map(|(about, value)| (column(path, about, &value), value.record())).collect()
+    let values = values(&mut section.clone()).into_iter();
+    values.map(|(about, value)| (column(path, about, &value), value.record())).collect()
 }
 
 /// The section that a log has kept; `entry` gives what is recorded under a name.
@@ -171,34 +186,36 @@ pub fn recall<T: Table, E>(
     refuse: impl Fn(String, String, String) -> E,
 ) -> Result<T, E> {
     let mut section = T::usual();
-    for line in T::LINES {
-        let Some(usual) = line.get(&mut section) else { continue };
-        let name = column(path, line.about(), &usual);
+    for (line, said) in all(&section) {
+        let Some(usual) = Section::get(&mut section, line) else { continue };
+        let name = column(path, said.about(), &usual);
         let value = entry(&name)?;
-        if !line.recall(&value, &mut section) {
-            return Err(refuse(name, value, range(*line)));
+        if !Section::recall(&mut section, line, &value) {
+            return Err(refuse(name, value, range(said)));
         }
     }
     Ok(section)
 }
 
 /// All values that a section has.
-fn values<T: Table>(section: &T) -> impl Iterator<Item = (&'static About, Written)> {
-    let mut section = section.clone();
-    T::LINES.iter().filter_map(move |line| Some((line.about(), line.get(&mut section)?)))
+fn values(section: &mut dyn Section) -> Vec<(&'static About, Written)> {
+    all(section).into_iter().filter_map(|(line, said)| Some((said.about(), section.get(line)?))).collect()
 }
 
 /// Every key of a section under its name in records, and its value as far as it has one.
 pub fn columns<T: Table>(section: &T) -> Vec<(String, Option<Written>)> {
-    let mut section = section.clone();
-    let mut chosen: Vec<T> = T::LINES.iter().flat_map(|choice| choice.variants()).collect();
-    let column = |line: &&'static dyn Field<T>| {
-        let value = line.get(&mut section);
+    named(&mut section.clone())
+}
+
+fn named(section: &mut dyn Section) -> Vec<(String, Option<Written>)> {
+    let lines = all(section);
+    let column = |(line, said): (usize, &'static dyn Said)| {
+        let value = section.get(line);
         // The unit of what has a meaning beside a choice only is that which it has there.
-        let unit = value.clone().or_else(|| chosen.iter_mut().find_map(|section| line.get(section)))?;
-        Some((name(line.about(), &unit), value))
+        let unit = value.clone().or_else(|| chosen(section, line))?;
+        Some((name(said.about(), &unit), value))
     };
-    T::LINES.iter().filter_map(column).collect()
+    lines.into_iter().filter_map(column).collect()
 }
 
 /// The name of a value in records of several sections.
@@ -216,15 +233,15 @@ fn name(about: &About, value: &Written) -> String {
 }
 
 /// Which values are allowed, in words.
-pub fn range<T>(line: &dyn Field<T>) -> String {
-    let kind = line.kind();
+fn range(said: &dyn Said) -> String {
+    let kind = said.kind();
     match (kind["enum"].as_array(), kind["type"].as_str(), &kind["maximum"]) {
         (Some(words), ..) => words.iter().map(Value::to_string).collect::<Vec<_>>().join(" or "),
         (_, Some("integer"), Value::Null) => "a whole number from 1".to_string(),
         (_, Some("integer"), most) => format!("a whole number from 1 to {most}"),
         (_, Some("boolean"), _) => "true or false".to_string(),
         _ if kind.get("minLength").is_some() => "a text".to_string(),
-        _ if line.about().allowed.text == ANY.text => ANY.text.to_string(),
-        _ => format!("a number {}", line.about().allowed.text),
+        _ if said.about().allowed.text == ANY.text => ANY.text.to_string(),
+        _ => format!("a number {}", said.about().allowed.text),
     }
 }

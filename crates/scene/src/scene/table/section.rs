@@ -30,18 +30,21 @@ pub struct About {
     pub of: &'static [SceneKind],
 }
 
-/// A line, whatever kind of value it holds.
-pub trait Field<T>: Sync {
+/// What is known of a line without a section that has it.
+pub trait Said: Sync {
     fn about(&self) -> &About;
 
     /// JSON Schema of its kind of value.
     fn kind(&self) -> Value;
+}
 
+/// A line, whatever kind of value it holds.
+pub trait Field<T>: Said {
     /// The value, if the section has it.
     fn get(&self, section: &mut T) -> Option<Written>;
 
     /// Sections in which a choice has each of its values; none of what is no choice.
-    fn variants(&self) -> Vec<T>;
+    fn variants(&self) -> Vec<Box<dyn Section>>;
 
     /// Puts a value of a scene into a section; whether it is within bounds.
     ///
@@ -79,20 +82,72 @@ pub trait Table: Clone + 'static {
     }
 }
 
-/// The lines of a section in scenes of a kind.
-pub fn lines_of<T: Table>(kind: SceneKind) -> impl Iterator<Item = &'static dyn Field<T>> {
-    T::LINES.iter().copied().filter(move |line| line.about().of.contains(&kind))
+/// A section, whichever it is, with its lines by their numbers: what is done with it is compiled once, not for every section there is.
+pub trait Section {
+    fn line(&self, line: usize) -> Option<&'static dyn Said>;
+
+    /// As [`Field::get`].
+    fn get(&mut self, line: usize) -> Option<Written>;
+
+    /// As [`Field::variants`].
+    fn variants(&self, line: usize) -> Vec<Box<dyn Section>>;
+
+    /// As [`Field::read`].
+    ///
+    /// # Errors
+    /// Why it is no such value.
+    fn read(&mut self, line: usize, key: &str, given: &Spanned<Any>) -> Result<bool, Vec<Problem>>;
+
+    /// As [`Field::recall`].
+    fn recall(&mut self, line: usize, text: &str) -> bool;
 }
 
-/// The value of a section that says nothing, as it would be written; `None` where it is required or follows from something else.
-pub fn default<T: Table>(line: &dyn Field<T>, kind: SceneKind) -> Option<Value> {
-    let About { follows, said, .. } = *line.about();
+impl<T: Table> Section for T {
+    fn line(&self, line: usize) -> Option<&'static dyn Said> {
+        T::LINES.get(line).map(|line| *line as &'static dyn Said)
+    }
+
+    fn get(&mut self, line: usize) -> Option<Written> {
+        T::LINES[line].get(self)
+    }
+
+    fn variants(&self, line: usize) -> Vec<Box<dyn Section>> {
+        T::LINES[line].variants()
+    }
+
+    fn read(&mut self, line: usize, key: &str, given: &Spanned<Any>) -> Result<bool, Vec<Problem>> {
+        T::LINES[line].read(key, given, self)
+    }
+
+    fn recall(&mut self, line: usize, text: &str) -> bool {
+        T::LINES[line].recall(text, self)
+    }
+}
+
+/// All lines of a section, with their numbers.
+pub fn all(section: &dyn Section) -> Vec<(usize, &'static dyn Said)> {
+    (0..).map_while(|line| Some((line, section.line(line)?))).collect()
+}
+
+/// Those in scenes of a kind.
+pub fn lines_of(section: &dyn Section, kind: SceneKind) -> Vec<(usize, &'static dyn Said)> {
+    all(section).into_iter().filter(|(_, said)| said.about().of.contains(&kind)).collect()
+}
+
+/// The first value of a line in sections where each choice is made: what has a meaning beside one only is found there.
+pub fn chosen(section: &dyn Section, line: usize) -> Option<Written> {
+    let mut chosen = all(section).into_iter().flat_map(|(choice, _)| section.variants(choice));
+    chosen.find_map(|mut section| section.get(line))
+}
+
+/// The value of a section that says nothing, `usual` in scenes of its kind, as it would be written; `None` where it is required or follows
+/// from something else.
+pub fn default(usual: &mut dyn Section, (line, said): (usize, &dyn Said)) -> Option<Value> {
+    let About { follows, said, .. } = *said.about();
     if follows || said.is_some() {
         return said.map(Value::from);
     }
-    // What has a meaning beside a choice only is looked for where that is made.
-    let chosen = T::LINES.iter().flat_map(|choice| choice.variants());
-    let value = std::iter::once(T::usual_in(kind)).chain(chosen).find_map(|mut section| line.get(&mut section))?;
+    let value = usual.get(line).or_else(|| chosen(usual, line))?;
     value.is_given().then(|| value.json())
 }
 
