@@ -12,7 +12,6 @@ use super::touch::{Press, Slope};
 use super::{FINGERS, mode};
 use crate::fivebar::carried::Field;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
-use crate::gripper::Site;
 use crate::integrator::{Linearised, Rates};
 use crate::numeric::{Dual, Real, changed, each, from_each};
 
@@ -106,11 +105,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let mut sums = Sums::<N, Z>::ZERO;
         let felt = self.felt(t);
         let mut masses = [[Dual::zero(); 3]; FINGERS];
-        if let Some(right) = self.fingers.first().filter(|_| !Self::DISCS) {
-            masses[0] = self.add_finger_slopes((0, right), (q, v), (mode, &felt), &mut sums);
-        }
-        if let Some(left) = self.fingers.get(1).filter(|_| !Self::DISCS) {
-            masses[1] = self.add_finger_slopes((1, left), (q, v), (mode, &felt), &mut sums);
+        for (index, finger) in self.fingers.iter().enumerate().filter(|_| !Self::DISCS) {
+            masses[index] = self.add_finger_slopes((index, finger), (q, v), (mode, &felt), &mut sums);
         }
         self.add_drive_slopes(t, v, &mut sums);
         for index in &self.between {
@@ -180,15 +176,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if self.moves() {
             self.add_felt_slopes((index, part), own, &terms, felt, sums);
         }
-        if Self::GRASP {
-            let first = Site::ALL.len() * index;
-            self.add_slopes_to_finger(first, (index, part, &terms), (q, v), mode, sums);
-            self.add_slopes_to_finger(first + 1, (index, part, &terms), (q, v), mode, sums);
-            self.add_slopes_to_finger(first + 2, (index, part, &terms), (q, v), mode, sums);
-        } else {
-            for contact in &part.contacts {
-                self.add_slopes_to_finger(*contact, (index, part, &terms), (q, v), mode, sums);
-            }
+        for contact in &part.contacts {
+            self.add_slopes_to_finger(*contact, (index, part, &terms), (q, v), mode, sums);
         }
         terms.mass
     }
@@ -414,7 +403,7 @@ mod tests {
                 let (mut q, mut v) = (start.q, start.v);
                 (0..8).for_each(|i| v[i] += 0.1 * (i as f64 - 3.3));
                 // Just so near that it presses, and turned.
-                let Some((disc, at)) = pressing(&model, contact, &q) else { continue };
+                let Some((disc, at)) = touching(&model, contact, &q) else { continue };
                 let first = model.first_of(disc);
                 (q[first], q[first + 1], q[first + 2]) = (at[0], at[1], 0.3);
                 let laws = contact.laws(mode[index]).expect("a branch that presses");
@@ -440,7 +429,7 @@ mod tests {
     }
 
     /// A disc that moves, and a centre at which it is 1 µm within what it meets.
-    fn pressing(model: &Model, contact: &Joined, q: &[f64; 12]) -> Option<(usize, Vector<f64>)> {
+    fn touching(model: &Model, contact: &Joined, q: &[f64; 12]) -> Option<(usize, Vector<f64>)> {
         let radius = |disc: usize| crate::shape::reach(&model.discs[disc].shape) - 1e-6;
         match contact.meet {
             Meet::Stop { .. } => None,

@@ -10,7 +10,6 @@ use crate::analytic::mode::along;
 use crate::law::{friction_with_memory, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, each};
-
 use crate::shape::{Placed, Support, facing, support};
 
 use super::branch;

@@ -12,10 +12,11 @@ pub fn shape(c: &mut Checker<'_>, raw: &Keys<'_>) -> Shape {
     read(c, "object", &raw.inner("object"), Shape::usual())
 }
 
-/// One that rests on the palm, so far along it.
-pub fn on_the_palm(shape: Shape, x_m: f64) -> Placed {
-    let [_, below] = shape.at([x_m, 0.0]).lowest_m();
-    shape.at([x_m, -below])
+/// The same resting on the palm, so far along it as it is.
+pub fn on_the_palm(placed: Placed) -> Placed {
+    let [x, _] = placed.centre_m;
+    let [_, below] = placed.at([x, 0.0]).lowest_m();
+    placed.at([x, -below])
 }
 
 /// The object as it is said, with what follows from its shape.
@@ -23,7 +24,7 @@ pub fn said(c: &mut Checker<'_>, raw: &Keys<'_>) -> Object {
     let shape = shape(c, raw);
     let mut object = Object { shape, ..read(c, "object", &raw.inner("object"), Object::usual_in(raw.kind)) };
     if object.centre_m[1].is_nan() {
-        object.centre_m[1] = -Object { centre_m: [0.0; 2], ..object }.heights_m()[0];
+        object.centre_m = on_the_palm(object.placed()).centre_m;
     }
     if let GraspedMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut object.motion {
         if mass_kg.is_nan() {
@@ -55,7 +56,7 @@ pub fn beside(c: &mut Checker<'_>, raw: &Keys<'_>, said: Object, base_m: Option<
         );
         return None;
     }
-    let placed = if object.has("centre") { shape.at(centre_m) } else { on_the_palm(shape, -base_m?) };
+    let placed = if object.has("centre") { shape.at(centre_m) } else { on_the_palm(shape.at([-base_m?, 0.0])) };
     // A wrong one is noted already.
     placed.centre_m[0].is_finite().then(|| vec![Disc::object(placed)])
 }

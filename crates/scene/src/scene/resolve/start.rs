@@ -92,7 +92,7 @@ fn before_contact(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, seen: &Seen,
     let lengths = plan.lengths?;
     let placed = match (seen.object, plan.base_m) {
         (Some(object), _) => object,
-        (None, Some(base_m)) => on_the_palm(object::shape(c, raw), -base_m),
+        (None, Some(base_m)) => on_the_palm(object::shape(c, raw).at([-base_m, 0.0])),
         (None, None) => {
             let help = "without object and [design] nothing says where to start: add [initial] q21 = \"40 deg\"";
             c.lacks("initial.q21", raw.inner("initial").span, help);
