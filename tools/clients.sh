@@ -39,7 +39,7 @@ wanted=$( (python3 --version; pwd; cat tests/clients/requirements.txt) | cksum)
 if stale "$venv" "$wanted"; then
     say "clients: installing tests/clients/requirements.txt"
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check -r tests/clients/requirements.txt
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --no-compile -r tests/clients/requirements.txt
     echo "$wanted" >"$venv/.installed-from"
 fi
 
@@ -54,12 +54,7 @@ if [ "${1:-}" = setup ]; then
     exit
 fi
 
-if [ -z "${PHALANX:-}" ]; then
-    # The profile and the features of the tests: nothing is built twice.
-    cargo build --locked --all-features --profile test --quiet --bin phalanx
-    PHALANX=$(realpath "${CARGO_TARGET_DIR:-target}")/debug/phalanx
-fi
-export PHALANX
+program_as_tested
 
 # The explorer needs a compiler for the browser; all else is tested without one.
 scripts=(tests/clients/*.test.mjs)

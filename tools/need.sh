@@ -23,3 +23,12 @@ need() {
     echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install $packages)" >&2
     exit 1
 }
+
+# $PHALANX: the program of the profile and the features of the tests, so that nothing is built twice, unless another one is named.
+program_as_tested() {
+    if [ -z "${PHALANX:-}" ]; then
+        cargo build --workspace --locked --all-features --profile test --quiet --bin phalanx
+        PHALANX=$(realpath "${CARGO_TARGET_DIR:-target}")/debug/phalanx
+    fi
+    export PHALANX
+}

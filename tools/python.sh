@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The Python package: its lints, and its tests against an installed one. It is installed by the very command a user has, `pip install
+# The Python package: its tests against an installed one. It is installed by the very command a user has, `pip install
 # ./python`, into target/python/venv, once and again when its sources change; there only with what the tests of the crates have
 # compiled. Needs Python 3.10 with venv. Usage: tools/python.sh [setup]        (setup: install, test nothing)
 # $PHALANX names another binary.
@@ -17,26 +17,22 @@ export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 venv=$PWD/target/python/venv
 mkdir -p target/python
 
-say "Python: lints"
-cargo fmt --manifest-path python/Cargo.toml --check
-cargo clippy --manifest-path python/Cargo.toml --locked --all-targets --quiet -- -D warnings
-
 wanted=$( (python3 --version; pwd; cat python/tests/requirements.txt python/pyproject.toml) | cksum)
 if [ "$(cat "$venv/.installed-from" 2>/dev/null)" != "$wanted" ]; then
     say "Python: installing python/tests/requirements.txt"
     rm -rf "$venv"
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/tests/requirements.txt
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --no-compile -r python/tests/requirements.txt
     echo "$wanted" >"$venv/.installed-from"
 fi
 
 # The package is of all that is compiled into it.
 sources=$( (find src crates python/src python/phalanx -type f ! -path '*/__pycache__/*' -print0 | sort -z | xargs -0 cat
-    cat Cargo.toml python/Cargo.toml python/Cargo.lock python/pyproject.toml python/README.md) | cksum)
+    cat Cargo.toml Cargo.lock python/Cargo.toml python/pyproject.toml python/README.md) | cksum)
 if [ "$(cat "$venv/.phalanx-from" 2>/dev/null)" != "$sources" ]; then
     say "Python: pip install ./python"
     rm -f "$venv/.phalanx-from"
-    MATURIN_PEP517_ARGS="--profile dev" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
+    MATURIN_PEP517_ARGS="--profile dev --features as-tested" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
     echo "$sources" >"$venv/.phalanx-from"
 fi
 
@@ -44,12 +40,7 @@ if [ "${1:-}" = setup ]; then
     exit
 fi
 
-if [ -z "${PHALANX:-}" ]; then
-    # The profile and the features of the tests: nothing is built twice.
-    cargo build --locked --all-features --profile test --quiet --bin phalanx
-    PHALANX=$(realpath "$CARGO_TARGET_DIR")/debug/phalanx
-fi
-export PHALANX
+program_as_tested
 # What mypy has found of numpy and pandas takes a minute to find again.
 export MYPY_CACHE_DIR=$PWD/target/python/mypy
 

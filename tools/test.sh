@@ -29,7 +29,7 @@ cargo fmt --check
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
-for apart in benches/solvers crates/explorer tests/fuzz python; do
+for apart in benches/solvers crates/explorer tests/fuzz; do
     if ! cargo update --workspace --locked --quiet --manifest-path "$apart/Cargo.toml"; then
         echo "$apart/Cargo.lock is stale: cargo update --workspace --manifest-path $apart/Cargo.toml mends it" >&2
         exit 1
@@ -40,12 +40,16 @@ say "workflows and scripts"
 tools/lint_workflows.sh
 
 say "lints"
-# Everything with all features, so that one build serves; the default set has to be sound too.
-cargo clippy --workspace --locked --quiet -- -D warnings
+# Everything with all features, so that one build serves.
 cargo clippy --workspace --locked --all-targets --all-features -- -D warnings
 
-# The comparison with published solvers is a workspace of its own; what is built for it serves nothing else.
-cargo check --locked --quiet --manifest-path benches/solvers/Cargo.toml --target-dir target
+# The comparison with published solvers is a workspace of its own; what is built for it serves nothing else. It takes the library with
+# the default features, which have to be sound too: nothing may be said of it.
+said=$(cargo check --locked --quiet --manifest-path benches/solvers/Cargo.toml --target-dir target 2>&1) || { echo "$said" >&2 && exit 1; }
+if [ -n "$said" ]; then
+    echo "$said" >&2
+    exit 1
+fi
 
 say "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --locked --all-features --no-deps --quiet
@@ -53,10 +57,9 @@ cargo test --workspace --locked --all-features --doc --quiet
 
 say "tests"
 if cargo nextest --version >/dev/null 2>&1; then
-    # Programs of `examples/` are run as modules of a test, and need not be linked by themselves.
-    cargo nextest run --workspace --locked --all-features --no-fail-fast --lib --bins --tests
+    cargo nextest run --workspace --locked --all-features --no-fail-fast --tests
 else
-    cargo test --workspace --locked --all-features --no-fail-fast --lib --bins --tests
+    cargo test --workspace --locked --all-features --no-fail-fast --tests
 fi
 
 say "the core in the browser"
@@ -66,13 +69,11 @@ say "the Python package, and beside it real clients and sweeps under Slurm"
 # The package keeps one processor busy, and the others wait for browsers and a scheduler. What clients need is installed before, so that
 # no two ask for packages at a time, and the program is there, so that none waits for another's build.
 tools/clients.sh setup
-cargo build --locked --all-features --profile test --quiet --bin phalanx
-built=$(realpath "${CARGO_TARGET_DIR:-target}")
-export PHALANX=$built/debug/phalanx
+program_as_tested
 told=$(mktemp)
 (
     # They are shown the module that has just been built.
-    PHALANX_EXPLORER=$built/release/phalanx-explorer.wasm.gz tools/clients.sh
+    PHALANX_EXPLORER=$(realpath "${CARGO_TARGET_DIR:-target}")/release/phalanx-explorer.wasm.gz tools/clients.sh
     say "sweeps under Slurm"
     # Under two minutes; what waits for a scheduler that does not answer must not wait for ever.
     timeout --kill-after=60 600 tools/slurm/test.sh

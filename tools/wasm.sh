@@ -18,10 +18,5 @@ built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 FEATURES=figures tools/explorer.sh
 export EXPLORER=$built/release/phalanx-explorer.wasm.gz
 
-if [ -z "${PHALANX:-}" ]; then
-    # The profile and the features of the tests: nothing is built twice.
-    cargo build --locked --all-features --profile test --quiet --bin phalanx
-    PHALANX=$built/debug/phalanx
-fi
-export PHALANX
+program_as_tested
 node --test tests/wasm/*.test.mjs

@@ -27,5 +27,5 @@ fi
 scripts=$([ -d "$venv/Scripts" ] && echo Scripts || echo bin)
 
 CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target} \
-    "$venv/$scripts/maturin" build --release --locked --manifest-path python/Cargo.toml --out "$out" "$@"
+    "$venv/$scripts/maturin" build --profile wheel --locked --manifest-path python/Cargo.toml --out "$out" "$@"
 ls -l "$out"

@@ -25,11 +25,7 @@ export PATH=$PATH:/usr/sbin
 (need "the sweep under Slurm" "Slurm and munge" "munge slurmctld slurmd slurm-client" there) ||
     not_run "its packages do not install here"
 
-if [ -z "${PHALANX:-}" ]; then
-    # The profile and the features of the tests: nothing is built twice.
-    cargo build --locked --all-features --profile test --quiet --bin phalanx
-    PHALANX=$(realpath "${CARGO_TARGET_DIR:-target}")/debug/phalanx
-fi
+program_as_tested
 PHALANX=$(realpath "$PHALANX")
 export PHALANX
 
