@@ -343,7 +343,6 @@ impl Contact {
 
     /// Both stages of a sub-step of length h; returns its error in the rates, 1 being what is allowed.
     fn substep(&mut self, space: &Space, h: f64, left: f64, tolerance: Tolerance) -> Result<f64, NotConverged> {
-        debug_assert!(h <= left * (1.0 + 1e-12));
         self.substeps += 1;
         let Buffers { first, second, first_force, base_rate, base_gap, base_memory, error, .. } = &mut self.buffers;
         let implicit = GAMMA * h;
