@@ -40,16 +40,12 @@ say "workflows and scripts"
 tools/lint_workflows.sh
 
 say "lints"
-# Everything with all features, so that one build serves.
+# Everything with all features, so that one build serves; the default set has to be sound too.
 cargo clippy --workspace --locked --all-targets --all-features -- -D warnings
+cargo clippy --workspace --locked --features phalanx-python/as-linted --quiet -- -D warnings
 
-# The comparison with published solvers is a workspace of its own; what is built for it serves nothing else. It takes the library with
-# the default features, which have to be sound too: nothing may be said of it.
-said=$(cargo check --locked --quiet --manifest-path benches/solvers/Cargo.toml --target-dir target 2>&1) || { echo "$said" >&2 && exit 1; }
-if [ -n "$said" ]; then
-    echo "$said" >&2
-    exit 1
-fi
+# The comparison with published solvers is a workspace of its own; what is built for it serves nothing else.
+cargo check --locked --quiet --manifest-path benches/solvers/Cargo.toml --target-dir target
 
 say "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --locked --all-features --no-deps --quiet
