@@ -27,7 +27,6 @@ export PATH=$PATH:/usr/sbin
 
 program_as_tested
 PHALANX=$(realpath "$PHALANX")
-export PHALANX
 
 # Sockets have short names; slurmd's is in here too.
 room=$(mktemp -d /tmp/phalanx-slurm.XXXXXX)
