@@ -50,8 +50,16 @@ pub struct Differences {
 impl Differences {
     /// Largest difference of any coordinate; centres beside angles count in [lengths](LENGTH_M).
     pub fn path_max(&self) -> f64 {
-        let unit = if self.rate_rms_rad_s.is_empty() { 1.0 } else { LENGTH_M };
+        let unit = if self.has_fingers() { LENGTH_M } else { 1.0 };
         self.angle_max().max(self.centre_max() / unit)
+    }
+
+    pub(super) fn has_fingers(&self) -> bool {
+        !self.rate_rms_rad_s.is_empty()
+    }
+
+    pub(super) fn has_bodies(&self) -> bool {
+        !self.angle_end_rad.is_empty()
     }
 
     /// Largest difference of an angle of any finger.

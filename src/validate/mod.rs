@@ -54,6 +54,6 @@ pub use recording::{Recording, record, record_while};
 pub use room::refuse_too_fine;
 pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};
 pub use study::{Progress, Row, StudyError, Tried, Validation, validate};
-pub use subject::{compared, invariants, judge, path_bound, reference, sampled, steps_only};
+pub use subject::{compared, invariants, path_bound, reference, sampled, steps_only};
 pub use track::{Angle, Rate, Track};
 pub use verdict::{Check, Verdict, verdicts};

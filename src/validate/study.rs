@@ -4,7 +4,7 @@ use super::ensemble::member;
 use super::subject::with;
 use super::{
     Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Verdict, compare, compared, cost, invariants,
-    judge, ladder, own, path_bound, record_while, reference, sampled, statistics,
+    ladder, own, path_bound, record_while, reference, sampled, statistics, verdicts,
 };
 use crate::check;
 use crate::invariants::Finding;
@@ -127,7 +127,7 @@ pub fn validate(
     Ok(Validation {
         until_s,
         path_bound,
-        verdict: judge(scene, &differences)
+        verdict: verdicts(&differences, &scene.bounds)
             .and_reference(&checked, path_bound)
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)

@@ -1,7 +1,6 @@
 //! What a validation does to a scene: settings that it changes, and bounds.
 
-use super::verdict::{verdicts_of_discs, verdicts_of_gripper};
-use super::{Differences, Recording, Verdict, verdicts};
+use super::Recording;
 use crate::check::LENGTH_M;
 use crate::gripper::Site;
 use crate::invariants::{Finding, Invariants};
@@ -22,15 +21,6 @@ pub fn compared(scene: &Scene) -> Scene {
             scene.duration_s = scene.bounds.until_s.min(scene.duration_s);
         }
     })
-}
-
-/// Judges the differences of the engine at the scene's own settings.
-pub fn judge(scene: &Scene, found: &Differences) -> Verdict {
-    match scene.kind() {
-        SceneKind::Finger => verdicts(found, &scene.bounds),
-        SceneKind::Bodies => verdicts_of_discs(found, &scene.bounds),
-        SceneKind::Gripper => verdicts_of_gripper(found, &scene.bounds),
-    }
 }
 
 /// How near a kept run came to breaking each invariant.

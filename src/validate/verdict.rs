@@ -27,9 +27,6 @@ impl Check {
     }
 }
 
-/// A bound: its key, its meaning, what was measured and the limit.
-type Measured = (&'static str, &'static str, (Option<f64>, f64));
-
 /// All bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
@@ -37,18 +34,11 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    fn new<const N: usize>(bounds: [Measured; N]) -> Self {
-        let check = |(bound, meaning, (measured, limit))| Check { bound, meaning, measured, limit };
-        Verdict { checks: bounds.map(check).to_vec() }
-    }
-
     /// Whether every bound holds.
     pub fn passed(&self) -> bool {
         self.checks.iter().all(Check::passed)
     }
-}
 
-impl Verdict {
     /// With the reference judged too: by another method it may be off by a part of what the engine may. What could not be
     /// checked is no reference.
     pub fn and_reference(mut self, found: &check::Check, bound: f64) -> Self {
@@ -60,9 +50,7 @@ impl Verdict {
         self.checks.push(Check { bound: "reference", meaning, measured: Some(measured), limit: REFERENCE_SHARE });
         self
     }
-}
 
-impl Verdict {
     /// With the invariants of a run judged too: the worst of them, as a part of what is allowed.
     pub fn and_invariants(mut self, bound: &'static str, found: &[Finding]) -> Self {
         let worst = found.iter().map(Finding::share).fold(0.0, f64::max);
@@ -70,9 +58,7 @@ impl Verdict {
         self.checks.push(Check { bound, meaning, measured: Some(worst), limit: 1.0 });
         self
     }
-}
 
-impl Verdict {
     /// With statistics judged too, where there are any.
     pub fn and_statistics(mut self, found: Option<&Statistics>) -> Self {
         let Some(found) = found else { return self };
@@ -83,48 +69,26 @@ impl Verdict {
     }
 }
 
-/// Judges the differences of the engine at the settings of a scene of a finger.
+/// Judges the differences of the engine at the settings of the scene: of fingers their angles and what they hold in the end, of bodies
+/// their places, of discs alone what they hit each other with.
 pub fn verdicts(found: &Differences, bounds: &Bounds) -> Verdict {
-    let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
-    let path = (Some(found.path_max()), bounds.angle_rad);
-    Verdict::new([
-        ("angle_rad", "largest difference of a joint angle", path),
-        ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
-        (
-            "final_force",
-            "relative difference of a normal force at the end",
-            worst(&found.final_force, bounds.final_force),
-        ),
-        ("impulse", "relative difference of the impulse of an impact", worst(&found.impulse, bounds.impulse)),
-        ("loop_gap_m", "largest opening of a joint", (Some(found.loop_gap_m), bounds.loop_gap_m)),
-    ])
-}
-
-/// The same of a scene of discs.
-pub(super) fn verdicts_of_discs(found: &Differences, bounds: &Bounds) -> Verdict {
-    let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
-    let path = (Some(found.path_max()), bounds.position_m);
-    Verdict::new([
-        ("position_m", "largest distance of a disc", path),
-        ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
-        ("impulse", "relative difference of the impulse of a pair", worst(&found.impulse, bounds.impulse)),
-        ("peak_force", "relative difference of a largest normal force", worst(&found.peak_force, bounds.peak_force)),
-    ])
-}
-
-/// The same of a gripper.
-pub(super) fn verdicts_of_gripper(found: &Differences, bounds: &Bounds) -> Verdict {
-    let worst = |figures: &[Option<f64>], limit| (largest(figures), limit);
-    Verdict::new([
-        ("angle_rad", "largest difference of a joint angle", (Some(found.angle_max()), bounds.angle_rad)),
-        ("position_m", "largest distance of the object", (Some(found.centre_max()), bounds.position_m)),
-        ("contact_time_s", "largest difference of a first touch", worst(&found.contact_time_s, bounds.contact_time_s)),
-        (
-            "final_force",
-            "relative difference of a normal force at the end",
-            worst(&found.final_force, bounds.final_force),
-        ),
-        ("impulse", "relative difference of the impulse of an impact", worst(&found.impulse, bounds.impulse)),
-        ("loop_gap_m", "largest opening of a joint", (Some(found.loop_gap_m), bounds.loop_gap_m)),
-    ])
+    let (fingers, bodies) = (found.has_fingers(), found.has_bodies());
+    let [place, impulse] = match fingers {
+        true => ["largest distance of the object", "relative difference of the impulse of an impact"],
+        false => ["largest distance of a disc", "relative difference of the impulse of a pair"],
+    };
+    let (touch, last) = ("largest difference of a first touch", "relative difference of a normal force at the end");
+    let peak = "relative difference of a largest normal force";
+    let all = [
+        (fingers, "angle_rad", "largest difference of a joint angle", Some(found.angle_max()), bounds.angle_rad),
+        (bodies, "position_m", place, Some(found.centre_max()), bounds.position_m),
+        (true, "contact_time_s", touch, largest(&found.contact_time_s), bounds.contact_time_s),
+        (fingers, "final_force", last, largest(&found.final_force), bounds.final_force),
+        (true, "impulse", impulse, largest(&found.impulse), bounds.impulse),
+        (!fingers, "peak_force", peak, largest(&found.peak_force), bounds.peak_force),
+        (fingers, "loop_gap_m", "largest opening of a joint", Some(found.loop_gap_m), bounds.loop_gap_m),
+    ];
+    let checks = all.into_iter().filter(|(there, ..)| *there);
+    let check = |(_, bound, meaning, measured, limit)| Check { bound, meaning, measured, limit };
+    Verdict { checks: checks.map(check).collect() }
 }

@@ -10,7 +10,7 @@ use phalanx::criteria::Rebounds;
 use phalanx::invariants::Finding;
 use phalanx::scene::{self, Preset, Scene};
 use phalanx::trace::{Event, Model, Outcome, Sample, Sink, SinkError};
-use phalanx::validate::{compare, compared, invariants, judge, record, reference, sampled};
+use phalanx::validate::{compare, compared, invariants, record, reference, sampled, verdicts};
 
 const BOTH: [Model; 2] = [Model::Analytic, Model::Engine];
 const NAMES: [&str; 15] = [
@@ -107,7 +107,7 @@ fn the_engine_is_within_the_bounds_of_every_scene() {
             let broken: Vec<_> = invariants(&scene, model, run).into_iter().filter(Finding::is_broken).collect();
             assert!(broken.is_empty(), "{name}: {broken:?}");
         }
-        let verdict = judge(&scene, &compare(&found, &expected, scene.bounds.until_s));
+        let verdict = verdicts(&compare(&found, &expected, scene.bounds.until_s), &scene.bounds);
         assert!(verdict.passed(), "{name}: {verdict:#?}");
         for (found, expected) in found.outcome.contacts.iter().zip(&expected.outcome.contacts) {
             assert_eq!(found.touchdowns, expected.touchdowns, "{name}");

@@ -9,7 +9,7 @@ use phalanx::check::pushed;
 use phalanx::criteria::{Fate, GraspCriteria, GraspTracker};
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{Model, Sink};
-use phalanx::validate::{Recording, compare, invariants, judge, reference, sampled};
+use phalanx::validate::{Recording, compare, invariants, reference, sampled, verdicts};
 
 use crate::support::held::{assert_held, recorded};
 
@@ -98,7 +98,7 @@ fn both_models_agree_on_every_gripper() {
         }
         let found = recorded(Model::Engine, &sampled(Model::Engine, &scene));
         assert_held(&invariants(&scene, Model::Engine, &found), &format!("{name}, engine"));
-        let verdict = judge(&scene, &compare(&found, &expected, scene.bounds.until_s));
+        let verdict = verdicts(&compare(&found, &expected, scene.bounds.until_s), &scene.bounds);
         let broken = verdict.checks.iter().filter(|check| !check.passed());
         wrong.extend(
             broken.map(|check| format!("{name}: {} is {:?}, not {}", check.bound, check.measured, check.limit)),

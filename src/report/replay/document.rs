@@ -2,20 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::super::contacts::Contacts;
-use super::super::discs::{DiscReport, discs};
-use super::super::document::{Failure, Used, finals};
+use super::super::document::{Failure, Used};
 use super::super::grasp::GraspReport;
-use super::super::named::Named;
+use super::super::states::States;
 use super::summary::Summary;
 use super::verify::VerificationReport;
 use crate::criteria::{Criteria, GraspCriteria};
 use crate::log::{Loss, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
-use crate::scene::{Engine, Integrator, Scene};
-use crate::trace::{Energy, FingerState, Outcome};
+use crate::scene::{Engine, Integrator, Scene, Words};
+use crate::trace::Energy;
 
 /// One log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,15 +59,8 @@ pub struct ReplayReport {
     /// Of channels that phalanx does not know.
     pub unknown_messages: u64,
     pub unknown_channels: u64,
-    #[serde(rename = "final")]
-    pub last: Option<FingerState>,
-    /// Of a log of a gripper: its fingers, and what they grasp.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fingers: Option<Named<FingerState>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub object: Option<DiscReport>,
-    /// Discs by their names, of a log of discs.
-    pub discs: Option<BTreeMap<String, DiscReport>>,
+    #[serde(flatten)]
+    pub states: Last,
     /// Peaks are those of the samples, among which the run's own are.
     pub contacts: Option<Contacts>,
     /// Null without an object or a scene, or if the log does not reach the end of a completed run.
@@ -79,6 +71,24 @@ pub struct ReplayReport {
     pub energy: Option<Energy>,
     /// Whether simulating again gives the same; null unless that was asked for.
     pub verification: Option<VerificationReport>,
+}
+
+/// What moved, as it is in the last sample; `final` and `discs` are keys of every log, null where it has none or no sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Last(pub Option<States>);
+
+impl Serialize for Last {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut entries = self.0.as_ref().map(States::entries).unwrap_or_default();
+        let has = |entries: &[(&str, _)], key: &str| entries.iter().any(|(known, _)| *known == key);
+        if !has(&entries, "final") {
+            entries.insert(0, ("final", None));
+        }
+        if !has(&entries, "discs") {
+            entries.push(("discs", None));
+        }
+        serializer.collect_map(entries)
+    }
 }
 
 /// Something that is lost.
@@ -110,20 +120,20 @@ impl ReplayReport {
         grasp: Option<&GraspCriteria>,
         scene: Option<&Scene>,
     ) -> Self {
-        let (layout, outcome, kind) = (&summary.layout, summary.outcome(), reading.kind());
-        let of = |wanted: SceneKind| outcome.filter(|_| kind == wanted);
-        let bodies = |outcome: &Outcome| discs(&layout.bodies, scene, &outcome.last.bodies);
+        let (layout, outcome) = (&summary.layout, summary.outcome());
         ReplayReport {
-            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).copied(),
-            fingers: of(SceneKind::Gripper).map(|outcome| finals(layout, outcome)),
-            object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
-            discs: of(SceneKind::Bodies).map(bodies),
+            states: Last(outcome.map(|outcome| States::new(layout, Some(outcome), scene))),
             contacts: outcome.map(|outcome| Contacts::new(layout, outcome, summary.rebounds())),
             criteria,
             grasp: grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, scene, &of.last)),
             energy: outcome.map(|outcome| outcome.last.energy),
             ..ReplayReport::of_log(log, reading)
         }
+    }
+
+    /// Whether the scene has joints to speak of.
+    pub(super) fn has_joints(&self) -> bool {
+        self.kind.as_deref() != Some(SceneKind::Bodies.word())
     }
 
     /// What is said of any log.
@@ -161,10 +171,7 @@ impl ReplayReport {
             messages: reading.messages,
             unknown_messages: reading.unknown_messages,
             unknown_channels: reading.unknown_channels,
-            last: None,
-            fingers: None,
-            object: None,
-            discs: None,
+            states: Last::default(),
             contacts: None,
             criteria: None,
             grasp: None,

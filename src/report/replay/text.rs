@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::tables::{contacts, discs, dynamics, energies, final_state, final_states, grasp, object};
+use super::super::tables::{contacts, dynamics, energies, grasp, states};
 use super::super::text::{engine, integrator};
 use super::document::ReplayReport;
 use super::verify::verification_text;
@@ -14,20 +14,10 @@ use crate::wording::{Report, Reported};
 impl Reported for ReplayReport {
     fn report(&self) -> Report {
         let mut sections = vec![Report::from(heading(self))];
-        if let (Some(last), Some(end_s)) = (&self.last, self.end_s) {
-            sections.push(final_state(last, end_s));
-        }
-        if let (Some(all), Some(end_s)) = (&self.fingers, self.end_s) {
-            sections.push(final_states(all, end_s));
-        }
-        if let (Some(of), Some(end_s)) = (&self.object, self.end_s) {
-            sections.push(object(of, end_s));
-        }
-        if let (Some(all), Some(end_s)) = (&self.discs, self.end_s) {
-            sections.push(discs(all, end_s));
-        }
+        let last = self.states.0.as_ref().zip(self.end_s);
+        sections.extend(last.into_iter().flat_map(|(last, end_s)| states(last, end_s)));
         sections.extend(self.contacts.as_ref().and_then(contacts));
-        sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.discs.is_none())));
+        sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.has_joints())));
         if let Some(criteria) = &self.criteria {
             sections.push(dynamics(criteria));
         }
@@ -42,10 +32,11 @@ impl Reported for ReplayReport {
 fn heading(report: &ReplayReport) -> String {
     let known = |entry: &Option<String>| entry.clone().unwrap_or_else(|| "unknown".to_string());
     let asked = report.duration_s.map_or("an unknown time".to_string(), duration);
-    let settings = report.integrator.as_ref().map(integrator).or_else(|| {
-        let joints = report.kind.as_deref() != Some("bodies");
-        report.engine.as_ref().map(|used| engine(used, joints))
-    });
+    let settings = report
+        .integrator
+        .as_ref()
+        .map(integrator)
+        .or_else(|| report.engine.as_ref().map(|used| engine(used, report.has_joints())));
     let mut text = format!(
         "{}: {} model{}\nread from {}\n",
         known(&report.scene),

@@ -1,29 +1,27 @@
-//! Differences from the reference, under the keys of the JSON document.
+//! Differences from the reference, under the keys of the JSON document: what one finger has for itself, of several goes by their names.
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::super::named::Named;
 use crate::trace::Layout;
-use crate::validate::{Angle, Differences, largest};
+use crate::validate::{Angle, Differences};
 
-/// Everything in which the engine differs from the reference, by the kind of scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum DifferencesReport {
-    Finger(JointDifferences),
-    Discs(DiscDifferences),
-    Gripper(GripperDifferences),
-}
-
-/// What the table of settings has of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Errors {
-    Finger(JointErrors),
-    Discs(DiscErrors),
-    Gripper(GripperErrors),
+/// Everything in which a setting differs from the reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DifferencesReport {
+    /// Of each finger its joints; a finger that is alone has no name.
+    pub fingers: Named<BTreeMap<&'static str, AngleDifference>>,
+    /// In the order of their names where there is no finger.
+    pub bodies: Named<PlaceDifference>,
+    /// Between surfaces.
+    pub contacts: Named<ContactDifference>,
+    pub loop_gap_m: f64,
+    pub energy_created_j: f64,
+    /// Relative to the work of the motors; of discs to the largest energy of the run.
+    pub energy_created: f64,
 }
 
 /// Differences of one joint.
@@ -36,36 +34,9 @@ pub struct AngleDifference {
     pub rate_rms_rad_s: f64,
 }
 
-/// Differences of the contact of one phalanx; the forces and impulses are relative.
+/// Differences of one body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ContactDifference {
-    pub first_touch_s: Option<f64>,
-    pub impulse: Option<f64>,
-    pub final_force: Option<f64>,
-}
-
-/// Everything in which a setting of a finger differs from the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct JointDifferences {
-    pub joints: BTreeMap<&'static str, AngleDifference>,
-    pub proximal: ContactDifference,
-    pub distal: ContactDifference,
-    pub loop_gap_m: f64,
-    pub energy_created_j: f64,
-    /// Relative to the work of the motor.
-    pub energy_created: f64,
-}
-
-/// Differences of a finger; null for the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct JointErrors {
-    pub angle_max_rad: Option<f64>,
-    pub differences: Option<JointDifferences>,
-}
-
-/// Differences of one disc.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DiscDifference {
+pub struct PlaceDifference {
     pub max_m: f64,
     pub max_at_s: f64,
     pub rms_m: f64,
@@ -73,97 +44,82 @@ pub struct DiscDifference {
     pub angle_end_rad: f64,
 }
 
-/// Differences of one pair; impulse and peak force are relative.
+/// Differences of one contact; forces and impulses are relative.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PairDifference {
+pub struct ContactDifference {
     pub first_touch_s: Option<f64>,
     pub impulse: Option<f64>,
-    pub peak_force: Option<f64>,
-}
-
-/// Everything in which the engine differs from the reference in a scene of discs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DiscDifferences {
-    pub discs: BTreeMap<String, DiscDifference>,
-    pub pairs: BTreeMap<String, PairDifference>,
-    pub energy_created_j: f64,
-    /// Relative to the largest energy of the run.
-    pub energy_created: f64,
-}
-
-/// Worst differences of a setting over all discs and pairs; null for the reference.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DiscErrors {
-    pub position_max_m: Option<f64>,
-    pub first_touch_s: Option<f64>,
-    pub impulse: Option<f64>,
-    pub peak_force: Option<f64>,
-    pub energy_created: Option<f64>,
-}
-
-/// Everything in which a gripper differs from the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GripperDifferences {
-    pub fingers: Named<BTreeMap<&'static str, AngleDifference>>,
-    pub object: DiscDifference,
-    pub contacts: Named<ContactDifference>,
-    pub loop_gap_m: f64,
-    pub energy_created_j: f64,
-    /// Relative to the work of the motors.
-    pub energy_created: f64,
-}
-
-/// Worst differences of a setting of a gripper; null for the reference.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct GripperErrors {
-    pub angle_max_rad: Option<f64>,
-    pub position_max_m: Option<f64>,
-    pub first_touch_s: Option<f64>,
-    pub impulse: Option<f64>,
-    pub final_force: Option<f64>,
-    pub loop_gap_m: Option<f64>,
-    pub energy_created: Option<f64>,
+    /// With fingers, which hold something in the end; without, the largest force counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_force: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_force: Option<Option<f64>>,
 }
 
 impl DifferencesReport {
     /// Of samples of this layout.
     pub(super) fn new(layout: &Layout, found: &Differences) -> Self {
-        match layout.fingers.len() {
-            0 => DifferencesReport::Discs(DiscDifferences::new(layout, found)),
-            1 => DifferencesReport::Finger(JointDifferences::from(found)),
-            _ => DifferencesReport::Gripper(GripperDifferences::new(layout, found)),
+        let alone = layout.fingers.is_empty();
+        let joints = |(finger, name): (usize, &String)| {
+            let first = Angle::ALL.len() * finger;
+            let of = Angle::ALL.into_iter().enumerate();
+            (name.clone(), of.map(|(k, of)| (of.name(), angle(found, first + k))).collect())
+        };
+        let before = Angle::ALL.len() * layout.fingers.len();
+        let bodies = layout.bodies.iter().enumerate();
+        let surfaces = layout.surfaces().enumerate();
+        let contact = |k: usize| ContactDifference {
+            first_touch_s: found.contact_time_s[k],
+            impulse: found.impulse[k],
+            final_force: (!alone).then(|| found.final_force[k]),
+            peak_force: alone.then(|| found.peak_force[k]),
+        };
+        let mut report = DifferencesReport {
+            fingers: layout.fingers.iter().enumerate().map(joints).collect(),
+            bodies: bodies.map(|(index, name)| (name.clone(), place(found, index, before + index))).collect(),
+            contacts: surfaces.map(|(k, index)| (layout.contacts[index].name.clone(), contact(k))).collect(),
+            loop_gap_m: found.loop_gap_m,
+            energy_created_j: found.energy_created_j,
+            energy_created: found.energy_created,
+        };
+        if alone {
+            report.bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
+            report.contacts.0.sort_by(|a, b| a.0.cmp(&b.0));
         }
+        report
     }
 }
 
-impl Errors {
-    /// `None` for the reference.
-    pub(super) fn new(layout: &Layout, found: Option<&Differences>) -> Self {
-        match layout.fingers.len() {
-            1 => Errors::Finger(JointErrors {
-                angle_max_rad: found.map(Differences::path_max),
-                differences: found.map(JointDifferences::from),
-            }),
-            2.. => Errors::Gripper(GripperErrors {
-                angle_max_rad: found.map(Differences::angle_max),
-                position_max_m: found.map(Differences::centre_max),
-                first_touch_s: found.and_then(|found| largest(&found.contact_time_s)),
-                impulse: found.and_then(|found| largest(&found.impulse)),
-                final_force: found.and_then(|found| largest(&found.final_force)),
-                loop_gap_m: found.map(|found| found.loop_gap_m),
-                energy_created: found.map(|found| found.energy_created),
-            }),
-            0 => Errors::Discs(DiscErrors {
-                position_max_m: found.map(Differences::path_max),
-                first_touch_s: found.and_then(|found| largest(&found.contact_time_s)),
-                impulse: found.and_then(|found| largest(&found.impulse)),
-                peak_force: found.and_then(|found| largest(&found.peak_force)),
-                energy_created: found.map(|found| found.energy_created),
-            }),
+impl Serialize for DifferencesReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        match self.fingers.0.as_slice() {
+            [] => {
+                map.serialize_entry("discs", &self.bodies)?;
+                map.serialize_entry("pairs", &self.contacts)?;
+            }
+            [(_, joints)] => {
+                map.serialize_entry("joints", joints)?;
+                for (name, contact) in self.contacts.iter() {
+                    map.serialize_entry(name, contact)?;
+                }
+            }
+            _ => {
+                map.serialize_entry("fingers", &self.fingers)?;
+                map.serialize_entry("object", &self.bodies.first())?;
+                map.serialize_entry("contacts", &self.contacts)?;
+            }
         }
+        if self.fingers.first().is_some() {
+            map.serialize_entry("loop_gap_m", &self.loop_gap_m)?;
+        }
+        map.serialize_entry("energy_created_j", &self.energy_created_j)?;
+        map.serialize_entry("energy_created", &self.energy_created)?;
+        map.end()
     }
 }
 
+/// Number `k` of the path: an angle.
 fn angle(found: &Differences, k: usize) -> AngleDifference {
     AngleDifference {
         max_rad: found.path[k].max,
@@ -174,71 +130,13 @@ fn angle(found: &Differences, k: usize) -> AngleDifference {
     }
 }
 
-fn contact(found: &Differences, k: usize) -> ContactDifference {
-    ContactDifference {
-        first_touch_s: found.contact_time_s[k],
-        impulse: found.impulse[k],
-        final_force: found.final_force[k],
-    }
-}
-
 /// The body `index`, the place of which is number `k` of the path.
-fn disc(found: &Differences, index: usize, k: usize) -> DiscDifference {
-    DiscDifference {
+fn place(found: &Differences, index: usize, k: usize) -> PlaceDifference {
+    PlaceDifference {
         max_m: found.path[k].max,
         max_at_s: found.path[k].max_at_s,
         rms_m: found.path[k].rms,
         end_m: found.path[k].end,
         angle_end_rad: found.angle_end_rad[index],
-    }
-}
-
-impl From<&Differences> for JointDifferences {
-    fn from(found: &Differences) -> Self {
-        let joints = Angle::ALL.into_iter().enumerate();
-        JointDifferences {
-            joints: joints.map(|(k, of)| (of.name(), angle(found, k))).collect(),
-            proximal: contact(found, 0),
-            distal: contact(found, 1),
-            loop_gap_m: found.loop_gap_m,
-            energy_created_j: found.energy_created_j,
-            energy_created: found.energy_created,
-        }
-    }
-}
-
-impl GripperDifferences {
-    fn new(layout: &Layout, found: &Differences) -> Self {
-        let angles = Angle::ALL.len();
-        let joints = |finger: usize| {
-            let of = Angle::ALL.into_iter().enumerate();
-            of.map(|(k, of)| (of.name(), angle(found, angles * finger + k))).collect()
-        };
-        let fingers = layout.fingers.iter().enumerate().map(|(index, name)| (name.clone(), joints(index)));
-        let surfaces = layout.surfaces().enumerate().map(|(k, index)| (layout.contacts[index].name.clone(), k));
-        GripperDifferences {
-            fingers: fingers.collect(),
-            object: disc(found, 0, angles * layout.fingers.len()),
-            contacts: surfaces.map(|(name, k)| (name, contact(found, k))).collect(),
-            loop_gap_m: found.loop_gap_m,
-            energy_created_j: found.energy_created_j,
-            energy_created: found.energy_created,
-        }
-    }
-}
-
-impl DiscDifferences {
-    fn new(layout: &Layout, found: &Differences) -> Self {
-        let pair = |k: usize| PairDifference {
-            first_touch_s: found.contact_time_s[k],
-            impulse: found.impulse[k],
-            peak_force: found.peak_force[k],
-        };
-        DiscDifferences {
-            discs: layout.bodies.iter().enumerate().map(|(k, name)| (name.clone(), disc(found, k, k))).collect(),
-            pairs: layout.contacts.iter().enumerate().map(|(k, place)| (place.name.clone(), pair(k))).collect(),
-            energy_created_j: found.energy_created_j,
-            energy_created: found.energy_created,
-        }
     }
 }

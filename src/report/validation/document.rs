@@ -3,21 +3,18 @@
 //! Keys carry their SI unit; those without one are ratios, counts or words. Where there is nothing to measure, and
 //! where one model lacks what the other has (`passed` is then false), the value is null.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
 use super::super::contacts::Contacts;
-use super::super::discs::{DiscReport, discs};
-use super::super::document::finals;
-use super::super::named::Named;
-use super::differences::{DifferencesReport, Errors};
+use super::super::states::States;
+use super::differences::DifferencesReport;
+use super::errors::Errors;
 use super::invariants::FindingReport;
 use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
 use crate::scene::words::SceneKind;
 use crate::scene::{Scene, Words};
-use crate::trace::{Energy, FingerState, Layout, Outcome};
+use crate::trace::{Energy, Layout};
 use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
 
 /// One validation.
@@ -78,16 +75,9 @@ pub struct ModelReport {
     pub steps: Option<u64>,
     /// Median wall time with nothing listening.
     pub wall_s: Option<f64>,
-    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
-    pub last: Option<FingerState>,
-    /// Of a gripper: its fingers and what they grasp.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fingers: Option<Named<FingerState>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub object: Option<DiscReport>,
-    /// At the end of what is compared.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub discs: Option<BTreeMap<String, DiscReport>>,
+    /// What moves, at the end of what is compared.
+    #[serde(flatten)]
+    pub states: States,
     /// Restitution is not measured here: `phalanx run` does.
     pub contacts: Contacts,
     pub energy: Energy,
@@ -200,16 +190,11 @@ impl ModelReport {
             Tried::Done { cost, .. } => Some(cost),
             _ => None,
         });
-        let of = |kind: SceneKind| Some(outcome).filter(|_| scene.kind() == kind);
-        let bodies = |outcome: &Outcome| discs(&layout.bodies, Some(scene), &outcome.last.bodies);
         ModelReport {
             setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
             steps: cost.map(|cost| cost.steps),
             wall_s: cost.map(|cost| cost.wall_s),
-            last: of(SceneKind::Finger).and_then(|outcome| outcome.last.fingers.first()).copied(),
-            fingers: of(SceneKind::Gripper).map(|outcome| finals(&layout, outcome)),
-            object: of(SceneKind::Gripper).and_then(|outcome| bodies(outcome).into_values().next()),
-            discs: of(SceneKind::Bodies).map(bodies),
+            states: States::new(&layout, Some(outcome), Some(scene)),
             contacts: Contacts::new(&layout, outcome, &[]),
             energy: outcome.last.energy,
             loop_gap_m: (scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),

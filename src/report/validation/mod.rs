@@ -3,6 +3,7 @@
 
 mod differences;
 mod document;
+mod errors;
 mod figures;
 mod invariants;
 mod series;

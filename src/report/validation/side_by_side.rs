@@ -1,14 +1,9 @@
 //! Both models side by side, and how far they are apart.
 
-use std::collections::BTreeMap;
-
-use super::super::contacts::{Contacts, FingerContacts, PairReport, PhalanxReport, PlaceReport};
-use super::super::discs::DiscReport;
+use super::super::contacts::{Contacts, SurfaceReport};
 use super::super::named::Named;
-use super::differences::{
-    AngleDifference, DifferencesReport, DiscDifference, DiscDifferences, GripperDifferences, JointDifferences,
-    PairDifference,
-};
+use super::super::states::BodyReport;
+use super::differences::{AngleDifference, ContactDifference, DifferencesReport, PlaceDifference};
 use super::document::ValidationReport;
 use super::figures::{number, percent};
 use crate::trace::FingerState;
@@ -20,25 +15,24 @@ use crate::wording::report::{Report, table};
 /// The state at the end, the contacts and the energies of both models, and their difference.
 pub(super) fn side_by_side(report: &ValidationReport) -> Report {
     let (a, e) = (&report.analytic, &report.engine);
-    match ((&a.contacts, &e.contacts), (&a.last, &e.last), (&a.discs, &e.discs)) {
-        ((Contacts::Finger(ours), Contacts::Finger(theirs)), (Some(last), Some(other)), _) => {
-            of_finger(report, [last, other], [ours, theirs])
-        }
-        ((Contacts::Pairs(ours), Contacts::Pairs(theirs)), _, (Some(discs), Some(others))) => {
-            of_discs(report, [discs, others], [ours, theirs])
-        }
-        ((Contacts::Gripper(ours), Contacts::Gripper(theirs)), ..) => of_gripper(report, [ours, theirs]),
-        _ => Report::default(),
+    let end_s = if report.is_of_discs() { report.until_s } else { report.duration_s };
+    let mut rows = vec![row([&format!("at {}", duration(end_s)), "analytic", "engine", "difference"])];
+    let alone = a.states.fingers.0.len() == 1;
+    for (name, ours, theirs) in in_both(&a.states.fingers, &e.states.fingers) {
+        rows.extend(finger(name, alone, ours, theirs));
     }
+    let moving = in_both(&a.states.bodies, &e.states.bodies).filter(|(_, ours, _)| ours.motion != "fixed");
+    for (name, ours, theirs) in moving {
+        rows.extend(body(name, report.is_of_discs(), ours, theirs));
+    }
+    rows.extend(contacts(report, [&a.contacts, &e.contacts]));
+    rows.extend(energies(report));
+    table(&rows)
 }
 
-/// How far apart they are along the way.
-pub(super) fn differences(found: &DifferencesReport) -> Report {
-    match found {
-        DifferencesReport::Finger(found) => of_joints(found),
-        DifferencesReport::Discs(found) => of_places(found),
-        DifferencesReport::Gripper(found) => of_joints_and_object(found),
-    }
+/// What both models have, by its name.
+fn in_both<'a, T>(ours: &'a Named<T>, theirs: &'a Named<T>) -> impl Iterator<Item = (&'a str, &'a T, &'a T)> {
+    ours.iter().filter_map(|(name, ours)| Some((name.as_str(), ours, theirs.get(name)?)))
 }
 
 /// A figure of both models, and their difference.
@@ -52,8 +46,58 @@ fn angle(name: &str, analytic: f64, engine: f64) -> Vec<String> {
     line(name, analytic.to_degrees(), (analytic + difference).to_degrees(), 8)
 }
 
-/// Rows on a contact of a phalanx, or of the object: where it touched first, how often and how hard.
-fn touches(name: &str, ours: &PhalanxReport, theirs: &PhalanxReport) -> Vec<Vec<String>> {
+/// Of a finger that is `alone` its rates too.
+fn finger(name: &str, alone: bool, ours: &FingerState, theirs: &FingerState) -> Vec<Vec<String>> {
+    let called = |what: &str| if alone { what.to_string() } else { format!("{name} {what}") };
+    let mut rows = vec![
+        angle(&called("q11, deg"), ours.q11_rad, theirs.q11_rad),
+        angle(&called("q21, deg"), ours.q21_rad, theirs.q21_rad),
+        angle(&called("q22, deg"), ours.q22_rad, theirs.q22_rad),
+    ];
+    if alone {
+        rows.push(line("qd11, rad/s", ours.qd11_rad_s, theirs.qd11_rad_s, 4));
+        rows.push(line("qd21, rad/s", ours.qd21_rad_s, theirs.qd21_rad_s, 4));
+    }
+    rows
+}
+
+/// Of a disc its rates, of what is grasped how it is turned.
+fn body(name: &str, disc: bool, ours: &BodyReport, theirs: &BodyReport) -> Vec<Vec<String>> {
+    let mut rows = vec![
+        line(&format!("{name} x, mm"), ours.x_m * 1e3, theirs.x_m * 1e3, 8),
+        line(&format!("{name} y, mm"), ours.y_m * 1e3, theirs.y_m * 1e3, 8),
+    ];
+    if disc {
+        rows.push(line(&format!("{name} vx, m/s"), ours.vx_m_s, theirs.vx_m_s, 6));
+        rows.push(line(&format!("{name} vy, m/s"), ours.vy_m_s, theirs.vy_m_s, 6));
+        rows.push(line(&format!("{name} spin, rad/s"), ours.spin_rad_s, theirs.spin_rad_s, 6));
+    } else {
+        rows.push(angle(&format!("{name} angle, deg"), ours.angle_rad, theirs.angle_rad));
+    }
+    rows
+}
+
+/// Of a finger that is alone all contacts, otherwise those that touched: what presses in the end, where it touched first, how often
+/// and how hard. Discs part again, and how deep they were counts more than what is left of it.
+fn contacts(report: &ValidationReport, [ours, theirs]: [&Contacts; 2]) -> Vec<Vec<String>> {
+    let alone = report.analytic.states.fingers.0.len() == 1;
+    let pairs = ours.surfaces().zip(theirs.surfaces()).map(|((name, ours), (_, theirs))| (name, ours, theirs));
+    let mut rows = Vec::new();
+    for (name, ours, theirs) in pairs.filter(|(_, a, e)| alone || a.touchdowns > 0 || e.touchdowns > 0) {
+        if !report.is_of_discs() {
+            rows.push(line(&format!("{name} normal, N"), ours.final_normal_n, theirs.final_normal_n, 7));
+            rows.push(line(&format!("{name} friction, N"), ours.final_tangential_n, theirs.final_tangential_n, 4));
+        }
+        rows.extend(touches(&name, ours, theirs, if report.is_of_discs() { 6 } else { 4 }));
+        if report.is_of_discs() {
+            let [own, other] = [ours, theirs].map(|of| of.max_penetration_m * 1e6);
+            rows.push(line(&format!("{name} depth, µm"), own, other, 6));
+        }
+    }
+    rows
+}
+
+fn touches(name: &str, ours: &SurfaceReport, theirs: &SurfaceReport, digits: usize) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     if let (Some(ours), Some(theirs)) = (ours.first_s, theirs.first_s) {
         rows.push(line(&format!("{name} first touch, ms"), ours * 1e3, theirs * 1e3, 8));
@@ -61,115 +105,60 @@ fn touches(name: &str, ours: &PhalanxReport, theirs: &PhalanxReport) -> Vec<Vec<
     let touchdowns = |count: u32| count.to_string();
     rows.push(row([&format!("{name} touch-downs"), &touchdowns(ours.touchdowns), &touchdowns(theirs.touchdowns)]));
     rows.push(line(&format!("{name} impulse, mN·s"), ours.impulse_n_s * 1e3, theirs.impulse_n_s * 1e3, 6));
-    rows.push(line(&format!("{name} peak, N"), ours.peak_normal_n, theirs.peak_normal_n, 4));
+    rows.push(line(&format!("{name} peak, N"), ours.peak_normal_n, theirs.peak_normal_n, digits));
     rows
 }
 
-/// Energies of a scene with fingers.
 fn energies(report: &ValidationReport) -> [Vec<String>; 4] {
     let (a, e) = (&report.analytic.energy, &report.engine.energy);
+    let (work, digits) = if report.is_of_discs() { ("drive work, mJ", 6) } else { ("motor work, mJ", 4) };
     [
-        line("kinetic energy, mJ", a.kinetic_j * 1e3, e.kinetic_j * 1e3, 4),
+        line("kinetic energy, mJ", a.kinetic_j * 1e3, e.kinetic_j * 1e3, digits),
         line("dissipated, mJ", a.dissipated_j * 1e3, e.dissipated_j * 1e3, 6),
-        line("motor work, mJ", a.motor_work_j * 1e3, e.motor_work_j * 1e3, 6),
+        line(work, a.motor_work_j * 1e3, e.motor_work_j * 1e3, 6),
         line("balance, mJ", a.balance_j * 1e3, e.balance_j * 1e3, 3),
     ]
 }
 
-/// Both fingers, the object, and the contacts that touch.
-fn of_gripper(report: &ValidationReport, [contacts, others]: [&Named<PlaceReport>; 2]) -> Report {
-    let (a, e) = (&report.analytic, &report.engine);
-    let mut rows = vec![row([&format!("at {}", duration(report.duration_s)), "analytic", "engine", "difference"])];
-    for (name, last) in a.fingers.iter().flat_map(Named::iter) {
-        let Some(other) = e.fingers.as_ref().and_then(|fingers| fingers.get(name)) else { continue };
-        rows.push(angle(&format!("{name} q11, deg"), last.q11_rad, other.q11_rad));
-        rows.push(angle(&format!("{name} q21, deg"), last.q21_rad, other.q21_rad));
-        rows.push(angle(&format!("{name} q22, deg"), last.q22_rad, other.q22_rad));
+/// How far apart they are along the way.
+pub(super) fn differences(found: &DifferencesReport) -> Report {
+    let mut tables = Vec::new();
+    let mut rows = vec![row(JOINTS)];
+    for (finger, joints) in found.fingers.iter() {
+        let called = |joint: &str| if finger.is_empty() { joint.to_string() } else { format!("{finger} {joint}") };
+        rows.extend(joints.iter().map(|(name, of)| joint(&called(name), of)));
     }
-    if let (Some(ours), Some(theirs)) = (&a.object, &e.object) {
-        rows.push(line("object x, mm", ours.x_m * 1e3, theirs.x_m * 1e3, 8));
-        rows.push(line("object y, mm", ours.y_m * 1e3, theirs.y_m * 1e3, 8));
-        rows.push(angle("object angle, deg", ours.angle_rad, theirs.angle_rad));
+    tables.push(rows);
+    let mut rows = vec![row(PLACES)];
+    rows.extend(found.bodies.iter().map(|(name, of)| place(name, of)));
+    tables.push(rows);
+    let mut text = Report::join(tables.iter().filter(|rows| rows.len() > 1).map(|rows| table(rows)));
+    let forces = pressing(found);
+    if forces.len() > 1 {
+        text.push(table(&forces));
     }
-    for (name, place) in contacts.iter() {
-        let (PlaceReport::Surface(ours), Some(PlaceReport::Surface(theirs))) = (place, others.get(name)) else {
-            continue;
-        };
-        if ours.touchdowns == 0 && theirs.touchdowns == 0 {
-            continue;
-        }
-        let name = name.replace('_', " ");
-        rows.push(line(&format!("{name} normal, N"), ours.final_normal_n, theirs.final_normal_n, 7));
-        rows.push(line(&format!("{name} friction, N"), ours.final_tangential_n, theirs.final_tangential_n, 4));
-        rows.extend(touches(&name, ours, theirs));
-    }
-    rows.extend(energies(report));
-    table(&rows)
+    let (energy, part) = (figure(found.energy_created_j * 1e3, 3), figure(found.energy_created, 3));
+    let of = match found.fingers.0.len() {
+        0 => "the largest energy",
+        1 => "the motor's work",
+        _ => "the motors' work",
+    };
+    text.push_str(&format!("energy that came from nowhere: {energy} mJ, {part} of {of}\n"));
+    text
 }
 
-fn of_finger(
-    report: &ValidationReport,
-    [last, other]: [&FingerState; 2],
-    [contacts, others]: [&FingerContacts; 2],
-) -> Report {
-    let mut rows = vec![
-        row([&format!("at {}", duration(report.duration_s)), "analytic", "engine", "difference"]),
-        angle("q11, deg", last.q11_rad, other.q11_rad),
-        angle("q21, deg", last.q21_rad, other.q21_rad),
-        angle("q22, deg", last.q22_rad, other.q22_rad),
-        line("qd11, rad/s", last.qd11_rad_s, other.qd11_rad_s, 4),
-        line("qd21, rad/s", last.qd21_rad_s, other.qd21_rad_s, 4),
-    ];
-    let contacts = [("proximal", &contacts.proximal, &others.proximal), ("distal", &contacts.distal, &others.distal)];
-    for (name, ours, theirs) in contacts {
-        rows.push(line(&format!("{name} normal, N"), ours.final_normal_n, theirs.final_normal_n, 7));
-        rows.push(line(&format!("{name} friction, N"), ours.final_tangential_n, theirs.final_tangential_n, 4));
-    }
-    for (name, ours, theirs) in contacts {
-        rows.extend(touches(name, ours, theirs));
-    }
-    rows.extend(energies(report));
-    table(&rows)
-}
-
-/// Discs that move, pairs that touch, energies: of both models and their difference.
-fn of_discs(
-    report: &ValidationReport,
-    [discs, others]: [&BTreeMap<String, DiscReport>; 2],
-    [pairs, their_pairs]: [&BTreeMap<String, PairReport>; 2],
-) -> Report {
-    let (a, e) = (&report.analytic, &report.engine);
-    let mut rows = vec![row([&format!("at {}", duration(report.until_s)), "analytic", "engine", "difference"])];
-    for (name, ours) in discs.iter().filter(|(_, disc)| disc.motion != "fixed") {
-        let Some(theirs) = others.get(name) else { continue };
-        rows.push(line(&format!("{name} x, mm"), ours.x_m * 1e3, theirs.x_m * 1e3, 8));
-        rows.push(line(&format!("{name} y, mm"), ours.y_m * 1e3, theirs.y_m * 1e3, 8));
-        rows.push(line(&format!("{name} vx, m/s"), ours.vx_m_s, theirs.vx_m_s, 6));
-        rows.push(line(&format!("{name} vy, m/s"), ours.vy_m_s, theirs.vy_m_s, 6));
-        rows.push(line(&format!("{name} spin, rad/s"), ours.spin_rad_s, theirs.spin_rad_s, 6));
-    }
-    for (name, ours) in pairs {
-        let Some(theirs) = their_pairs.get(name).map(|pair| &pair.surface) else { continue };
-        let ours = &ours.surface;
-        if ours.touchdowns == 0 && theirs.touchdowns == 0 {
-            continue;
+/// Of discs, where nothing is left in the end: what touched, and how hard.
+fn pressing(found: &DifferencesReport) -> Vec<Vec<String>> {
+    let mut rows = vec![row(["", "first touch, µs", "impulse, %", "peak force, %"])];
+    let touching = |of: &ContactDifference, peak: Option<f64>| of.first_touch_s.or(of.impulse).or(peak).is_some();
+    for (name, of) in found.contacts.iter() {
+        let Some(peak) = of.peak_force else { continue };
+        if touching(of, peak) {
+            let touch = number(of.first_touch_s.map(|time_s| time_s * 1e6), 3);
+            rows.push(row([name, &touch, &percent(of.impulse), &percent(peak)]));
         }
-        if let (Some(ours), Some(theirs)) = (ours.first_s, theirs.first_s) {
-            rows.push(line(&format!("{name} first touch, ms"), ours * 1e3, theirs * 1e3, 8));
-        }
-        let (own, other) = (ours.touchdowns.to_string(), theirs.touchdowns.to_string());
-        rows.push(row([&format!("{name} touch-downs"), &own, &other]));
-        rows.push(line(&format!("{name} impulse, mN·s"), ours.impulse_n_s * 1e3, theirs.impulse_n_s * 1e3, 6));
-        rows.push(line(&format!("{name} peak, N"), ours.peak_normal_n, theirs.peak_normal_n, 6));
-        let micrometres = |metres: f64| metres * 1e6;
-        let depths = [ours.max_penetration_m, theirs.max_penetration_m].map(micrometres);
-        rows.push(line(&format!("{name} depth, µm"), depths[0], depths[1], 6));
     }
-    rows.push(line("kinetic energy, mJ", a.energy.kinetic_j * 1e3, e.energy.kinetic_j * 1e3, 6));
-    rows.push(line("dissipated, mJ", a.energy.dissipated_j * 1e3, e.energy.dissipated_j * 1e3, 6));
-    rows.push(line("drive work, mJ", a.energy.motor_work_j * 1e3, e.energy.motor_work_j * 1e3, 6));
-    rows.push(line("balance, mJ", a.energy.balance_j * 1e3, e.energy.balance_j * 1e3, 3));
-    table(&rows)
+    rows
 }
 
 fn joint(name: &str, joint: &AngleDifference) -> Vec<String> {
@@ -183,58 +172,16 @@ fn joint(name: &str, joint: &AngleDifference) -> Vec<String> {
     ])
 }
 
-fn place(name: &str, disc: &DiscDifference) -> Vec<String> {
+fn place(name: &str, body: &PlaceDifference) -> Vec<String> {
     row([
         name,
-        &figure(disc.max_m * 1e6, 3),
-        &figure(disc.max_at_s * 1e3, 5),
-        &figure(disc.rms_m * 1e6, 3),
-        &figure(disc.end_m * 1e6, 3),
-        &figure(disc.angle_end_rad, 3),
+        &figure(body.max_m * 1e6, 3),
+        &figure(body.max_at_s * 1e3, 5),
+        &figure(body.rms_m * 1e6, 3),
+        &figure(body.end_m * 1e6, 3),
+        &figure(body.angle_end_rad, 3),
     ])
 }
 
 const JOINTS: [&str; 6] = ["difference", "max, rad", "at, ms", "RMS, rad", "at the end, rad", "rate RMS, rad/s"];
 const PLACES: [&str; 6] = ["difference", "max, µm", "at, ms", "RMS, µm", "at the end, µm", "angle at the end, rad"];
-
-/// What came from nowhere, and a part of what that is.
-fn created(energy_j: f64, part: f64, of: &str) -> String {
-    format!("energy that came from nowhere: {} mJ, {} of {of}\n", figure(energy_j * 1e3, 3), figure(part, 3))
-}
-
-fn of_joints(found: &JointDifferences) -> Report {
-    let mut rows = vec![row(JOINTS)];
-    rows.extend(found.joints.iter().map(|(name, of)| joint(name, of)));
-    let mut text = table(&rows);
-    text.push_str(&created(found.energy_created_j, found.energy_created, "the motor's work"));
-    text
-}
-
-fn of_joints_and_object(found: &GripperDifferences) -> Report {
-    let mut rows = vec![row(JOINTS)];
-    for (finger, joints) in found.fingers.iter() {
-        rows.extend(joints.iter().map(|(name, of)| joint(&format!("{finger} {name}"), of)));
-    }
-    let mut text = table(&rows);
-    text.push('\n');
-    text.push(table(&[row(PLACES), place("object", &found.object)]));
-    text.push_str(&created(found.energy_created_j, found.energy_created, "the motors' work"));
-    text
-}
-
-fn of_places(found: &DiscDifferences) -> Report {
-    let mut rows = vec![row(PLACES)];
-    rows.extend(found.discs.iter().map(|(name, disc)| place(name, disc)));
-    let mut text = table(&rows);
-    let mut rows = vec![row(["", "first touch, µs", "impulse, %", "peak force, %"])];
-    let touching = |pair: &PairDifference| pair.first_touch_s.or(pair.impulse).or(pair.peak_force).is_some();
-    for (name, pair) in found.pairs.iter().filter(|(_, pair)| touching(pair)) {
-        let touch = number(pair.first_touch_s.map(|time_s| time_s * 1e6), 3);
-        rows.push(row([name, &touch, &percent(pair.impulse), &percent(pair.peak_force)]));
-    }
-    if rows.len() > 1 {
-        text.push(table(&rows));
-    }
-    text.push_str(&created(found.energy_created_j, found.energy_created, "the largest energy"));
-    text
-}

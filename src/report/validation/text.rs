@@ -2,9 +2,8 @@
 
 use std::fmt::Write;
 
-use super::differences::{Errors, JointDifferences, JointErrors};
 use super::document::{CheckReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport};
-use super::figures::{number, percent};
+use super::figures::number;
 use super::invariants::FindingReport;
 use super::side_by_side::{differences, side_by_side};
 use super::statistics::statistics_text;
@@ -128,62 +127,6 @@ fn impacts(impacts: &[ImpactReport]) -> Report {
     text
 }
 
-/// Heads of the columns of errors, in two lines.
-fn heads(errors: &Errors) -> [Vec<String>; 2] {
-    match errors {
-        Errors::Finger(_) => [
-            row(["angle,", "touch,", "impulse,", "force,", "gap,", "energy,"]),
-            row(["rad", "µs", "%", "%", "µm", "%"]),
-        ],
-        Errors::Gripper(_) => [
-            row(["angle,", "object,", "touch,", "impulse,", "force,", "gap,", "energy,"]),
-            row(["rad", "µm", "µs", "%", "%", "µm", "%"]),
-        ],
-        Errors::Discs(_) => {
-            [row(["place,", "touch,", "impulse,", "peak,", "energy,"]), row(["µm", "µs", "%", "%", "%"])]
-        }
-    }
-}
-
-/// The cells of a setting that was completed.
-fn errors(errors: &Errors) -> Vec<String> {
-    match errors {
-        Errors::Finger(errors) => joint_errors(errors),
-        Errors::Gripper(errors) => vec![
-            number(errors.angle_max_rad, 2),
-            number(errors.position_max_m.map(|metres| metres * 1e6), 2),
-            number(errors.first_touch_s.map(|time_s| time_s * 1e6), 2),
-            percent(errors.impulse),
-            percent(errors.final_force),
-            number(errors.loop_gap_m.map(|metres| metres * 1e6), 2),
-            percent(errors.energy_created),
-        ],
-        Errors::Discs(errors) => vec![
-            number(errors.position_max_m.map(|metres| metres * 1e6), 2),
-            number(errors.first_touch_s.map(|time_s| time_s * 1e6), 2),
-            percent(errors.impulse),
-            percent(errors.peak_force),
-            percent(errors.energy_created),
-        ],
-    }
-}
-
-fn joint_errors(errors: &JointErrors) -> Vec<String> {
-    let found = errors.differences.as_ref();
-    let worst = |of: fn(&JointDifferences) -> [Option<f64>; 2]| match found.map(of)? {
-        [Some(a), Some(b)] => Some(a.max(b)),
-        [a, b] => a.or(b),
-    };
-    vec![
-        number(errors.angle_max_rad, 2),
-        number(worst(|found| [found.proximal.first_touch_s, found.distal.first_touch_s]).map(|s| s * 1e6), 2),
-        percent(worst(|found| [found.proximal.impulse, found.distal.impulse])),
-        percent(worst(|found| [found.proximal.final_force, found.distal.final_force])),
-        number(found.map(|found| found.loop_gap_m * 1e6), 2),
-        percent(found.map(|found| found.energy_created)),
-    ]
-}
-
 fn settings(report: &ValidationReport, left_out: Option<&str>) -> Report {
     let settings = &report.settings;
     let mut text = Report::default();
@@ -191,7 +134,7 @@ fn settings(report: &ValidationReport, left_out: Option<&str>) -> Report {
         row(["speed against error", "runs", "steps", "wall, ms", "× real", "× everyday"]),
         row(["", "", "", "", "time", "analytic"]),
     ];
-    let heads = settings.first().map(|setting| heads(&setting.errors)).unwrap_or_default();
+    let heads = settings.first().map(|setting| setting.errors.heads()).unwrap_or_default();
     for (line, heads) in rows.iter_mut().zip(heads) {
         line.extend(heads);
     }
@@ -240,7 +183,7 @@ fn cells(setting: &SettingReport) -> Vec<String> {
         &number(setting.real_time_factor, 3),
         &number(setting.analytic_factor, 3),
     ]);
-    cells.extend(errors(&setting.errors));
+    cells.extend(setting.errors.cells());
     if setting.reference {
         cells[0].push_str(" (reference)");
     }

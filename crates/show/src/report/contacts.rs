@@ -1,41 +1,31 @@
-//! The contacts of a run, under the keys of the JSON document.
+//! The contacts of a run, by their names, under the keys of the JSON document.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::named::Named;
 use crate::criteria::Rebound;
-use crate::trace::{ContactSample, ContactSummary, Layout, Outcome, Place, Site};
+use crate::trace::{ContactSample, ContactSummary, Layout, Outcome};
 
-/// Of a finger, or of bodies by the names of their pairs, such as `hammer-anvil` or `hammer-plane`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Contacts {
-    Finger(FingerContacts),
-    Pairs(BTreeMap<String, PairReport>),
-    Gripper(Named<PlaceReport>),
+/// The contacts of a run: `distal`, of two fingers `right_distal`, of discs `hammer-anvil` in the order of their names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contacts {
+    pub all: Named<ContactReport>,
+    /// Whether there are discs alone, whose names are the scene's own.
+    of_discs: bool,
 }
 
-/// A contact of a gripper, by its name, such as `right_distal` or `palm`.
+/// What touches: two surfaces, or a joint its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum PlaceReport {
-    Surface(PhalanxReport),
+pub enum ContactReport {
+    Surface(SurfaceReport),
     Limit(LimitReport),
 }
 
-/// The three places where a finger can touch.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FingerContacts {
-    pub proximal: PhalanxReport,
-    pub distal: PhalanxReport,
-    pub limit: LimitReport,
-}
-
-/// One phalanx against the object, or two surfaces.
+/// Two surfaces. Of discs, forces are on the first one of the pair's name, along the normal from its partner to it and the tangent to
+/// the left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct PhalanxReport {
+pub struct SurfaceReport {
     pub first_s: Option<f64>,
     pub touchdowns: u32,
     pub final_normal_n: f64,
@@ -46,6 +36,18 @@ pub struct PhalanxReport {
     /// How often friction that holds began to slip; left out where it never did.
     #[serde(skip_serializing_if = "is_none")]
     pub slips: u32,
+    /// Of discs.
+    #[serde(flatten)]
+    pub rebound: Option<ReboundReport>,
+}
+
+/// The first impact of two surfaces: closing speed at the touch-down, parting speed at the lift-off, and their ratio; null where there was
+/// none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ReboundReport {
+    pub approach_m_s: Option<f64>,
+    pub separation_m_s: Option<f64>,
+    pub restitution: Option<f64>,
 }
 
 /// The joint limit: the same figures for an angle and a torque.
@@ -59,63 +61,57 @@ pub struct LimitReport {
     pub impulse_n_m_s: f64,
 }
 
-/// A pair of surfaces: the keys of a finger's contact, and its first impact. Forces are on the first disc of the pair's name, along
-/// the normal from its partner to it and the tangent to the left.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PairReport {
-    #[serde(flatten)]
-    pub surface: PhalanxReport,
-    /// Of the first impact: closing speed at the touch-down, parting speed at the lift-off, and their ratio; null where
-    /// there was none.
-    pub approach_m_s: Option<f64>,
-    pub separation_m_s: Option<f64>,
-    pub restitution: Option<f64>,
-}
-
 impl Contacts {
-    /// Of what samples of this layout came to; without rebounds these are left out.
+    /// Of what samples of this layout came to; of discs with their rebounds, as far as they are there.
     pub fn new(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
-        match layout.fingers.len() {
-            0 => Contacts::Pairs(pairs(layout, outcome, rebounds)),
-            1 => Contacts::Finger(FingerContacts::from(outcome)),
-            _ => Contacts::Gripper(places(layout, outcome)),
+        let of_discs = layout.fingers.is_empty();
+        let report = |index: usize| {
+            let (summary, last) = (&outcome.contacts[index], &outcome.last.contacts[index]);
+            if layout.contacts[index].angular {
+                return ContactReport::Limit(LimitReport::new(summary, last));
+            }
+            let rebound = of_discs.then(|| rebounds.get(index).map(ReboundReport::from).unwrap_or_default());
+            ContactReport::Surface(SurfaceReport { rebound, ..SurfaceReport::new(summary, last) })
+        };
+        // Of a gripper, only the places that it has: there may be no table.
+        let there = |index: &usize| layout.fingers.len() < 2 || outcome.last.contacts[*index].gap_m.is_finite();
+        let count = layout.contacts.len().min(outcome.contacts.len()).min(outcome.last.contacts.len());
+        let name = |index: usize| layout.contacts[index].name.clone();
+        let mut all: Named<_> = (0..count).filter(there).map(|index| (name(index), report(index))).collect();
+        if of_discs {
+            all.0.sort_by(|a, b| a.0.cmp(&b.0));
+        }
+        Contacts { all, of_discs }
+    }
+
+    /// Contacts between surfaces, called as they are told.
+    pub fn surfaces(&self) -> impl Iterator<Item = (String, &SurfaceReport)> {
+        self.all.iter().filter_map(|(name, of)| match of {
+            ContactReport::Surface(surface) => Some((self.told(name), surface)),
+            ContactReport::Limit(_) => None,
+        })
+    }
+
+    /// Limits of joints, called as they are told.
+    pub fn limits(&self) -> impl Iterator<Item = (String, &LimitReport)> {
+        self.all.iter().filter_map(|(name, of)| match of {
+            ContactReport::Limit(limit) => Some((self.told(name), limit)),
+            ContactReport::Surface(_) => None,
+        })
+    }
+
+    fn told(&self, name: &str) -> String {
+        match name {
+            _ if self.of_discs => name.to_string(),
+            "limit" => "joint limit".to_string(),
+            name => name.replace('_', " "),
         }
     }
 }
 
-/// Pairs by name, in order.
-pub fn pairs(layout: &Layout, outcome: &Outcome, rebounds: &[Rebound]) -> BTreeMap<String, PairReport> {
-    let pairs = layout.contacts.iter().zip(&outcome.contacts).zip(&outcome.last.contacts).enumerate();
-    pairs
-        .map(|(index, ((place, summary), last))| {
-            let rebound = rebounds.get(index).copied().unwrap_or_default();
-            (place.name.clone(), PairReport::new((summary, last), &rebound))
-        })
-        .collect()
-}
-
-/// All places of a gripper that it has.
-fn places(layout: &Layout, outcome: &Outcome) -> Named<PlaceReport> {
-    let places = layout.contacts.iter().zip(outcome.contacts.iter().zip(&outcome.last.contacts));
-    let there = places.filter(|(_, (_, last))| last.gap_m.is_finite());
-    let report = |(place, of): (&Place, (&ContactSummary, &ContactSample))| {
-        let report = match place.angular {
-            true => PlaceReport::Limit(LimitReport::new(of)),
-            false => PlaceReport::Surface(PhalanxReport::new(of)),
-        };
-        (place.name.clone(), report)
-    };
-    there.map(report).collect()
-}
-
-impl From<&Outcome> for FingerContacts {
-    fn from(outcome: &Outcome) -> Self {
-        let of = |site: Site| (outcome.site(site), outcome.last.contact(site));
-        FingerContacts {
-            proximal: PhalanxReport::new(of(Site::Proximal)),
-            distal: PhalanxReport::new(of(Site::Distal)),
-            limit: LimitReport::new(of(Site::Limit)),
-        }
+impl Serialize for Contacts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.all.serialize(serializer)
     }
 }
 
@@ -123,9 +119,9 @@ fn is_none(count: &u32) -> bool {
     *count == 0
 }
 
-impl PhalanxReport {
-    fn new((site, last): (&ContactSummary, &ContactSample)) -> Self {
-        PhalanxReport {
+impl SurfaceReport {
+    fn new(site: &ContactSummary, last: &ContactSample) -> Self {
+        SurfaceReport {
             first_s: site.first_s,
             touchdowns: site.touchdowns,
             final_normal_n: last.normal_n,
@@ -134,12 +130,13 @@ impl PhalanxReport {
             max_penetration_m: site.max_penetration_m,
             impulse_n_s: site.impulse_n_s,
             slips: site.slips,
+            rebound: None,
         }
     }
 }
 
 impl LimitReport {
-    fn new((limit, last): (&ContactSummary, &ContactSample)) -> Self {
+    fn new(limit: &ContactSummary, last: &ContactSample) -> Self {
         LimitReport {
             first_s: limit.first_s,
             touchdowns: limit.touchdowns,
@@ -151,10 +148,9 @@ impl LimitReport {
     }
 }
 
-impl PairReport {
-    fn new(of: (&ContactSummary, &ContactSample), rebound: &Rebound) -> Self {
-        PairReport {
-            surface: PhalanxReport::new(of),
+impl From<&Rebound> for ReboundReport {
+    fn from(rebound: &Rebound) -> Self {
+        ReboundReport {
             approach_m_s: rebound.approach_m_s,
             separation_m_s: rebound.separation_m_s,
             restitution: rebound.restitution(),

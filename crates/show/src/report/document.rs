@@ -2,21 +2,18 @@
 //!
 //! Keys carry their SI unit; where there is no value the key is there and null. Keys are added over time, never renamed.
 
-use std::collections::BTreeMap;
-
 use serde::{Serialize, Serializer};
 
 use super::check::RunCheckReport;
 use super::contacts::Contacts;
-use super::discs::{DiscReport, discs};
 use super::grasp::GraspReport;
-use super::named::Named;
+use super::states::States;
 use crate::criteria::{Criteria, GraspCriteria, Rebound};
 use crate::scene::table::held::Written;
 use crate::scene::table::{Table, columns};
 use crate::scene::words::SceneKind;
 use crate::scene::{Engine, Integrator, Scene, Words};
-use crate::trace::{Energy, FingerState, Layout, Model, Outcome, Work};
+use crate::trace::{Energy, Layout, Model, Outcome, Work};
 
 /// One run. All that is known only from the simulation is null if that could not even report how far it came; what a kind of
 /// scene does not have is no key at all.
@@ -34,18 +31,9 @@ pub struct RunReport {
     pub steps: Option<u64>,
     /// Wall time of the simulation: the one figure that differs between two runs of the same scene.
     pub wall_s: f64,
-    /// Of a finger.
-    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
-    pub last: Option<Option<FingerState>>,
-    /// Of a gripper: its fingers, right and left.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fingers: Option<Option<Named<FingerState>>>,
-    /// Of a gripper: what it grasps.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub object: Option<Option<DiscReport>>,
-    /// Of a scene of discs, by their names, as they are at the end.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub discs: Option<Option<BTreeMap<String, DiscReport>>>,
+    /// What moves, as it is at the end.
+    #[serde(flatten)]
+    pub states: States,
     pub contacts: Option<Contacts>,
     /// Of a finger; null without an object, without a grasp of it, or if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -111,7 +99,6 @@ impl RunReport {
         let (engine, outcome) = (model == Model::Engine, came.outcome);
         let (kind, layout) = (scene.kind(), Layout::of(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
-        let bodies = |outcome: &Outcome| discs(&layout.bodies, Some(scene), &outcome.last.bodies);
         RunReport {
             scene: scene.name.clone(),
             kind: kind.word(),
@@ -119,10 +106,7 @@ impl RunReport {
             duration_s: scene.duration_s,
             steps: outcome.map(|outcome| outcome.work.steps),
             wall_s: came.wall_s,
-            last: finger.then(|| outcome.map(|outcome| *outcome.last.finger())),
-            fingers: gripper.then(|| outcome.map(|outcome| finals(&layout, outcome))),
-            object: gripper.then(|| outcome.and_then(|outcome| bodies(outcome).into_values().next())),
-            discs: (kind == SceneKind::Bodies).then(|| outcome.map(bodies)),
+            states: States::new(&layout, outcome, Some(scene)),
             contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
             criteria: finger.then(|| came.criteria.filter(|_| error.is_none())),
             grasp: gripper
@@ -145,9 +129,4 @@ impl RunReport {
     pub fn has_joints(&self) -> bool {
         self.kind != SceneKind::Bodies.word()
     }
-}
-
-/// The fingers at the end, by their names.
-pub fn finals(layout: &Layout, outcome: &Outcome) -> Named<FingerState> {
-    layout.fingers.iter().cloned().zip(outcome.last.fingers.iter().copied()).collect()
 }

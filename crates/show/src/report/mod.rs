@@ -3,7 +3,7 @@
 //! | file | job |
 //! |---|---|
 //! | `document` | figures of a run, with their units in their keys |
-//! | `contacts`, `discs`, `grasp`, `named` | parts of it |
+//! | `states`, `contacts`, `grasp`, `named` | parts of it |
 //! | `check` | what a check found |
 //! | `text`, `tables` | the summary for people |
 //! | `csv`, `samples` | samples as comma-separated values |
@@ -12,11 +12,11 @@
 pub mod check;
 pub mod contacts;
 pub mod csv;
-pub mod discs;
 pub mod document;
 pub mod grasp;
 pub mod named;
 pub mod samples;
+pub mod states;
 pub mod statics;
 pub mod tables;
 pub mod text;

@@ -11,6 +11,10 @@ impl<T> Named<T> {
         self.0.iter().find(|(known, _)| known == name).map(|(_, part)| part)
     }
 
+    pub fn first(&self) -> Option<&T> {
+        self.0.first().map(|(_, part)| part)
+    }
+
     pub fn iter(&self) -> impl Iterator<Item = &(String, T)> {
         self.0.iter()
     }

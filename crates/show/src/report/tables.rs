@@ -1,18 +1,28 @@
 //! The tables that summaries of runs and of logs are made of.
 
-use std::collections::BTreeMap;
-
-use super::contacts::{Contacts, FingerContacts, LimitReport, PairReport, PhalanxReport, PlaceReport};
-use super::discs::DiscReport;
+use super::contacts::Contacts;
 use super::grasp::{CycleReport, GraspReport};
 use super::named::Named;
+use super::states::{BodyReport, State, States};
 use crate::criteria::Criteria;
 use crate::trace::{Energy, FingerState};
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
 use crate::wording::report::{Report, table};
 
-pub fn final_state(last: &FingerState, end_s: f64) -> Report {
+/// What moves, as it is at the end: a table for each key of the document.
+pub fn states(states: &States, end_s: f64) -> Vec<Report> {
+    let told = states.entries().into_iter().filter_map(|(key, state)| Some((key, state?)));
+    told.map(|(key, state)| match state {
+        State::Finger(last) => finger(last, end_s),
+        State::Fingers(all) => fingers(all, end_s),
+        State::Body(body) => bodies([(key, body)], end_s),
+        State::Bodies(all) => bodies(all.iter().map(|(name, body)| (name.as_str(), body)), end_s),
+    })
+    .collect()
+}
+
+fn finger(last: &FingerState, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
@@ -21,8 +31,7 @@ pub fn final_state(last: &FingerState, end_s: f64) -> Report {
     ])
 }
 
-/// Of both fingers of a gripper.
-pub fn final_states(fingers: &Named<FingerState>, end_s: f64) -> Report {
+fn fingers(fingers: &Named<FingerState>, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "q11, deg", "q21, deg", "q22, deg", "qd11, rad/s", "qd21, rad/s"])];
@@ -39,24 +48,19 @@ pub fn final_states(fingers: &Named<FingerState>, end_s: f64) -> Report {
     table(&rows)
 }
 
-/// What a gripper grasps.
-pub fn object(object: &DiscReport, end_s: f64) -> Report {
-    discs(&BTreeMap::from([("object".to_string(), *object)]), end_s)
-}
-
-pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Report {
+fn bodies<'a>(bodies: impl IntoIterator<Item = (&'a str, &'a BodyReport)>, end_s: f64) -> Report {
     let at = format!("at {}", duration(end_s));
     let mut rows = vec![row([&at, "", "x, mm", "y, mm", "angle, deg", "vx, m/s", "vy, m/s", "spin, rad/s"])];
-    for (name, disc) in discs {
+    for (name, body) in bodies {
         rows.push(row([
             name,
-            disc.motion,
-            &figure(disc.x_m * 1e3, 7),
-            &figure(disc.y_m * 1e3, 7),
-            &figure(disc.angle_rad.to_degrees(), 6),
-            &figure(disc.vx_m_s, 6),
-            &figure(disc.vy_m_s, 6),
-            &figure(disc.spin_rad_s, 6),
+            body.motion,
+            &figure(body.x_m * 1e3, 7),
+            &figure(body.y_m * 1e3, 7),
+            &figure(body.angle_rad.to_degrees(), 6),
+            &figure(body.vx_m_s, 6),
+            &figure(body.vy_m_s, 6),
+            &figure(body.spin_rad_s, 6),
         ]));
     }
     table(&rows)
@@ -64,94 +68,46 @@ pub fn discs(discs: &BTreeMap<String, DiscReport>, end_s: f64) -> Report {
 
 /// `None` where nothing can touch.
 pub fn contacts(contacts: &Contacts) -> Option<Report> {
-    match contacts {
-        Contacts::Finger(FingerContacts { proximal, distal, limit }) => {
-            Some(places(&[("proximal", proximal), ("distal", distal)], &[("joint limit", limit)]))
-        }
-        Contacts::Gripper(all) => {
-            let called: Vec<(String, &PlaceReport)> =
-                all.iter().map(|(name, place)| (name.replace('_', " "), place)).collect();
-            let surfaces = called.iter().filter_map(|(name, place)| match place {
-                PlaceReport::Surface(surface) => Some((name.as_str(), surface)),
-                PlaceReport::Limit(_) => None,
-            });
-            let limits = called.iter().filter_map(|(name, place)| match place {
-                PlaceReport::Limit(limit) => Some((name.as_str(), limit)),
-                PlaceReport::Surface(_) => None,
-            });
-            Some(places(&surfaces.collect::<Vec<_>>(), &limits.collect::<Vec<_>>()))
-        }
-        Contacts::Pairs(all) if all.is_empty() => None,
-        Contacts::Pairs(all) => Some(pairs(all)),
+    let rebounds = contacts.surfaces().any(|(_, of)| of.rebound.is_some());
+    let mut heads = row(SURFACES);
+    heads.extend(rebounds.then(|| "restitution".to_string()));
+    let mut surfaces = vec![heads];
+    for (name, of) in contacts.surfaces() {
+        let mut cells = row([
+            &name,
+            &milliseconds(of.first_s),
+            &of.touchdowns.to_string(),
+            &figure(of.final_normal_n, 6),
+            &figure(of.final_tangential_n, 6),
+            &figure(of.peak_normal_n, 5),
+            &figure(of.max_penetration_m * 1e6, 5),
+            &figure(of.impulse_n_s * 1e3, 5),
+        ]);
+        let restitution = |ratio: Option<f64>| ratio.map_or("–".to_string(), |ratio| figure(ratio, 5));
+        cells.extend(of.rebound.map(|rebound| restitution(rebound.restitution)));
+        surfaces.push(cells);
     }
-}
-
-fn surface(name: &str, report: &PhalanxReport) -> Vec<String> {
-    row([
-        name,
-        &milliseconds(report.first_s),
-        &report.touchdowns.to_string(),
-        &figure(report.final_normal_n, 6),
-        &figure(report.final_tangential_n, 6),
-        &figure(report.peak_normal_n, 5),
-        &figure(report.max_penetration_m * 1e6, 5),
-        &figure(report.impulse_n_s * 1e3, 5),
-    ])
-}
-
-fn places(surfaces: &[(&str, &PhalanxReport)], limits: &[(&str, &LimitReport)]) -> Report {
-    let mut rows = vec![row([
-        "contact",
-        "first, ms",
-        "touch-downs",
-        "normal, N",
-        "friction, N",
-        "peak, N",
-        "depth, µm",
-        "impulse, mN·s",
-    ])];
-    rows.extend(surfaces.iter().map(|(name, report)| surface(name, report)));
-    let mut text = table(&rows);
-    if limits.is_empty() {
-        return text;
-    }
-    let mut rows =
-        vec![row(["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"])];
-    rows.extend(limits.iter().map(|(name, limit)| {
+    let mut limits = vec![row(LIMITS)];
+    limits.extend(contacts.limits().map(|(name, of)| {
         row([
-            name,
-            &milliseconds(limit.first_s),
-            &limit.touchdowns.to_string(),
-            &figure(limit.final_torque_n_m, 6),
-            &figure(limit.peak_torque_n_m, 5),
-            &figure(limit.max_penetration_rad * 1e6, 5),
-            &figure(limit.impulse_n_m_s * 1e3, 5),
+            &name,
+            &milliseconds(of.first_s),
+            &of.touchdowns.to_string(),
+            &figure(of.final_torque_n_m, 6),
+            &figure(of.peak_torque_n_m, 5),
+            &figure(of.max_penetration_rad * 1e6, 5),
+            &figure(of.impulse_n_m_s * 1e3, 5),
         ])
     }));
-    text.push('\n');
-    text.push(table(&rows));
-    text
+    let tables = [surfaces, limits].into_iter().filter(|rows| rows.len() > 1);
+    let tables: Vec<Report> = tables.map(|rows| table(&rows)).collect();
+    if tables.is_empty() { None } else { Some(Report::join(tables)) }
 }
 
-fn pairs(pairs: &BTreeMap<String, PairReport>) -> Report {
-    let mut rows = vec![row([
-        "contact",
-        "first, ms",
-        "touch-downs",
-        "normal, N",
-        "friction, N",
-        "peak, N",
-        "depth, µm",
-        "impulse, mN·s",
-        "restitution",
-    ])];
-    for (name, pair) in pairs {
-        let mut cells = surface(name, &pair.surface);
-        cells.push(pair.restitution.map_or("–".to_string(), |ratio| figure(ratio, 5)));
-        rows.push(cells);
-    }
-    table(&rows)
-}
+const SURFACES: [&str; 8] =
+    ["contact", "first, ms", "touch-downs", "normal, N", "friction, N", "peak, N", "depth, µm", "impulse, mN·s"];
+const LIMITS: [&str; 7] =
+    ["", "first, ms", "touch-downs", "torque, N·m", "peak, N·m", "depth, µrad", "impulse, mN·m·s"];
 
 /// Of a finger, whose `motor` works against its spring, or of what is driven.
 pub fn energies(energy: &Energy, motor: bool) -> Report {

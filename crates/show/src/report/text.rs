@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::check;
 use super::document::{RunReport, Used};
 use super::grasp::GraspReport;
-use super::tables::{contacts, discs, dynamics, energies, final_state, final_states, grasp, object};
+use super::tables::{contacts, dynamics, energies, grasp, states};
 use crate::scene::{Engine, Integrator, Response, Stepping, Words};
 use crate::wording::duration;
 use crate::wording::figures::figure;
@@ -15,11 +15,7 @@ use crate::wording::{Report, Reported};
 impl Reported for RunReport {
     fn report(&self) -> Report {
         let mut sections = vec![heading(self)];
-        let end_s = self.end_s.unwrap_or_default();
-        sections.extend(self.last.flatten().map(|last| final_state(&last, end_s)));
-        sections.extend(self.fingers.iter().flatten().map(|all| final_states(all, end_s)));
-        sections.extend(self.object.iter().flatten().map(|of| object(of, end_s)));
-        sections.extend(self.discs.iter().flatten().map(|all| discs(all, end_s)));
+        sections.extend(states(&self.states, self.end_s.unwrap_or_default()));
         sections.extend(self.contacts.as_ref().and_then(contacts));
         sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.has_joints())));
         sections.extend(self.criteria.flatten().map(|criteria| dynamics(&criteria)));
