@@ -4,6 +4,7 @@
 //!
 //! The published solvers get the natural, clamped force laws and the exact Jacobian, and know nothing of events.
 
+#[cfg(feature = "diffsol")]
 mod bdf;
 mod field;
 mod published;
@@ -51,6 +52,7 @@ fn contestants() -> Vec<Box<dyn Contestant>> {
     }
     rtols().for_each(|rtol| all.push(Box::new(radau::DeRadau5 { rtol })));
     rtols().for_each(|rtol| all.push(Box::new(rodas::Rodas4 { rtol })));
+    #[cfg(feature = "diffsol")]
     rtols().for_each(|rtol| all.push(Box::new(bdf::Bdf { rtol })));
     all
 }
