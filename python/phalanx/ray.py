@@ -125,7 +125,8 @@ def _ray() -> ModuleType:
             "error: Ray is not installed, and this sweep runs on it\n"
             "  = help: pip install phalanx[ray]; on one machine phalanx.sweep does without it"
         ) from error
-    return ray
+    module: ModuleType = ray
+    return module
 
 
 def _model(model: str | None) -> Any:

@@ -5,10 +5,13 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from pathlib import Path
 
 import phalanx
 import phalanx.ray
 from phalanx import _phalanx
+
+CONFIGURATION = str(Path(__file__).resolve().parents[1] / "pyproject.toml")
 
 
 def call(*arguments: str) -> subprocess.CompletedProcess:
@@ -23,14 +26,14 @@ class Stubs(unittest.TestCase):
             # An entry that nothing needs is an error, and has to be the only one: so it is really looked.
             allowed.write("phalanx.run\n")
             allowed.flush()
-            result = call("mypy.stubtest", "phalanx", "--allowlist", allowed.name)
+            result = call("mypy.stubtest", "phalanx", "--allowlist", allowed.name, "--mypy-config-file", CONFIGURATION)
         said = result.stdout + result.stderr
         self.assertEqual(result.returncode, 1, said)
         self.assertIn("unused allowlist entry phalanx.run", said)
         self.assertIn("Found 1 error ", said)
 
     def test_the_package_is_typed(self):
-        result = call("mypy", "--strict", "-p", "phalanx")
+        result = call("mypy", "--strict", "--config-file", CONFIGURATION, "-p", "phalanx")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
     def test_everything_says_what_it_is(self):
