@@ -104,23 +104,31 @@ fn find<'a>(table: &'a [(String, Node)], key: &str) -> Option<&'a Node> {
     table.iter().find(|(known, _)| known == key).map(|(_, node)| node)
 }
 
-/// Puts a value where there is none, with the sections on its way.
-fn put(table: &mut Vec<(String, Node)>, path: &[&str], text: &str) {
-    let [key, rest @ ..] = path else { return };
+/// Puts a value where there is none, with the sections on its way. Whether it did.
+fn put(table: &mut Vec<(String, Node)>, path: &[&str], text: &str) -> bool {
+    let [key, rest @ ..] = path else { return false };
     let position = table.iter().position(|(known, _)| known == key);
-    match (position, rest) {
-        (None, []) => table.push((key.to_string(), Node::Text(text.to_string()))),
-        (Some(_), []) => {}
+    match (position.map(|index| &mut table[index].1), rest) {
+        (None, []) => {
+            table.push((key.to_string(), Node::Text(text.to_string())));
+            true
+        }
         (None, _) => {
             let mut inner = Vec::new();
-            put(&mut inner, rest, text);
+            let done = put(&mut inner, rest, text);
             table.push((key.to_string(), Node::Table(inner)));
+            done
         }
-        (Some(index), _) => {
-            if let Node::Table(inner) = &mut table[index].1 {
-                put(inner, rest, text);
-            }
-        }
+        (Some(Node::Table(inner)), [_, ..]) => put(inner, rest, text),
+        (Some(_), _) => false,
+    }
+}
+
+/// Puts a value where there is none, if the scene is the same with it.
+fn put_if_same(root: &mut Vec<(String, Node)>, path: &[&str], text: &str, scene: &Scene) {
+    let mut tried = root.clone();
+    if put(&mut tried, path, text) && is_same(&rendered(&tried), scene) {
+        *root = tried;
     }
 }
 
@@ -137,11 +145,7 @@ fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'
             continue;
         }
         if let Some(default) = property.get("default").and_then(toml_text) {
-            let mut tried = root.clone();
-            put(&mut tried, path, &default);
-            if is_same(&rendered(&tried), scene) {
-                *root = tried;
-            }
+            put_if_same(root, path, &default, scene);
         }
         fill(root, property, path, scene);
         if let (Some(each), SceneKind::Bodies) = (property.get("additionalProperties"), scene.kind()) {
@@ -156,11 +160,7 @@ fn fill<'a>(root: &mut Vec<(String, Node)>, schema: &'a Value, path: &mut Vec<&'
 fn fill_disc(root: &mut Vec<(String, Node)>, schema: &Value, name: &str, scene: &Scene) {
     for (key, property) in schema["properties"].as_object().into_iter().flatten() {
         let Some(default) = property.get("default").and_then(toml_text) else { continue };
-        let mut tried = root.clone();
-        put(&mut tried, &["discs", name, key], &default);
-        if is_same(&rendered(&tried), scene) {
-            *root = tried;
-        }
+        put_if_same(root, &["discs", name, key], &default, scene);
     }
 }
 
