@@ -51,7 +51,7 @@ fn fingers_in_the_analytic_model() {
 
 #[test]
 fn more_fingers_in_the_analytic_model() {
-    through(Model::Analytic, finger::text, 1000, 1000);
+    through(Model::Analytic, finger::text, 1000, 500);
 }
 
 #[test]
@@ -61,30 +61,30 @@ fn fingers_in_the_engine() {
 
 #[test]
 fn more_fingers_in_the_engine() {
-    through(Model::Engine, finger::text, 1000, 400);
+    through(Model::Engine, finger::text, 1000, 200);
 }
 
 #[test]
 fn discs_in_the_analytic_model() {
-    through(Model::Analytic, discs::text, 0, 400);
+    through(Model::Analytic, discs::text, 0, 250);
 }
 
 #[test]
 fn discs_in_the_engine() {
-    through(Model::Engine, discs::text, 0, 400);
+    through(Model::Engine, discs::text, 0, 200);
 }
 
 #[test]
 fn grippers_in_the_analytic_model() {
-    through(Model::Analytic, grippers::text, 0, 200);
+    through(Model::Analytic, grippers::text, 0, 120);
 }
 
 #[test]
 fn grippers_in_the_engine() {
-    through(Model::Engine, grippers::text, 0, 150);
+    through(Model::Engine, grippers::text, 0, 80);
 }
 
-/// Ten to twenty-five times as many: `cargo nextest run --test judge random_scenes --run-ignored only --no-capture`.
+/// Sixteen to fifty times as many: `cargo nextest run --test judge random_scenes --run-ignored only --no-capture`.
 #[test]
 #[ignore = "takes minutes"]
 fn ten_times_as_many() {

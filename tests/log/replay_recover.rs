@@ -17,7 +17,7 @@ const FAULTS: usize = 100;
 
 /// Logs of several chunks: of both kinds, one by each model.
 fn logs() -> [Vec<u8>; 2] {
-    let logs = [log(FINGER, Model::Analytic, 1e5), log(DISCS, Model::Engine, 2e5)];
+    let logs = [log(FINGER, Model::Analytic, 2e4), log(DISCS, Model::Engine, 4e4)];
     for bytes in &logs {
         assert!(Summary::read(bytes).expect("readable").expect("indexed").chunk_indexes.len() >= 4);
     }

@@ -142,8 +142,8 @@ fn seconds(log_time_ns: u64) -> f64 {
 /// Finds what will be kept, and what is missing in it.
 struct Survey<'a> {
     channels: HashSet<u16>,
-    /// Latest sequence number by channel.
-    sequences: HashMap<u16, u32>,
+    /// Latest sequence number by channel, and how many gaps were known at that message.
+    latest: HashMap<u16, (u32, usize)>,
     /// What follows is behind a damage.
     behind: bool,
     latest_ns: u64,
@@ -162,7 +162,7 @@ impl<'a> Survey<'a> {
     fn new(check: Check<'a>) -> Self {
         Survey {
             channels: HashSet::new(),
-            sequences: HashMap::new(),
+            latest: HashMap::new(),
             behind: false,
             latest_ns: 0,
             before: Vec::new(),
@@ -178,8 +178,12 @@ impl<'a> Survey<'a> {
             self.found.nameless += 1;
             return;
         }
-        let next = self.sequences.insert(message.channel, message.sequence).map_or(0, |last| last.wrapping_add(1));
+        let last = self.latest.get(&message.channel);
+        let (next, gaps) = last.map_or((0, 0), |(last, gaps)| (last.wrapping_add(1), *gaps));
         let skipped = message.sequence.saturating_sub(next);
+        // A channel that speaks seldom tells of a gap that is known already: what is missing of it was lost there.
+        let is_regular = self.regular == Some(message.channel);
+        let is_told = !is_regular && self.found.gaps.len() > gaps;
         let (from_s, to_s) = (seconds(self.latest_ns), seconds(message.log_time_ns));
         let known = self.before.iter().position(|gap| (gap.from_s, gap.to_s) == (from_s, to_s));
         let old = known.map(|index| self.before.remove(index));
@@ -187,11 +191,12 @@ impl<'a> Survey<'a> {
             self.doubtful.push(Gap { after_messages: self.found.messages, from_s, to_s });
         }
         self.behind = false;
-        if skipped > 0 {
+        if skipped > 0 && !is_told {
             self.found.gaps.append(&mut self.doubtful);
-        } else if self.regular == Some(message.channel) {
+        } else if is_regular {
             self.doubtful.clear();
         }
+        self.latest.insert(message.channel, (message.sequence, self.found.gaps.len()));
         self.found.missing += u64::from(skipped);
         self.found.messages += 1;
         self.latest_ns = self.latest_ns.max(message.log_time_ns);
