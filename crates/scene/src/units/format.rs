@@ -22,7 +22,7 @@ pub fn format(value_si: f64, dimension: Dimension) -> String {
 
 /// Text of `value_si` in `unit`, if some decimal there gives back its bits, and whether that is a handy number.
 fn exact(value_si: f64, unit: &Unit, dimension: Dimension) -> Option<(String, bool)> {
-    let factor = (unit.factor)();
+    let factor = unit.factor;
     let quotient = if factor == 1.0 { value_si } else { value_si / factor };
     let handy = (1.0..1000.0).contains(&quotient.abs());
     let mut best: Option<String> = None;

@@ -2,7 +2,7 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `table` | the closed list of accepted units of every dimension, conversion factors from `uom` |
+//! | `table` | the closed list of accepted units of every dimension, conversion factors as `uom` has them |
 //! | `parse` | `"480 N*mm"` → 0.48 |
 //! | `format` | 0.48 → `"480 N*mm"`, such that it parses back to the same bits |
 

@@ -1,27 +1,16 @@
 //! The closed list of units a quantity may be written in.
+//!
+//! Factors are those of the crate `uom`, bit for bit, which the test of this file holds them to. That crate has every unit there is, and
+//! would take a twenty-fifth of the time in which the program is built.
 
-use uom::si::acceleration::{centimeter_per_second_squared, meter_per_second_squared, millimeter_per_second_squared};
-use uom::si::angle::{degree, radian, revolution};
-use uom::si::angular_velocity::{degree_per_second, radian_per_second, revolution_per_minute};
-use uom::si::f64::{
-    Acceleration, Angle, AngularVelocity, Force, Frequency, Length, Mass, MassDensity, Pressure, Time, Torque, Velocity,
-};
-use uom::si::force::{kilonewton, millinewton, newton};
-use uom::si::frequency::{hertz, kilohertz, megahertz};
-use uom::si::length::{centimeter, meter, micrometer, millimeter};
-use uom::si::mass::{gram, kilogram, milligram};
-use uom::si::mass_density::{gram_per_cubic_centimeter, kilogram_per_cubic_meter};
-use uom::si::pressure::{gigapascal, kilopascal, megapascal, pascal};
-use uom::si::time::{microsecond, millisecond, second};
-use uom::si::torque::{millinewton_meter, newton_centimeter, newton_meter, newton_millimeter};
-use uom::si::velocity::{centimeter_per_second, meter_per_second, millimeter_per_second};
+use std::f64::consts::{PI, TAU};
 
 /// One accepted spelling of a unit, in its canonical form (`*` for products, `^` for powers).
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
     pub name: &'static str,
     /// How many SI units it is.
-    pub factor: fn() -> f64,
+    pub factor: f64,
     /// Whether [`super::format`] may choose it.
     pub shown: bool,
 }
@@ -185,144 +174,146 @@ impl Dimension {
     }
 }
 
-const fn unit(name: &'static str, factor: fn() -> f64) -> Unit {
+const fn unit(name: &'static str, factor: f64) -> Unit {
     let shown = true;
     Unit { name, factor, shown }
 }
 
 /// A unit that is read but never chosen for output.
-const fn read_only(name: &'static str, factor: fn() -> f64) -> Unit {
+const fn read_only(name: &'static str, factor: f64) -> Unit {
     let shown = false;
     Unit { name, factor, shown }
 }
 
-const LENGTH: &[Unit] = &[
-    unit("m", || Length::new::<meter>(1.0).value),
-    read_only("cm", || Length::new::<centimeter>(1.0).value),
-    unit("mm", || Length::new::<millimeter>(1.0).value),
-    unit("um", || Length::new::<micrometer>(1.0).value),
-];
+const MILLI: f64 = 1e-3;
+const CENTI: f64 = 1e-2;
+const DEGREE: f64 = PI / 180.0;
 
-const ANGLE: &[Unit] = &[
-    unit("rad", || Angle::new::<radian>(1.0).value),
-    unit("deg", || Angle::new::<degree>(1.0).value),
-    read_only("rev", || Angle::new::<revolution>(1.0).value),
-];
+const LENGTH: &[Unit] = &[unit("m", 1.0), read_only("cm", CENTI), unit("mm", MILLI), unit("um", 1e-6)];
 
-const TIME: &[Unit] = &[
-    unit("s", || Time::new::<second>(1.0).value),
-    unit("ms", || Time::new::<millisecond>(1.0).value),
-    unit("us", || Time::new::<microsecond>(1.0).value),
-];
+const ANGLE: &[Unit] = &[unit("rad", 1.0), unit("deg", DEGREE), read_only("rev", TAU)];
 
-const MASS: &[Unit] = &[
-    unit("kg", || Mass::new::<kilogram>(1.0).value),
-    unit("g", || Mass::new::<gram>(1.0).value),
-    read_only("mg", || Mass::new::<milligram>(1.0).value),
-];
+const TIME: &[Unit] = &[unit("s", 1.0), unit("ms", MILLI), unit("us", 1e-6)];
 
-const FORCE: &[Unit] = &[
-    unit("N", || Force::new::<newton>(1.0).value),
-    unit("mN", || Force::new::<millinewton>(1.0).value),
-    unit("kN", || Force::new::<kilonewton>(1.0).value),
-];
+const MASS: &[Unit] = &[unit("kg", 1.0), unit("g", MILLI), read_only("mg", 1e-6)];
 
-const TORQUE: &[Unit] = &[
-    unit("N*m", || Torque::new::<newton_meter>(1.0).value),
-    read_only("N*cm", || Torque::new::<newton_centimeter>(1.0).value),
-    unit("N*mm", || Torque::new::<newton_millimeter>(1.0).value),
-    read_only("mN*m", || Torque::new::<millinewton_meter>(1.0).value),
-];
+const FORCE: &[Unit] = &[unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3)];
 
-const SPEED: &[Unit] = &[
-    unit("m/s", || Velocity::new::<meter_per_second>(1.0).value),
-    read_only("cm/s", || Velocity::new::<centimeter_per_second>(1.0).value),
-    read_only("mm/s", || Velocity::new::<millimeter_per_second>(1.0).value),
-];
+const TORQUE: &[Unit] = &[unit("N*m", 1.0), read_only("N*cm", CENTI), unit("N*mm", MILLI), read_only("mN*m", MILLI)];
 
-const ANGULAR_RATE: &[Unit] = &[
-    unit("rad/s", || AngularVelocity::new::<radian_per_second>(1.0).value),
-    read_only("deg/s", || AngularVelocity::new::<degree_per_second>(1.0).value),
-    read_only("rpm", || AngularVelocity::new::<revolution_per_minute>(1.0).value),
-];
+const SPEED: &[Unit] = &[unit("m/s", 1.0), read_only("cm/s", CENTI), read_only("mm/s", MILLI)];
 
-const ACCELERATION: &[Unit] = &[
-    unit("m/s^2", || Acceleration::new::<meter_per_second_squared>(1.0).value),
-    read_only("cm/s^2", || Acceleration::new::<centimeter_per_second_squared>(1.0).value),
-    read_only("mm/s^2", || Acceleration::new::<millimeter_per_second_squared>(1.0).value),
-];
+const ANGULAR_RATE: &[Unit] = &[unit("rad/s", 1.0), read_only("deg/s", DEGREE), read_only("rpm", TAU / 60.0)];
 
-const DENSITY: &[Unit] = &[
-    unit("kg/m^3", || MassDensity::new::<kilogram_per_cubic_meter>(1.0).value),
-    read_only("g/cm^3", || MassDensity::new::<gram_per_cubic_centimeter>(1.0).value),
-];
+const ACCELERATION: &[Unit] = &[unit("m/s^2", 1.0), read_only("cm/s^2", CENTI), read_only("mm/s^2", MILLI)];
+
+const DENSITY: &[Unit] = &[unit("kg/m^3", 1.0), read_only("g/cm^3", 1e3)];
 
 const INERTIA: &[Unit] = &[
-    unit("kg*m^2", || 1.0),
-    read_only("kg*mm^2", || inertia(Mass::new::<kilogram>(1.0), Length::new::<millimeter>(1.0))),
-    read_only("g*cm^2", || inertia(Mass::new::<gram>(1.0), Length::new::<centimeter>(1.0))),
-    unit("g*mm^2", || inertia(Mass::new::<gram>(1.0), Length::new::<millimeter>(1.0))),
+    unit("kg*m^2", 1.0),
+    read_only("kg*mm^2", MILLI * MILLI),
+    read_only("g*cm^2", MILLI * CENTI * CENTI),
+    unit("g*mm^2", MILLI * MILLI * MILLI),
 ];
 
-const FREQUENCY: &[Unit] = &[
-    unit("Hz", || Frequency::new::<hertz>(1.0).value),
-    unit("kHz", || Frequency::new::<kilohertz>(1.0).value),
-    unit("MHz", || Frequency::new::<megahertz>(1.0).value),
-];
+const FREQUENCY: &[Unit] = &[unit("Hz", 1.0), unit("kHz", 1e3), unit("MHz", 1e6)];
 
 const PRESSURE: &[Unit] = &[
-    unit("Pa", || Pressure::new::<pascal>(1.0).value),
-    read_only("kPa", || Pressure::new::<kilopascal>(1.0).value),
-    unit("MPa", || Pressure::new::<megapascal>(1.0).value),
-    unit("GPa", || Pressure::new::<gigapascal>(1.0).value),
-    read_only("N/mm^2", || {
-        let side = Length::new::<millimeter>(1.0);
-        (Force::new::<newton>(1.0) / (side * side)).value
-    }),
+    unit("Pa", 1.0),
+    read_only("kPa", 1e3),
+    unit("MPa", 1e6),
+    unit("GPa", 1e9),
+    read_only("N/mm^2", 1.0 / (MILLI * MILLI)),
 ];
 
-const ANGULAR_STIFFNESS: &[Unit] = &[
-    unit("N*m/rad", || Torque::new::<newton_meter>(1.0).value),
-    unit("N*mm/rad", || Torque::new::<newton_millimeter>(1.0).value),
-    read_only("N*mm/deg", || (Torque::new::<newton_millimeter>(1.0) / Angle::new::<degree>(1.0)).value),
-];
+const ANGULAR_STIFFNESS: &[Unit] =
+    &[unit("N*m/rad", 1.0), unit("N*mm/rad", MILLI), read_only("N*mm/deg", MILLI / DEGREE)];
 
-const LINEAR_DAMPING: &[Unit] = &[
-    unit("N*s/m", || linear_damping(Length::new::<meter>(1.0))),
-    read_only("N*s/mm", || linear_damping(Length::new::<millimeter>(1.0))),
-    read_only("kg/s", || (Mass::new::<kilogram>(1.0) / Time::new::<second>(1.0)).value),
-];
+const LINEAR_DAMPING: &[Unit] = &[unit("N*s/m", 1.0), read_only("N*s/mm", 1.0 / MILLI), read_only("kg/s", 1.0)];
 
-const ANGULAR_DAMPING: &[Unit] = &[
-    unit("N*m*s/rad", || angular_damping(Torque::new::<newton_meter>(1.0))),
-    unit("N*mm*s/rad", || angular_damping(Torque::new::<newton_millimeter>(1.0))),
-    read_only("N*m*s", || angular_damping(Torque::new::<newton_meter>(1.0))),
-    read_only("N*mm*s", || angular_damping(Torque::new::<newton_millimeter>(1.0))),
-];
-
-fn inertia(mass: Mass, radius: Length) -> f64 {
-    (mass * radius * radius).value
-}
-
-fn linear_damping(length: Length) -> f64 {
-    (Force::new::<newton>(1.0) * Time::new::<second>(1.0) / length).value
-}
-
-fn angular_damping(torque: Torque) -> f64 {
-    (torque * Time::new::<second>(1.0)).value
-}
+const ANGULAR_DAMPING: &[Unit] =
+    &[unit("N*m*s/rad", 1.0), unit("N*mm*s/rad", MILLI), read_only("N*m*s", 1.0), read_only("N*mm*s", MILLI)];
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use uom::si::acceleration::{
+        centimeter_per_second_squared, meter_per_second_squared, millimeter_per_second_squared,
+    };
+    use uom::si::angle::{degree, radian, revolution};
+    use uom::si::angular_velocity::{degree_per_second, radian_per_second, revolution_per_minute};
+    use uom::si::f64::{
+        Acceleration, Angle, AngularVelocity, Force, Frequency, Length, Mass, MassDensity, Pressure, Time, Torque,
+        Velocity,
+    };
+    use uom::si::force::{kilonewton, millinewton, newton};
+    use uom::si::frequency::{hertz, kilohertz, megahertz};
+    use uom::si::length::{centimeter, meter, micrometer, millimeter};
+    use uom::si::mass::{gram, kilogram, milligram};
+    use uom::si::mass_density::{gram_per_cubic_centimeter, kilogram_per_cubic_meter};
+    use uom::si::pressure::{gigapascal, kilopascal, megapascal, pascal};
+    use uom::si::time::{microsecond, millisecond, second};
+    use uom::si::torque::{millinewton_meter, newton_centimeter, newton_meter, newton_millimeter};
+    use uom::si::velocity::{centimeter_per_second, meter_per_second, millimeter_per_second};
+
+    /// Of every dimension its units as `uom` has them, in the order of the table.
+    fn of_uom(dimension: Dimension) -> Vec<f64> {
+        macro_rules! of {
+            ($quantity:ident: $($unit:ident),+) => { vec![$($quantity::new::<$unit>(1.0).value),+] };
+        }
+        let (force, time) = (Force::new::<newton>(1.0), Time::new::<second>(1.0));
+        let [heavy, light] = [Mass::new::<kilogram>(1.0), Mass::new::<gram>(1.0)];
+        let [m, cm, mm] = [Length::new::<meter>(1.0), Length::new::<centimeter>(1.0), Length::new::<millimeter>(1.0)];
+        let [long, short] = [Torque::new::<newton_meter>(1.0), Torque::new::<newton_millimeter>(1.0)];
+        match dimension {
+            Dimension::Length => of!(Length: meter, centimeter, millimeter, micrometer),
+            Dimension::Angle => of!(Angle: radian, degree, revolution),
+            Dimension::Time => of!(Time: second, millisecond, microsecond),
+            Dimension::Mass => of!(Mass: kilogram, gram, milligram),
+            Dimension::Force => of!(Force: newton, millinewton, kilonewton),
+            Dimension::Torque => of!(Torque: newton_meter, newton_centimeter, newton_millimeter, millinewton_meter),
+            Dimension::Speed => of!(Velocity: meter_per_second, centimeter_per_second, millimeter_per_second),
+            Dimension::AngularRate => {
+                of!(AngularVelocity: radian_per_second, degree_per_second, revolution_per_minute)
+            }
+            Dimension::Acceleration => {
+                of!(Acceleration: meter_per_second_squared, centimeter_per_second_squared, millimeter_per_second_squared)
+            }
+            Dimension::Density => of!(MassDensity: kilogram_per_cubic_meter, gram_per_cubic_centimeter),
+            Dimension::Inertia => [(heavy, m), (heavy, mm), (light, cm), (light, mm)]
+                .map(|(mass, radius)| (mass * radius * radius).value)
+                .to_vec(),
+            Dimension::Frequency => of!(Frequency: hertz, kilohertz, megahertz),
+            Dimension::Pressure => {
+                let mut all = of!(Pressure: pascal, kilopascal, megapascal, gigapascal);
+                all.push((force / (mm * mm)).value);
+                all
+            }
+            Dimension::AngularStiffness => {
+                vec![long.value, short.value, (short / Angle::new::<degree>(1.0)).value]
+            }
+            Dimension::LinearDamping => {
+                vec![(force * time / m).value, (force * time / mm).value, (heavy / time).value]
+            }
+            Dimension::AngularDamping => [long, short, long, short].map(|torque| (torque * time).value).to_vec(),
+        }
+    }
+
+    #[test]
+    fn factors_are_those_of_uom() {
+        for dimension in Dimension::ALL {
+            let ours: Vec<f64> = dimension.units().iter().map(|unit| unit.factor).collect();
+            assert_eq!(ours, of_uom(dimension), "{dimension:?}");
+        }
+    }
 
     #[test]
     fn first_unit_is_si_and_names_are_unique() {
         let mut seen = std::collections::BTreeMap::new();
         for dimension in Dimension::ALL {
-            assert_eq!((dimension.units()[0].factor)(), 1.0, "{dimension:?}");
+            assert_eq!(dimension.units()[0].factor, 1.0, "{dimension:?}");
             for unit in dimension.units() {
-                assert!((unit.factor)() > 0.0);
+                assert!(unit.factor > 0.0);
                 assert_eq!(seen.insert(unit.name, dimension), None, "{}", unit.name);
             }
         }
@@ -346,7 +337,7 @@ mod tests {
             ("N*mm*s/rad", 1e-3),
         ] {
             let unit = Dimension::ALL.iter().flat_map(|d| d.units()).find(|u| u.name == name).expect(name);
-            let factor = (unit.factor)();
+            let factor = unit.factor;
             assert!((factor / expected - 1.0).abs() < 1e-14, "{name}: {factor}");
         }
     }
