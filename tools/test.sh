@@ -62,27 +62,25 @@ fi
 say "the core in the browser"
 tools/wasm.sh
 
-say "the Python package, and beside it real clients and sweeps under Slurm"
-# The package keeps one processor busy, and the others wait for browsers and a scheduler. What clients need is installed before, so that
-# no two ask for packages at a time, and the program is there, so that none waits for another's build.
+say "the Python package and sweeps under Slurm, and beside them real clients"
+# Clients wait for browsers, the others keep one processor busy. What clients need is installed before, so that no two ask for packages at
+# a time, and the program is there, so that none waits for another's build.
 tools/clients.sh setup
 program_as_tested
 told=$(mktemp)
-(
-    # They are shown the module that has just been built.
-    PHALANX_EXPLORER=$(realpath "${CARGO_TARGET_DIR:-target}")/release/phalanx-explorer.wasm.gz tools/clients.sh
-    say "sweeps under Slurm"
-    # Under two minutes; what waits for a scheduler that does not answer must not wait for ever.
-    timeout --kill-after=60 600 tools/slurm/test.sh
-) >"$told" 2>&1 &
+# They are shown the module that has just been built.
+PHALANX_EXPLORER=$(realpath "${CARGO_TARGET_DIR:-target}")/release/phalanx-explorer.wasm.gz tools/clients.sh >"$told" 2>&1 &
 beside=$!
-package=0 others=0
+package=0 sweeps=0 clients=0
 tools/python.sh || package=$?
-wait "$beside" || others=$?
+say "sweeps under Slurm"
+# Under two minutes; what waits for a scheduler that does not answer must not wait for ever.
+timeout --kill-after=60 600 tools/slurm/test.sh || sweeps=$?
+wait "$beside" || clients=$?
 say "real clients"
 cat "$told"
 rm -f "$told"
-if [ "$package" != 0 ] || [ "$others" != 0 ]; then
-    echo "not all is well: the Python package ended with $package, clients and Slurm with $others" >&2
+if [ "$package" != 0 ] || [ "$sweeps" != 0 ] || [ "$clients" != 0 ]; then
+    echo "not all is well: the Python package ended with $package, Slurm with $sweeps, clients with $clients" >&2
     exit 1
 fi

@@ -5,15 +5,15 @@ use std::io::{self, Write};
 use super::super::csv::cell;
 use crate::scene::Scene;
 use crate::scene::words::SceneKind;
-use crate::trace::columns::columns;
-use crate::trace::{Layout, Place, Sample, Site};
+use crate::trace::columns::{Column, columns};
+use crate::trace::{Layout, Sample, Site};
 use crate::validate::{Recording, turned};
 
-type Column = (&'static str, fn(&Sample) -> f64);
+type Figure = (&'static str, fn(&Sample) -> f64);
 
 /// The quantities of a finger, in SI: each is a column with `_analytic` behind its name and one with `_engine`. Angles are
 /// from −π to π.
-pub const COLUMNS: [Column; 15] = [
+pub const COLUMNS: [Figure; 15] = [
     ("q11_rad", |s| turned(s.finger().q11_rad)),
     ("q21_rad", |s| turned(s.finger().q21_rad)),
     ("q22_rad", |s| turned(s.finger().q22_rad)),
@@ -31,54 +31,42 @@ pub const COLUMNS: [Column; 15] = [
     ("balance_j", |s| s.energy.balance_j),
 ];
 
+/// What follows from the figures of discs that are there, and energies that they seldom have.
+const NOT_OF_DISCS: [&str; 10] = [
+    "gap_rate_m_s",
+    "impulse_n_s",
+    "point_x_m",
+    "point_y_m",
+    "normal_x",
+    "normal_y",
+    "gravity_j",
+    "spring_j",
+    "elastic_j",
+    "motor_work_j",
+];
+
 /// Writes both runs at every multiple of the interval of the scene's log and at the end: of a finger these columns, of discs
 /// places and rates of every disc, gap and forces of every pair, energies; of a gripper all figures of a sample. What is infinite (a gap to no object) is empty.
 pub fn series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let (kind, layout) = (scene.kind(), Layout::of(&scene.system));
+    let left_out =
+        |column: &Column| kind == SceneKind::Bodies && NOT_OF_DISCS.iter().any(|end| column.name.ends_with(end));
     // Time is the first of them.
-    let all = columns(&layout);
-    let names = match kind {
+    let all: Vec<Column> = columns(&layout).into_iter().skip(1).filter(|column| !left_out(column)).collect();
+    let names: Vec<String> = match kind {
         SceneKind::Finger => COLUMNS.iter().map(|(name, _)| name.to_string()).collect(),
-        SceneKind::Bodies => names_of_discs(&layout),
-        SceneKind::Gripper => all.iter().skip(1).map(|column| column.name.clone()).collect(),
+        SceneKind::Bodies | SceneKind::Gripper => all.iter().map(|column| column.name.clone()).collect(),
     };
-    let values = |sample: &Sample| match kind {
-        SceneKind::Finger => COLUMNS.iter().map(|(_, value)| value(sample)).collect(),
-        SceneKind::Bodies => values_of_discs(sample),
-        SceneKind::Gripper => all.iter().skip(1).map(|column| column.value(sample)).collect(),
+    let values = |sample: &Sample| -> Vec<f64> {
+        match kind {
+            SceneKind::Finger => COLUMNS.iter().map(|(_, value)| value(sample)).collect(),
+            SceneKind::Bodies | SceneKind::Gripper => all.iter().map(|column| column.value(sample)).collect(),
+        }
     };
     let (mut ours, mut theirs) = (0, 0);
     write_series(out, &names, [scene.log.numeric_hz, analytic.outcome.last.time_s], |t| {
         Some([values(&analytic.at(t, &mut ours)?), values(&engine.at(t, &mut theirs)?)])
     })
-}
-
-fn names_of_discs(layout: &Layout) -> Vec<String> {
-    let mut names = Vec::new();
-    for disc in &layout.bodies {
-        let quantities = ["x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
-        names.extend(quantities.map(|quantity| format!("{disc}_{quantity}")));
-    }
-    for Place { name, .. } in &layout.contacts {
-        names.extend(["gap_m", "slip_m_s", "normal_n", "tangential_n"].map(|quantity| format!("{name}_{quantity}")));
-    }
-    names.extend(["kinetic_j", "dissipated_j", "balance_j"].map(String::from));
-    names
-}
-
-fn values_of_discs(sample: &Sample) -> Vec<f64> {
-    let mut values = Vec::new();
-    for disc in &sample.bodies {
-        values.extend(disc.centre_m);
-        values.push(disc.angle_rad);
-        values.extend(disc.velocity_m_s);
-        values.push(disc.spin_rad_s);
-    }
-    for contact in &sample.contacts {
-        values.extend([contact.gap_m, contact.slip_m_s, contact.normal_n, contact.tangential_n]);
-    }
-    values.extend([sample.energy.kinetic_j, sample.energy.dissipated_j, sample.energy.balance_j]);
-    values
 }
 
 /// Writes what `at` gives for both models at every multiple of 1/`numeric_hz` and at `end_s`.
