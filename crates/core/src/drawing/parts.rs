@@ -1,5 +1,7 @@
 //! What a drawing is made of.
 
+use serde::Serialize;
+
 use crate::numeric::elementary::sin_cos;
 use crate::shape;
 
@@ -46,7 +48,8 @@ pub enum Part {
 }
 
 /// A shape in the frame of its body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Shape {
     /// Outline of a body's mass, counter-clockwise.
     Polygon { corners_m: Vec<[f64; 2]> },

@@ -6,8 +6,7 @@ use std::collections::HashMap;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::Serialize;
 
-use super::develop::{Body, Film, Mark, Panel, Scale, Series, Touch};
-use crate::drawing::Shape;
+use super::develop::{Body, Film, Mark, Panel, Series, Touch};
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -22,66 +21,14 @@ pub struct Run<'a, C> {
     samples: usize,
     recorded: usize,
     time_s: usize,
-    bodies: Vec<Bodies<'a>>,
-    contacts: Vec<Contact<'a>>,
-    panels: Vec<Panels<'a>>,
+    bodies: Vec<Body<usize>>,
+    contacts: Vec<Touch<usize>>,
+    panels: Vec<Panel<usize>>,
     events: Vec<Event<'a>>,
     arrow_m_per_n: f64,
     longest_arrow_m: f64,
     extent_m: [[f64; 2]; 2],
     columns: Vec<C>,
-}
-
-#[derive(Serialize)]
-struct Bodies<'a> {
-    name: &'a str,
-    part: &'static str,
-    fixed: bool,
-    shapes: Vec<Form<'a>>,
-    x_m: usize,
-    y_m: usize,
-    angle_rad: usize,
-    vx_m_s: usize,
-    vy_m_s: usize,
-    spin_rad_s: usize,
-}
-
-#[derive(Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-enum Form<'a> {
-    Polygon { corners_m: &'a [[f64; 2]] },
-    Capsule { from_m: [f64; 2], to_m: [f64; 2], radius_m: f64 },
-    Disc { radius_m: f64 },
-    HalfPlane { level_m: f64 },
-}
-
-#[derive(Serialize)]
-struct Contact<'a> {
-    name: &'a str,
-    gap_m: usize,
-    gap_rate_m_s: usize,
-    normal_n: usize,
-    tangential_n: usize,
-    point_x_m: usize,
-    point_y_m: usize,
-    normal_x: usize,
-    normal_y: usize,
-}
-
-#[derive(Serialize)]
-struct Panels<'a> {
-    title: &'a str,
-    unit: &'static str,
-    logarithmic: bool,
-    series: Vec<Line<'a>>,
-}
-
-#[derive(Serialize)]
-struct Line<'a> {
-    name: &'a str,
-    values: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rates: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -141,9 +88,9 @@ fn run<C>(film: &Film, kept: impl FnOnce(Vec<Vec<f64>>) -> Vec<C>) -> Run<'_, C>
         samples: film.times_s.len(),
         recorded: film.recorded,
         time_s: table.put(&film.times_s),
-        bodies: film.bodies.iter().map(|body| bodies(body, &mut table)).collect(),
-        contacts: film.contacts.iter().map(|touch| contact(touch, &mut table)).collect(),
-        panels: film.panels.iter().map(|panel| panels(panel, &mut table)).collect(),
+        bodies: film.bodies.iter().map(|of| body(of, &mut table)).collect(),
+        contacts: film.contacts.iter().map(|of| touch(of, &mut table)).collect(),
+        panels: film.panels.iter().map(|of| panel(of, &mut table)).collect(),
         events: film.marks.iter().map(event).collect(),
         arrow_m_per_n: film.arrow_m_per_n,
         longest_arrow_m: film.longest_arrow_m,
@@ -152,20 +99,12 @@ fn run<C>(film: &Film, kept: impl FnOnce(Vec<Vec<f64>>) -> Vec<C>) -> Run<'_, C>
     }
 }
 
-fn bodies<'a>(body: &'a Body, table: &mut Table) -> Bodies<'a> {
-    let form = |shape: &'a Shape| match shape {
-        Shape::Polygon { corners_m } => Form::Polygon { corners_m },
-        Shape::Capsule { from_m, to_m, radius_m } => {
-            Form::Capsule { from_m: *from_m, to_m: *to_m, radius_m: *radius_m }
-        }
-        Shape::Disc { radius_m } => Form::Disc { radius_m: *radius_m },
-        Shape::HalfPlane { level_m } => Form::HalfPlane { level_m: *level_m },
-    };
-    Bodies {
-        name: &body.name,
+fn body(body: &Body, table: &mut Table) -> Body<usize> {
+    Body {
+        name: body.name.clone(),
         part: body.part,
         fixed: body.fixed,
-        shapes: body.shapes.iter().map(form).collect(),
+        shapes: body.shapes.clone(),
         x_m: table.put(&body.x_m),
         y_m: table.put(&body.y_m),
         angle_rad: table.put(&body.angle_rad),
@@ -175,9 +114,9 @@ fn bodies<'a>(body: &'a Body, table: &mut Table) -> Bodies<'a> {
     }
 }
 
-fn contact<'a>(touch: &'a Touch, table: &mut Table) -> Contact<'a> {
-    Contact {
-        name: &touch.name,
+fn touch(touch: &Touch, table: &mut Table) -> Touch<usize> {
+    Touch {
+        name: touch.name.clone(),
         gap_m: table.put(&touch.gap_m),
         gap_rate_m_s: table.put(&touch.gap_rate_m_s),
         normal_n: table.put(&touch.normal_n),
@@ -189,20 +128,17 @@ fn contact<'a>(touch: &'a Touch, table: &mut Table) -> Contact<'a> {
     }
 }
 
-fn panels<'a>(panel: &'a Panel, table: &mut Table) -> Panels<'a> {
-    Panels {
-        title: &panel.title,
+fn panel(panel: &Panel, table: &mut Table) -> Panel<usize> {
+    let mut series = |of: &Series| Series {
+        name: of.name.clone(),
+        values: table.put(&of.values),
+        rates: of.rates.as_ref().map(|rates| table.put(rates)),
+    };
+    Panel {
+        title: panel.title.clone(),
         unit: panel.unit,
-        logarithmic: panel.scale == Scale::Logarithmic,
-        series: panel
-            .series
-            .iter()
-            .map(|Series { name, values, rates }| Line {
-                name,
-                values: table.put(values),
-                rates: rates.as_ref().map(|rates| table.put(rates)),
-            })
-            .collect(),
+        scale: panel.scale,
+        series: panel.series.iter().map(&mut series).collect(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! Everything the page knows of a run: what is drawn, what is plotted, and when something happens.
 
+use serde::{Serialize, Serializer};
+
 use super::thin::{MOST_SAMPLES, kept};
 use crate::drawing::{Drawing, Pose, Shape};
 use crate::trace::{Event, EventKind, Sample};
@@ -27,46 +29,47 @@ pub struct Film {
     pub extent_m: [[f64; 2]; 2],
 }
 
-/// A body and where its frame is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Body {
+/// A body and where its frame is. Values over time are `C`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Body<C = Vec<f64>> {
     pub name: String,
     /// Kind of body, for its colour: `driver`, `object`, …
     pub part: &'static str,
     pub fixed: bool,
     pub shapes: Vec<Shape>,
-    pub x_m: Vec<f64>,
-    pub y_m: Vec<f64>,
-    pub angle_rad: Vec<f64>,
+    pub x_m: C,
+    pub y_m: C,
+    pub angle_rad: C,
     /// How fast these three change, for what lies between samples.
-    pub vx_m_s: Vec<f64>,
-    pub vy_m_s: Vec<f64>,
-    pub spin_rad_s: Vec<f64>,
+    pub vx_m_s: C,
+    pub vy_m_s: C,
+    pub spin_rad_s: C,
 }
 
 /// A place of contact: as [`ContactSample`](crate::trace::ContactSample) has it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Touch {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Touch<C = Vec<f64>> {
     pub name: String,
-    pub gap_m: Vec<f64>,
-    pub gap_rate_m_s: Vec<f64>,
-    pub normal_n: Vec<f64>,
-    pub tangential_n: Vec<f64>,
-    pub point_x_m: Vec<f64>,
-    pub point_y_m: Vec<f64>,
-    pub normal_x: Vec<f64>,
-    pub normal_y: Vec<f64>,
+    pub gap_m: C,
+    pub gap_rate_m_s: C,
+    pub normal_n: C,
+    pub tangential_n: C,
+    pub point_x_m: C,
+    pub point_y_m: C,
+    pub normal_x: C,
+    pub normal_y: C,
 }
 
 /// Curves that share an axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Panel {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Panel<C = Vec<f64>> {
     pub title: String,
     /// SI unit of its values, such as `rad`, `N`, `m`, `J`.
     pub unit: &'static str,
     /// What it is first shown on; the reader may switch.
+    #[serde(rename = "logarithmic")]
     pub scale: Scale,
-    pub series: Vec<Series>,
+    pub series: Vec<Series<C>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,14 +79,22 @@ pub enum Scale {
     Logarithmic,
 }
 
+/// Whether it is logarithmic.
+impl Serialize for Scale {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bool(*self == Scale::Logarithmic)
+    }
+}
+
 /// One curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series<C = Vec<f64>> {
     pub name: String,
-    pub values: Vec<f64>,
+    pub values: C,
     /// Their time derivative, where a sample has it: without it nobody knows the curve between samples, which may be 0.1 ms
     /// and half a millimetre apart.
-    pub rates: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rates: Option<C>,
 }
 
 /// Something that happens.
