@@ -4,23 +4,27 @@
 say() { printf '\n== %s\n' "$*"; }
 
 # A program of the system: there, or installed where that is possible without asking, or asked for.
-# Usage: need "who needs it" "what it is" PACKAGES test...
+# Usage: need "who needs it" "what it is" PACKAGES test...        (PACKAGES: "these of one|or these of another distribution")
 need() {
-    local who=$1 what=$2 packages=$3
+    local who=$1 what=$2 choices packages
+    IFS='|' read -ra choices <<<"$3"
     shift 3
     if "$@" >/dev/null 2>&1; then
         return
     fi
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        say "installing $packages"
-        # shellcheck disable=SC2086  # several packages
-        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages) >/dev/null || true
-        hash -r
-        if "$@" >/dev/null 2>&1; then
-            return
-        fi
+        apt-get update -qq >/dev/null || true
+        for packages in "${choices[@]}"; do
+            say "installing $packages"
+            # shellcheck disable=SC2086  # several packages
+            DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages >/dev/null || true
+            hash -r
+            if "$@" >/dev/null 2>&1; then
+                return
+            fi
+        done
     fi
-    echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install $packages)" >&2
+    echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install ${choices[-1]})" >&2
     exit 1
 }
 

@@ -31,10 +31,13 @@ export async function stop() {
   rmSync(DIRECTORY, { recursive: true });
 }
 
-/** A page (a file or an address) in a browser that fails on anything it complains of or asks for, but what is under the address `beside`. */
-export async function opened(file, { width = 1280, height = 800, scheme = "light", hash = "", beside = null, ...more } = {}) {
+/**
+ * A page (a file or an address) in a browser that fails on anything it complains of or asks for, but what is under the address `beside`.
+ * What moves by itself takes the time of the other tests, so the browser asks pages not to, unless a test says `reducedMotion`.
+ */
+export async function opened(file, { width = 1280, height = 800, scheme = "light", reducedMotion = "reduce", hash = "", beside = null, ...more } = {}) {
   const address = file.startsWith("http:") ? file : pathToFileURL(file).href;
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, ...more });
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, reducedMotion, ...more });
   const page = await context.newPage();
   const complaints = [];
   // A page of ours says nothing; that of a site may tell of its search.

@@ -389,7 +389,7 @@ describe("the explorer", () => {
   });
 
   it("shows the letters of what is under the hand", async () => {
-    const { page, state, close } = await ready({ reducedMotion: "reduce" });
+    const { page, state, close } = await ready();
     assert.deepEqual((await state()).letters, []);
     await slider(page, "design.base").hover();
     const letters = (await state()).letters.map(({ text }) => text);
@@ -472,7 +472,7 @@ describe("the explorer", () => {
     await still.page.waitForFunction(() => window.phalanx);
     assert.equal((await still.state()).playing, false);
     await still.close();
-    const moving = await opened(file);
+    const moving = await opened(file, { reducedMotion: "no-preference" });
     await moving.page.waitForFunction(() => window.phalanx);
     assert.equal((await moving.state()).playing, true);
     await moving.close();
