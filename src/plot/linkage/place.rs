@@ -75,14 +75,14 @@ pub fn placed(wishes: &[Wish], lines: &[[Point; 2]], size: [f64; 2]) -> Vec<Spot
     let mut spots: Vec<Spot> = Vec::with_capacity(wishes.len());
     for wish in wishes {
         let others = wishes.iter().map(|other| other.anchor);
-        let cost = |spot: &Spot, distance: f64, turn: f64| {
+        let cost = |spot: &Spot| {
             let over = spots.iter().filter(|other| spot.overlaps(other, ROOM)).count();
             let out = if spot.within(size) { 0.0 } else { 1e6 };
             let crossed: f64 = lines.iter().map(|line| spot.covers(*line)).sum();
             // What another label names stays in sight.
             let hidden =
                 others.clone().filter(|anchor| spot.covers([*anchor, [anchor[0] + 0.1, anchor[1]]]) > 0.0).count();
-            out + 1e5 * over as f64 + 4.0 * crossed + 40.0 * hidden as f64 + distance + 14.0 * turn
+            out + 1e5 * over as f64 + 4.0 * crossed + 40.0 * hidden as f64
         };
         let start = wish.way[1].atan2(wish.way[0]);
         let mut best: Option<(f64, Spot)> = None;
@@ -90,13 +90,18 @@ pub fn placed(wishes: &[Wish], lines: &[[Point; 2]], size: [f64; 2]) -> Vec<Spot
             for k in 0..DIRECTIONS {
                 // From the wished direction to both sides.
                 let turn = (k.div_ceil(2)) as f64 * if k % 2 == 0 { 1.0 } else { -1.0 };
+                let turned = 14.0 * ((turn.abs() / DIRECTIONS as f64) * 4.0);
+                // Lines and labels only add to that, and looking at all of them is most of the work.
+                if best.as_ref().is_some_and(|(least, _)| distance + turned >= *least) {
+                    continue;
+                }
                 let angle = start + turn * std::f64::consts::TAU / DIRECTIONS as f64;
                 let (sin, cos) = angle.sin_cos();
                 // The label touches a circle about the anchor from outside.
                 let reach = distance + (0.5 * wish.width * cos.abs()).max(0.5 * wish.height * sin.abs());
                 let centre = [wish.anchor[0] + reach * cos, wish.anchor[1] + reach * sin];
                 let spot = Spot { centre, width: wish.width, height: wish.height };
-                let cost = cost(&spot, distance, (turn.abs() / DIRECTIONS as f64) * 4.0);
+                let cost = cost(&spot) + distance + turned;
                 if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                     best = Some((cost, spot));
                 }
