@@ -66,7 +66,8 @@ pub fn write(
     }
     let pictures = pictures(out, drawn)?;
     table(&out.join("series.csv"), |mut file| series(&mut file, scene, [&found.reference, &found.engine]))?;
-    let reference = Scene { integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
+    let mut reference = scene.clone();
+    reference.integrate_by(Preset::Reference);
     let runs = vec![
         record(Model::Analytic, &reference, &args.scene, &out.join("analytic.mcap"), interrupt)?,
         record(Model::Engine, scene, &args.scene, &out.join("engine.mcap"), interrupt)?,

@@ -165,7 +165,7 @@ pub fn step_size(
     go_on: &dyn Fn() -> bool,
 ) -> Result<StepSize, StudyError> {
     let mut fine = scene.only(SceneKind::Bodies)?.clone();
-    fine.integrator = scene.integrator.with_preset(Preset::Reference);
+    fine.integrate_by(Preset::Reference);
     fine.log.numeric_hz = GRID / scene.duration_s;
     let pair = hit(&fine, go_on)?;
     let (reference, peak_n, _) = simulate(Model::Analytic, &fine, pair, go_on)?;

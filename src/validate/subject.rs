@@ -41,8 +41,7 @@ pub(super) fn with(scene: &Scene, change: impl FnOnce(&mut Scene)) -> Scene {
 
 /// The scene as the reference runs it: the tightest settings, on a dense grid.
 pub fn reference(scene: &Scene) -> Scene {
-    let tight = |scene: &mut Scene| scene.integrator = scene.integrator.with_preset(Preset::Reference);
-    sampled(Model::Analytic, &with(scene, tight))
+    sampled(Model::Analytic, &with(scene, |scene| scene.integrate_by(Preset::Reference)))
 }
 
 /// The scene with the samples that a comparison needs. The analytic model is exact between its steps, so a dense grid

@@ -1,7 +1,8 @@
 //! Friction that holds, by itself: discs whose motion has a closed form.
 
+use phalanx::check::check;
 use phalanx::law::{Bristle, FrictionLaw};
-use phalanx::scene::{self, DiscMotion, Preset, Scene};
+use phalanx::scene::{self, DiscMotion, Integrator, Preset, Scene};
 use phalanx::shape::reach;
 use phalanx::trace::{EventKind, Model, Outcome, Sample};
 
@@ -137,6 +138,21 @@ fn a_mass_on_a_spring_sticks_and_slips() {
         }
         assert!(off[2] < 0.005 && off[1] < 0.5 * off[0] && off[2] < 0.5 * off[1], "{off:?}");
     }
+}
+
+/// Slip begins within a range of 1 µm/s: a reference that resolves rates to 1e-9 m/s is a microsecond off, and the block 1e-7 m.
+#[test]
+fn a_reference_resolves_the_range_in_which_slip_begins() {
+    let mut scene = load("stick-slip");
+    scene.integrate_by(Preset::Reference);
+    let places = [scene.integrator.atol_rate_rad_s, 1e-13].map(|atol_rate_rad_s| {
+        let integrator = Integrator { atol_rate_rad_s, ..scene.integrator };
+        let scene = Scene { integrator, ..scene.clone() };
+        held::run(Model::Analytic, &scene, &mut ()).expect("a run").last.bodies[0].centre_m[0]
+    });
+    assert!((places[0] - places[1]).abs() < 1e-9, "{places:?}");
+    let found = check(Model::Analytic, &scene, &|| true);
+    assert!(found.errors.path < 2e-8, "{} m from another method", found.errors.path);
 }
 
 /// Below half of v_static nothing sticks and slips: at those speeds friction does not fall.

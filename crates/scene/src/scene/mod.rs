@@ -135,12 +135,17 @@ impl Scene {
         moved
     }
 
-    /// Integrates as a preset says for this kind of scene, within the same step budget.
+    /// Integrates as a preset says for this kind of scene, within the same step budget. A reference resolves slip to a hundred thousandth of
+    /// the narrowest range of a friction law: with a law that sticks up to 1 µm/s two methods of rtol 1e-11 and 1e-9 m/s were 1e-7 m apart.
     pub fn integrate_by(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {
             Preset::Engineering => Integrator { max_steps, ..Integrator::everyday(self.kind()) },
-            Preset::Reference => self.integrator.with_preset(preset),
+            Preset::Reference => {
+                let reference = self.integrator.with_preset(preset);
+                let resolved = 1e-5 * self.system.narrowest_friction_m_s();
+                Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), ..reference }
+            }
         };
     }
 }

@@ -69,6 +69,12 @@ impl System {
         };
         law.map(|law| (law.normal, law.friction))
     }
+
+    /// The narrowest range of slip of a friction law, m/s; infinite without friction.
+    pub fn narrowest_friction_m_s(&self) -> f64 {
+        let laws = self.touching().into_iter().filter_map(|touching| self.laws(touching)?.1);
+        laws.map(|friction| friction.finest_m_s()).fold(f64::INFINITY, f64::min)
+    }
 }
 
 impl Place {
