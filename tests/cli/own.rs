@@ -105,14 +105,17 @@ fn a_place_that_is_none_is_refused_in_plain_words() {
     }
 }
 
+/// What is written is the same, and done thrice.
+const SHORT: [&str; 2] = ["--set", "duration=1 ms"];
+
 #[test]
 fn directories_of_results_are_replaced_whole_or_not_at_all() {
     let place = directory("own_directories");
     let log = place.join("run.mcap");
     done(&["run", ANCHOR, "--log", text(&log)]);
     let commands: [(&[&str], &str, &str); 6] = [
-        (&["validate", "scenes/free-swing.toml", "--quick"], "report.txt", "page.html"),
-        (&["validate", "scenes/laws/step-size.toml", "--quick"], "series.csv", "engine.mcap"),
+        (&["validate", "scenes/free-swing.toml", "--quick", SHORT[0], SHORT[1]], "report.txt", "page.html"),
+        (&["validate", "scenes/laws/step-size.toml", "--quick", SHORT[0], SHORT[1]], "series.csv", "engine.mcap"),
         (&["replay", text(&log), "--against", text(&log)], "report.json", "overlay.svg"),
         (&["volume", "--resolution", "2"], "points.csv", "page.html"),
         (&["size", ANCHOR], "size.txt", "springs.svg"),
