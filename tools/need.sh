@@ -6,8 +6,8 @@ say() { printf '\n== %s\n' "$*"; }
 # A program of the system: there, or installed where that is possible without asking, or asked for.
 # Usage: need "who needs it" "what it is" PACKAGES test...        (PACKAGES: "these of one|or these of another distribution")
 need() {
-    local who=$1 what=$2 choices packages
-    IFS='|' read -ra choices <<<"$3"
+    local who=$1 what=$2 all=$3 choices packages
+    IFS='|' read -ra choices <<<"$all"
     shift 3
     if "$@" >/dev/null 2>&1; then
         return
@@ -24,7 +24,7 @@ need() {
             fi
         done
     fi
-    echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install ${choices[-1]})" >&2
+    echo "$who need $what; install it and run this again (Debian, Ubuntu: sudo apt-get install ${all##*|})" >&2
     exit 1
 }
 

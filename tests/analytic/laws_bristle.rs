@@ -140,7 +140,7 @@ fn a_mass_on_a_spring_sticks_and_slips() {
     }
 }
 
-/// Slip begins within a range of 1 µm/s: a reference that resolves rates to 1e-9 m/s is a microsecond off, and the block 1e-7 m.
+/// Slip begins within a range of 1 µm/s: with rates resolved to 1e-9 m/s two methods are 1.2e-7 m apart.
 #[test]
 fn a_reference_resolves_the_range_in_which_slip_begins() {
     let mut scene = load("stick-slip");
