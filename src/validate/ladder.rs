@@ -1,7 +1,7 @@
 //! The settings that are tried: both models, from coarse to fine.
 
 use super::MEMBERS;
-use super::subject::{is_jointed, touching_friction, with};
+use super::subject::{is_jointed, reference, touching_friction, with};
 use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::trace::Model;
@@ -193,7 +193,7 @@ fn engine(scene: &Scene, construction: Construction, response: Response, steppin
 
 /// The everyday preset loosened and tightened as a whole, and two of the method of the reference.
 fn analytic(scene: &Scene) -> Vec<Integrator> {
-    let (usual, reference) = (Integrator::preset(Preset::Engineering), Integrator::preset(Preset::Reference));
+    let (usual, reference) = (Integrator::preset(Preset::Engineering), reference(scene).integrator);
     let at = |preset: Integrator, rtol: f64| {
         let factor = rtol / preset.rtol;
         Integrator {

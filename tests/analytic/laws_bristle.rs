@@ -5,6 +5,7 @@ use phalanx::law::{Bristle, FrictionLaw};
 use phalanx::scene::{self, DiscMotion, Integrator, Preset, Scene};
 use phalanx::shape::reach;
 use phalanx::trace::{EventKind, Model, Outcome, Sample};
+use phalanx::validate::{Rung, Settings, ladder};
 
 use crate::support::held;
 use crate::support::laws::{self, BOTH, Collect, FRICTION, THESIS, complete, with_law};
@@ -153,6 +154,9 @@ fn a_reference_resolves_the_range_in_which_slip_begins() {
     assert!((places[0] - places[1]).abs() < 1e-9, "{places:?}");
     let found = check(Model::Analytic, &scene, &|| true);
     assert!(found.errors.path < 2e-8, "{} m from another method", found.errors.path);
+    // It is what `validate` tells the steps and the time of.
+    let told = ladder(&load("stick-slip"), true).into_iter().find(Rung::is_reference).expect("the reference");
+    assert_eq!(told.settings, Settings::Analytic(scene.integrator));
 }
 
 /// Below half of v_static nothing sticks and slips: at those speeds friction does not fall.
