@@ -15,7 +15,8 @@ const RUNS: usize = 201;
 
 fn main() {
     let own = scene::load("scenes/experiment-95.toml").expect("the scene ships with phalanx");
-    let reference = Scene { integrator: own.integrator.with_preset(Preset::Reference), ..own.clone() };
+    let mut reference = own.clone();
+    reference.integrate_by(Preset::Reference);
     println!("| run | without log (ms) | with log on one thread (ms) | adds | with log file (ms) | adds | size (kB) |");
     println!("|---|---|---|---|---|---|---|");
     for (name, model, scene) in [

@@ -18,7 +18,7 @@ fn load(name: &str) -> Scene {
 
 fn run(model: Model, scene: &Scene) -> (Outcome, Vec<Sample>) {
     let mut scene = scene.clone();
-    scene.integrator = scene.integrator.with_preset(Preset::Reference);
+    scene.integrate_by(Preset::Reference);
     let mut kept = Collect::default();
     let outcome = held::run(model, &scene, &mut kept).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
     (outcome, kept.samples)

@@ -64,7 +64,7 @@ impl Sink for Listener {
 
 fn run(model: Model, name: &str) -> (Outcome, Listener) {
     let mut scene = load(name);
-    scene.integrator = scene.integrator.with_preset(Preset::Reference);
+    scene.integrate_by(Preset::Reference);
     let pairs = scene.system.pairs().len();
     let mut listener = Listener { rebounds: Rebounds::new(pairs), ..Listener::default() };
     let outcome = crate::support::held::run(model, &scene, &mut listener).unwrap_or_else(|e| panic!("{name}: {e}"));

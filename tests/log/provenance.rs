@@ -26,8 +26,8 @@ fn a_scene_as_it_was_read_is_logged_to_the_letter() {
     let scene = anchor();
     assert_eq!(logged(&scene), scene.source);
     // The metadata record has these.
-    let settings =
-        Scene { duration_s: 5e-3, integrator: scene.integrator.with_preset(Preset::Reference), ..scene.clone() };
+    let mut settings = Scene { duration_s: 5e-3, ..scene.clone() };
+    settings.integrate_by(Preset::Reference);
     assert_eq!(logged(&settings), scene.source);
 }
 

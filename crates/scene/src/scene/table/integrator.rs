@@ -71,7 +71,7 @@ impl Integrator {
     }
 
     /// The settings of another preset, within the same step budget.
-    pub const fn with_preset(&self, preset: Preset) -> Self {
+    pub(in crate::scene) const fn with_preset(&self, preset: Preset) -> Self {
         Self { max_steps: self.max_steps, ..Self::preset(preset) }
     }
 
