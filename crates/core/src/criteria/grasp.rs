@@ -8,20 +8,25 @@ use crate::trace::BodyState;
 
 /// The criteria of one run of a gripper (6-gripper §6.8). Poses are in the palm's frame.
 ///
-/// "At least two contacts on opposite sides" are two phalanges that press with normals whose components along the palm (x) have opposite
-/// signs: the fingers come from there, and nothing else keeps the object from leaving that way. Palm and table push neither way: an
-/// object that lies on the palm under the table, or is pushed along them by one finger, is not grasped. A single finger that has bent
-/// around the object holds it from both sides too. No force is compared with a threshold: a contact presses, or does not.
+/// A contact is *active* while its normal force exceeds the force threshold of the scene, and through losses shorter than its time threshold
+/// ([`Thresholds`](crate::scene::Thresholds)).
+///
+/// The object *is pressed from both sides* while two active contacts are with phalanges and have normals whose components along the palm
+/// (x) have opposite signs. Palm and table push neither way. A single finger that has bent around the object presses from both sides too.
+/// It is *force-closed* if the active contacts with phalanges and palm balance any force and moment by normal forces and friction. It *is
+/// held* while either is so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspCriteria {
     /// Of every contact that is no joint limit (four phalanges, palm, table), in the order of [`Place::ALL`].
     pub contacts: Vec<ContactCriteria>,
-    /// Time to stability of the whole grasp: start of the last interval up to the end of the run in which every contact that presses at
-    /// the end does, palm and table included: it is the last of their [`ContactCriteria::presses_since_s`]. `None` where the object is
-    /// not held from both sides at the end.
+    /// Time to stability of the whole grasp: start of the last interval up to the end of the run in which every contact is active that is
+    /// active at the end, palm and table included. It is the last of their [`ContactCriteria::presses_since_s`]. `None` where the object is
+    /// not held at the end.
     pub tts_s: Option<f64>,
-    /// When the object was first held from both sides; `None` if it never was.
+    /// When the object was first pressed from both sides, or held by force closure; `None` if it was never held for long enough.
     pub grasped_s: Option<f64>,
+    /// Since when it is held at the end, if it is, however short that is.
+    pub held_since_s: Option<f64>,
     pub fate: Fate,
     /// The object at the start and at the end of the run.
     pub start: BodyState,
@@ -46,6 +51,24 @@ pub struct CycleCriteria {
     pub opened_s: Option<f64>,
     /// How far the driven links, right and left, turned at most once their brakes had gripped, rad, until they let go.
     pub brake_slip_rad: [Option<f64>; 2],
+}
+
+/// Why a fate is what it is, as a sentence without its full stop.
+pub fn fate_reason(found: &GraspCriteria, held_time_s: f64) -> String {
+    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
+    match (found.fate, found.held_since_s) {
+        (Fate::Held, since_s) => format!("held from {} on", ms(since_s.unwrap_or_default())),
+        (Fate::Dropped { since_s }, None) => format!("no longer held from {} on", ms(since_s)),
+        (Fate::Dropped { since_s }, Some(again_s)) => {
+            let (lost, again, least) = (ms(since_s), ms(again_s), ms(held_time_s));
+            format!("no longer held from {lost} on; held again only from {again} on, less than {least}")
+        }
+        (Fate::Ejected { at_s }, _) => format!("out of the reach of both fingers at {}", ms(at_s)),
+        (Fate::NotGrasped, None) => format!("never held for {}", ms(held_time_s)),
+        (Fate::NotGrasped, Some(since_s)) => {
+            format!("held only from {} on, less than {}", ms(since_s), ms(held_time_s))
+        }
+    }
 }
 
 /// Nearer to the middle than this, m, an object starts centred: far below anything that can be positioned.
@@ -73,26 +96,26 @@ pub struct ContactCriteria {
     pub place: Place,
     /// When the surfaces first met; `None` if they never did.
     pub first_touch_s: Option<f64>,
-    /// Start of the last interval up to the end of the run in which it presses; `None` if it does not press at the end.
+    /// Start of the last interval up to the end of the run in which it is active; `None` if it is not active at the end.
     pub presses_since_s: Option<f64>,
-    /// How often its normal force went to zero once it had pressed…
+    /// How often it was lost once it had pressed…
     pub times_lost: u32,
-    /// …and how long it was without one, all times together and up to the end of the run.
+    /// …and for how long, all losses together and up to the end of the run.
     pub lost_s: f64,
 }
 
 /// What became of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// At the end, or when the fingers let go, it is held from both sides, and its centre is within its radius of where it was at
-    /// [`GraspCriteria::grasped_s`].
+    /// It is held at the end, or when the fingers let go, and has been for at least the time that the scene states.
     Held,
-    /// It was held once, and is no longer: since this time one of the two has been missing. What is let go and caught again in between
-    /// has not been dropped.
+    /// It was held for that time and is not any more, since this instant. An object that is released and caught again, and is held at the
+    /// end, is not dropped. How far it moved does not matter.
     Dropped { since_s: f64 },
-    /// At this time its centre was further than three radii from the palm's middle, whatever came later.
+    /// At this time it left the region that the fingers can reach ([`Reach`](crate::trace::Reach)), after something had touched it. The
+    /// run ends there.
     Ejected { at_s: f64 },
-    /// It never was held from both sides.
+    /// It was never held for that time.
     NotGrasped,
 }
 

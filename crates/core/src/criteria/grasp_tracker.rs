@@ -4,38 +4,73 @@ use super::grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria};
 use super::hermite::Hermite;
 use super::history::{History, Onset, Pose};
 use super::pieces::{Judge, Piece, Pieces};
+use super::stance::{closure_with, friction};
 use crate::gripper::Site;
-use crate::numeric::elementary::hypot;
-use crate::scene::{Cycle, Place, Scene};
-use crate::shape::reach;
-use crate::trace::{BodyState, EJECTED_RADII, Event, Sample, Sink, SinkError, Wants};
+use crate::scene::{Cycle, Place, Scene, Thresholds};
+use crate::shape;
+use crate::statics::PerContact;
+use crate::trace::{BodyState, Event, Reach, Sample, Sink, SinkError, Wants};
 
 const PLACES: usize = Place::ALL.len();
 
 /// A [`Sink`] that finds the [`GraspCriteria`] of the run of a gripper, in constant memory.
 ///
-/// Contacts change at the times of their events. Between two samples the object follows the cubic Hermite interpolant of poses and
-/// rates, and so does its distance from a point; the times at which it passes a limit are found to 1e-9 s.
+/// Contacts change at the times of their events, and where their force passes the threshold. Between two samples the object follows the
+/// cubic Hermite interpolant of poses and rates.
 #[derive(Clone, Debug)]
 pub struct GraspTracker {
     pieces: Pieces<PLACES>,
     found: Found,
 }
 
+/// What a scene says of its grasp.
+#[derive(Clone, Debug)]
+struct Grasp {
+    thresholds: Thresholds,
+    cycle: Cycle,
+    /// Where the object can be ejected.
+    reach: Option<Reach>,
+    friction: PerContact<f64>,
+    /// Distance of the object's outermost point from its centre.
+    object_m: f64,
+    /// Least time between two evaluations of force closure.
+    closure_every_s: f64,
+}
+
+/// Part of a run between two evaluations of force closure at least: a hundred of them take less than a run does.
+const CLOSURE_PART: f64 = 0.01;
+
+/// Force closure of contacts that stay the same.
+#[derive(Clone, Copy, Debug, Default)]
+struct Closure {
+    /// Active contacts, and since when.
+    active: [bool; PLACES],
+    since_s: f64,
+    /// When it was evaluated last, and whether it held.
+    evaluated_s: Option<f64>,
+    closed: bool,
+}
+
 /// What the pieces so far have said.
 #[derive(Clone, Debug)]
 struct Found {
-    reach_m: f64,
+    grasp: Grasp,
     /// The object in the first sample, and how far it has got since.
     start: Option<(BodyState, Onset)>,
     contacts: [History; PLACES],
-    grasped: Option<Onset>,
-    /// Whether it is held from both sides in the last piece.
-    both_sides: bool,
-    /// Since when it is not held.
+    closure: Closure,
+    /// When the object was first pressed from both sides or force-closed, and whether it has been held for long enough since.
+    grasped_s: Option<f64>,
+    was_held: bool,
+    /// Since when it is held.
+    held_since_s: Option<f64>,
+    /// When it ceased to be held after it had been for long enough.
     dropped_s: Option<f64>,
+    /// Whether a finger can reach the object in the latest sample.
+    in_reach: bool,
     ejected_s: Option<f64>,
-    cycle: Cycle,
+    /// End of the last piece before the fingers let go.
+    judged_s: f64,
     carried: Option<Onset>,
     opened_s: Option<f64>,
     /// q11 of both fingers when their brakes had gripped, and how far they turned since.
@@ -43,13 +78,32 @@ struct Found {
 }
 
 impl Found {
+    fn new(grasp: Grasp) -> Self {
+        Found {
+            grasp,
+            start: None,
+            contacts: [History::default(); PLACES],
+            closure: Closure::default(),
+            grasped_s: None,
+            was_held: false,
+            held_since_s: None,
+            dropped_s: None,
+            in_reach: false,
+            ejected_s: None,
+            judged_s: 0.0,
+            carried: None,
+            opened_s: None,
+            braked: [None; 2],
+        }
+    }
+
     /// What the brakes let through, and how far the object gets while it is carried.
     fn carry(&mut self, piece: &Piece<PLACES>, [from, to]: &[Pose; 2]) {
-        if self.cycle.carries_s.is_some_and(|start| piece.from_s >= start) {
+        if self.grasp.cycle.carries_s.is_some_and(|start| piece.from_s >= start) {
             self.carried.get_or_insert(Onset::new(piece.from_s, *from)).reach(to);
         }
         for (side, braked) in self.braked.iter_mut().enumerate() {
-            if self.cycle.blocked_s[side].is_some_and(|start| piece.to_s >= start) {
+            if self.grasp.cycle.blocked_s[side].is_some_and(|start| piece.to_s >= start) {
                 let angle = piece.next.fingers.get(side).map_or(0.0, |finger| finger.q11_rad);
                 let (first, most) = braked.get_or_insert((angle, 0.0));
                 *most = most.max((angle - *first).abs());
@@ -57,14 +111,95 @@ impl Found {
         }
     }
 
-    fn fate(&self) -> Fate {
-        match (self.ejected_s, self.grasped, self.dropped_s) {
-            (Some(at_s), _, _) => Fate::Ejected { at_s },
-            (None, None, _) => Fate::NotGrasped,
-            (None, Some(_), Some(since_s)) => Fate::Dropped { since_s },
-            (None, Some(_), None) => Fate::Held,
+    /// Whether phalanges press from both sides, by their normals at the end of a piece.
+    fn holds_from_both_sides(&self, next: &Sample) -> bool {
+        let from = |sign: f64| {
+            let mut contacts = Place::ALL.iter().zip(&self.contacts).zip(&next.contacts);
+            contacts.any(|((place, contact), now)| {
+                is_phalanx(*place) && contact.presses.is_some() && sign * now.normal[0] > 0.0
+            })
+        };
+        from(1.0) && from(-1.0)
+    }
+
+    /// Since when the same contacts hold the object by force closure; `None` if they do not, or not for long enough.
+    fn force_closed_since(&mut self, piece: &Piece<PLACES>) -> Option<f64> {
+        let active = self.contacts.map(|contact| contact.presses.is_some());
+        if active != self.closure.active {
+            self.closure = Closure { active, since_s: piece.from_s, evaluated_s: None, closed: false };
+        }
+        let Grasp { thresholds, friction, object_m, closure_every_s, .. } = &self.grasp;
+        let hand = Place::ALL
+            .iter()
+            .zip(active)
+            .filter(|(place, active)| *active && (is_phalanx(**place) || **place == Place::Palm));
+        let closure = &mut self.closure;
+        if hand.count() < 2 || piece.to_s - closure.since_s < thresholds.held_time_s {
+            return None;
+        }
+        if closure.evaluated_s.is_none_or(|last_s| piece.to_s - last_s >= *closure_every_s) {
+            closure.closed = closure_with(friction, *object_m, piece.next, |index, _| active[index]).closed;
+            closure.evaluated_s = Some(piece.to_s);
+        }
+        closure.closed.then_some(closure.since_s)
+    }
+
+    /// Updates whether the object is held at the end of a piece; `lost_s` is when the contacts were lost that count as lost from here on.
+    fn hold(&mut self, piece: &Piece<PLACES>, lost_s: Option<f64>) {
+        let least_s = self.grasp.thresholds.held_time_s;
+        let since_s = match self.holds_from_both_sides(piece.next) {
+            true => Some(piece.from_s),
+            false => self.force_closed_since(piece),
+        };
+        match (since_s, self.held_since_s) {
+            (Some(since_s), held_since_s) => {
+                let held_since_s = held_since_s.unwrap_or(since_s);
+                self.held_since_s = Some(held_since_s);
+                self.grasped_s.get_or_insert(held_since_s);
+                if piece.to_s - held_since_s >= least_s {
+                    (self.was_held, self.dropped_s) = (true, None);
+                }
+            }
+            (None, Some(held_since_s)) => {
+                let ended_s = lost_s.unwrap_or(piece.from_s).max(held_since_s);
+                self.held_since_s = None;
+                if ended_s - held_since_s >= least_s {
+                    self.dropped_s = Some(ended_s);
+                }
+            }
+            (None, None) => {}
         }
     }
+
+    /// Whether the object leaves the reach of the fingers at the end of a piece, after something touched it.
+    fn eject(&mut self, piece: &Piece<PLACES>) {
+        let (Some(reach), true) = (self.grasp.reach, piece.to_s == piece.next.time_s) else { return };
+        let is_surface = |place: &Place| !matches!(place, Place::Finger(_, Site::Limit));
+        let touched = Place::ALL.iter().zip(piece.touched).any(|(place, touched)| touched && is_surface(place));
+        let is_in_reach = !reach.is_outside(&piece.next.bodies[0]);
+        if self.in_reach && !is_in_reach && touched {
+            self.ejected_s.get_or_insert(piece.to_s);
+        }
+        self.in_reach = is_in_reach;
+    }
+
+    /// Since when the object is held at the end, if for long enough.
+    fn held_s(&self) -> Option<f64> {
+        self.held_since_s.filter(|since_s| self.judged_s - since_s >= self.grasp.thresholds.held_time_s)
+    }
+
+    fn fate(&self) -> Fate {
+        match (self.ejected_s, self.held_s(), self.dropped_s) {
+            (Some(at_s), _, _) => Fate::Ejected { at_s },
+            (None, Some(_), _) => Fate::Held,
+            (None, None, Some(since_s)) => Fate::Dropped { since_s },
+            (None, None, None) => Fate::NotGrasped,
+        }
+    }
+}
+
+fn is_phalanx(place: Place) -> bool {
+    matches!(place, Place::Finger(_, Site::Proximal | Site::Distal))
 }
 
 /// How the object goes from one sample to the next.
@@ -80,32 +215,9 @@ impl Path {
     }
 }
 
-/// The distance of the object's centre from a point, with its rate.
-fn distance(time_s: f64, object: &BodyState, [x, y]: [f64; 2]) -> (f64, f64, f64) {
-    let ([cx, cy], [vx, vy]) = (object.centre_m, object.velocity_m_s);
-    let (dx, dy) = (cx - x, cy - y);
-    let distance = hypot(dx, dy);
-    // Where it starts from the point itself, its distance grows as fast as it moves.
-    let rate = if distance > 0.0 { (dx * vx + dy * vy) / distance } else { hypot(vx, vy) };
-    (time_s, distance, rate)
-}
-
-/// Whether the phalanges that press do so from both sides, by their normals at the end of a piece.
-fn holds_from_both_sides(piece: &Piece<PLACES>) -> bool {
-    let from = |sign: f64| {
-        Place::ALL.iter().enumerate().any(|(index, place)| {
-            matches!(place, Place::Finger(_, Site::Proximal | Site::Distal))
-                && piece.pressing[index]
-                && sign * piece.next.contacts[index].normal[0] > 0.0
-        })
-    };
-    from(1.0) && from(-1.0)
-}
-
 /// Whether a phalanx presses on the object.
 fn any_phalanx(piece: &Piece<PLACES>) -> bool {
-    let is_phalanx = |place: &Place| matches!(place, Place::Finger(_, Site::Proximal | Site::Distal));
-    Place::ALL.iter().zip(piece.pressing).any(|(place, pressing)| pressing && is_phalanx(place))
+    Place::ALL.iter().zip(piece.pressing).any(|(place, pressing)| pressing && is_phalanx(*place))
 }
 
 impl Judge<PLACES> for Found {
@@ -115,19 +227,13 @@ impl Judge<PLACES> for Found {
         let object = first.bodies[0];
         let pose = Pose { centre_m: object.centre_m, angle_rad: object.angle_rad };
         self.start = Some((object, Onset::new(first.time_s, pose)));
+        self.in_reach = self.grasp.reach.is_some_and(|reach| !reach.is_outside(&object));
     }
 
     fn path(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Path {
         let ([from, to], [t0, t1]) = ([&last.bodies[0], &next.bodies[0]], [last.time_s, next.time_s]);
-        let limits = [
-            Some(([0.0; 2], EJECTED_RADII * self.reach_m)),
-            self.grasped.map(|onset| (onset.pose.centre_m, self.reach_m)),
-        ];
-        for (point, limit) in limits.into_iter().flatten() {
-            Hermite::new(distance(t0, from, point), distance(t1, to, point)).crossings(limit, cuts_s);
-        }
         let within = |time: &f64| *time > t0 && *time < t1;
-        cuts_s.extend([self.cycle.carries_s, self.cycle.releases_s].into_iter().flatten().filter(within));
+        cuts_s.extend([self.grasp.cycle.carries_s, self.grasp.cycle.releases_s].into_iter().flatten().filter(within));
         let along = |axis: usize| {
             Hermite::new(
                 (t0, from.centre_m[axis], from.velocity_m_s[axis]),
@@ -141,66 +247,53 @@ impl Judge<PLACES> for Found {
     fn judge(&mut self, path: &Path, piece: &Piece<PLACES>) {
         let times = [piece.from_s, piece.to_s];
         let poses = times.map(|time| path.pose(time));
-        let middle = path.pose(0.5 * (piece.from_s + piece.to_s));
         self.start.iter_mut().for_each(|(_, travelled)| travelled.reach(&poses[1]));
-        if middle.distance([0.0; 2]) > EJECTED_RADII * self.reach_m {
-            self.ejected_s.get_or_insert(piece.from_s);
-        }
-        if self.cycle.releases_s.is_some_and(|end| piece.from_s >= end) {
+        self.eject(piece);
+        if self.grasp.cycle.releases_s.is_some_and(|end| piece.from_s >= end) {
             match any_phalanx(piece) {
                 true => self.opened_s = None,
                 false => _ = self.opened_s.get_or_insert(piece.from_s),
             }
             return;
         }
+        self.judged_s = piece.to_s;
         self.carry(piece, &poses);
+        let loss_time_s = self.grasp.thresholds.loss_time_s;
+        let mut lost_s: Option<f64> = None;
         for (index, contact) in self.contacts.iter_mut().enumerate() {
-            contact.judge((piece.touched[index], piece.pressing[index]), times, &poses);
+            let was_active = contact.presses.is_some();
+            contact.judge((piece.touched[index], piece.pressing[index]), times, &poses, loss_time_s);
+            if was_active && contact.presses.is_none() {
+                lost_s = [lost_s, contact.lost_from_s].into_iter().flatten().reduce(f64::min);
+            }
         }
-        self.both_sides = holds_from_both_sides(piece);
-        if self.both_sides {
-            self.grasped.get_or_insert(Onset::new(piece.from_s, poses[0]));
-        }
-        let Some(grasped) = self.grasped else { return };
-        if self.both_sides && middle.distance(grasped.pose.centre_m) <= self.reach_m {
-            self.dropped_s = None;
-        } else {
-            self.dropped_s.get_or_insert(piece.from_s);
-        }
+        self.hold(piece, lost_s);
     }
 }
 
 impl GraspTracker {
-    /// Of a scene, with the times of its cycle.
+    /// Of the runs of a gripper's scene.
     pub fn of(scene: &Scene) -> Self {
-        let mut tracker = Self::new(reach(&scene.system.grasped().shape));
-        tracker.found.cycle = scene.cycle();
-        tracker
+        let thresholds = scene.thresholds;
+        Self::new(Grasp {
+            thresholds,
+            cycle: scene.cycle(),
+            reach: Reach::of(&scene.system),
+            friction: friction(scene),
+            object_m: shape::reach(&scene.system.grasped().shape),
+            closure_every_s: thresholds.held_time_s.max(CLOSURE_PART * scene.duration_s),
+        })
     }
 
     /// The same, but what is carried counts from this time on: what goes before prepares it.
     #[must_use]
     pub fn carrying_from(mut self, start_s: f64) -> Self {
-        self.found.cycle.carries_s = Some(start_s);
+        self.found.grasp.cycle.carries_s = Some(start_s);
         self
     }
 
-    /// For an object that reaches so far from its centre (its radius), that is to be held to the end.
-    pub fn new(reach_m: f64) -> Self {
-        let found = Found {
-            reach_m,
-            start: None,
-            contacts: [History::default(); PLACES],
-            grasped: None,
-            both_sides: false,
-            dropped_s: None,
-            ejected_s: None,
-            cycle: Cycle::default(),
-            carried: None,
-            opened_s: None,
-            braked: [None; 2],
-        };
-        GraspTracker { pieces: Pieces::default(), found }
+    fn new(grasp: Grasp) -> Self {
+        GraspTracker { pieces: Pieces::above(grasp.thresholds.loss_force_n), found: Found::new(grasp) }
     }
 
     /// The criteria of the run up to the last sample; `None` if there was none.
@@ -212,7 +305,7 @@ impl GraspTracker {
             all.filter(|(place, _)| !matches!(place, Place::Finger(_, Site::Limit)))
         };
         let last = surfaces().filter_map(|(_, contact)| contact.presses).max_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        let stable = last.filter(|_| found.both_sides);
+        let stable = last.filter(|_| found.held_s().is_some());
         let end = self.pieces.last()?;
         // A run that ends before, as with an object that is thrown out, has not come to it.
         let reached = |time_s: &f64| *time_s <= end.time_s;
@@ -226,15 +319,16 @@ impl GraspTracker {
         Some(GraspCriteria {
             contacts: surfaces().map(contact).collect(),
             tts_s: stable.map(|onset| onset.time_s),
-            grasped_s: found.grasped.map(|onset| onset.time_s),
+            grasped_s: found.grasped_s.filter(|_| found.was_held),
+            held_since_s: found.held_since_s,
             fate: found.fate(),
             start: *start,
             end: end.bodies[0],
             travel: travelled.travel,
             slip: stable.map(|onset| onset.travel),
             cycle: CycleCriteria {
-                carries_s: found.cycle.carries_s.filter(reached),
-                releases_s: found.cycle.releases_s.filter(reached),
+                carries_s: found.grasp.cycle.carries_s.filter(reached),
+                releases_s: found.grasp.cycle.releases_s.filter(reached),
                 carried: found.carried.map(|onset| onset.travel),
                 opened_s: found.opened_s,
                 brake_slip_rad: found.braked.map(|braked| braked.map(|(_, most)| most)),
@@ -262,6 +356,7 @@ impl Sink for GraspTracker {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::criteria::fate_reason;
     use crate::scene::Side;
     use crate::trace::{ContactSample, EventKind};
 
@@ -279,24 +374,40 @@ mod tests {
         BodyState { centre_m: [x, RADIUS_M], ..BodyState::default() }
     }
 
-    /// A run of one second, a sample every tenth of one, in which contacts press in these intervals.
+    /// A run of one second, a sample every tenth of one, in which contacts press with 5 N in these intervals.
     struct Run {
         presses: Vec<(Place, f64, f64)>,
         object: fn(f64) -> BodyState,
+        thresholds: Thresholds,
+        mu: f64,
+        /// Force of the palm.
+        palm_n: fn(f64) -> f64,
+    }
+
+    const NO_THRESHOLDS: Thresholds = Thresholds { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
+
+    impl Default for Run {
+        fn default() -> Self {
+            Run { presses: Vec::new(), object: |_| at_rest(0.0), thresholds: NO_THRESHOLDS, mu: 0.0, palm_n: |_| 5.0 }
+        }
     }
 
     impl Run {
         fn sample(&self, time_s: f64) -> Sample {
             let contact = |place: Place| {
                 let normal = match place {
-                    Place::Finger(Side::Right, _) => [0.8, -0.6],
-                    Place::Finger(Side::Left, _) => [-0.8, -0.6],
-                    Place::Palm => [0.0, 1.0],
-                    Place::Table => [0.0, -1.0],
+                    Place::Finger(Side::Right, _) => [0.8, 0.6],
+                    Place::Finger(Side::Left, _) => [-0.8, 0.6],
+                    Place::Palm => [0.0, -1.0],
+                    Place::Table => [0.0, 1.0],
                 };
                 let holds = |&(at, from, to): &(Place, f64, f64)| at == place && from < time_s && time_s < to;
-                let normal_n = if self.presses.iter().any(holds) { 5.0 } else { 0.0 };
-                ContactSample { gap_m: 1e-3 * (1.0 - normal_n), normal_n, normal, ..ContactSample::NONE }
+                let force = if place == Place::Palm { (self.palm_n)(time_s) } else { 5.0 };
+                let normal_n = if self.presses.iter().any(holds) { force } else { 0.0 };
+                // Points on the object's surface, opposite to the normals that point away from it.
+                let [cx, cy] = (self.object)(time_s).centre_m;
+                let point_m = [cx + RADIUS_M * normal[0], cy + RADIUS_M * normal[1]];
+                ContactSample { gap_m: 1e-3 * (1.0 - normal_n), normal_n, normal, point_m, ..ContactSample::NONE }
             };
             let contacts = Place::ALL.map(contact).to_vec();
             Sample { time_s, bodies: vec![(self.object)(time_s)], contacts, ..Sample::default() }
@@ -311,7 +422,15 @@ mod tests {
             }
             events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
             let mut events = events.iter().peekable();
-            let mut tracker = GraspTracker::new(RADIUS_M);
+            let palm = Reach { joints_m: [[0.0155, 0.0], [-0.0155, 0.0]], radii_m: [0.04; 2], object_m: RADIUS_M };
+            let mut tracker = GraspTracker::new(Grasp {
+                thresholds: self.thresholds,
+                cycle: Cycle::default(),
+                reach: Some(palm),
+                friction: PerContact { phalanges: [[self.mu; 2]; 2], palm: self.mu },
+                object_m: RADIUS_M,
+                closure_every_s: 0.1,
+            });
             assert_eq!(tracker.criteria(), None, "nothing has been seen");
             for time_s in (0..=10).map(|i| 0.1 * f64::from(i)) {
                 while let Some(event) = events.next_if(|event| event.time_s <= time_s) {
@@ -324,7 +443,7 @@ mod tests {
     }
 
     fn run(presses: &[(Place, f64, f64)], object: fn(f64) -> BodyState) -> GraspCriteria {
-        Run { presses: presses.to_vec(), object }.watch()
+        Run { presses: presses.to_vec(), object, ..Run::default() }.watch()
     }
 
     fn of(criteria: &GraspCriteria, place: Place) -> ContactCriteria {
@@ -381,26 +500,93 @@ mod tests {
     }
 
     #[test]
-    fn what_slides_out_between_fingers_is_dropped_where_it_is_a_radius_away() {
-        let slides = |t: f64| BodyState { velocity_m_s: [0.0, 0.03], centre_m: [0.0, 0.02 + 0.03 * t], ..at_rest(0.0) };
+    fn an_object_that_is_drawn_far_is_held_all_the_same() {
+        let slides =
+            |t: f64| BodyState { velocity_m_s: [0.0, -0.05], centre_m: [0.0, 0.07 - 0.05 * t], ..at_rest(0.0) };
         let found = run(&[(RIGHT, 0.2, 2.0), (LEFT, 0.3, 2.0)], slides);
-        let Fate::Dropped { since_s } = found.fate else { panic!("{:?}", found.fate) };
-        assert!((since_s - (0.3 + 0.02 / 0.03)).abs() < 1e-8, "{since_s}");
-        assert_eq!(found.tts_s, Some(0.3), "the contacts hold all the same");
+        assert_eq!((found.fate, found.tts_s, found.held_since_s), (Fate::Held, Some(0.3), Some(0.3)));
+        assert!((found.travel.displacement_m - 0.05).abs() < 1e-12);
+    }
+
+    /// Out of reach from a height of 57.96 mm on, at 0.3796 s.
+    fn thrown(t: f64) -> BodyState {
+        BodyState { velocity_m_s: [0.0, 0.1], centre_m: [0.0, 0.02 + 0.1 * t], ..at_rest(0.0) }
     }
 
     #[test]
-    fn what_is_three_radii_away_has_been_ejected_even_if_it_comes_back() {
-        let thrown = |t: f64| {
-            let y = 0.02 + 0.4 * t * (1.0 - t);
-            BodyState { velocity_m_s: [0.0, 0.4 - 0.8 * t], centre_m: [0.0, y], ..at_rest(0.0) }
-        };
-        let found = run(&[(RIGHT, 0.02, 0.08), (LEFT, 0.02, 0.08), (LEFT, 0.95, 2.0), (RIGHT, 0.95, 2.0)], thrown);
-        let Fate::Ejected { at_s } = found.fate else { panic!("{:?}", found.fate) };
-        let exact = 0.5 - (0.25 - 0.1f64).sqrt();
-        assert!((at_s - exact).abs() < 1e-3, "{at_s}, not {exact}");
-        assert_eq!(found.grasped_s, Some(0.02));
-        assert!((found.travel.displacement_m - 0.1).abs() < 1e-12);
+    fn an_object_is_ejected_where_it_leaves_the_reach_of_the_fingers_after_a_touch() {
+        let found = run(&[(RIGHT, 0.02, 0.18), (LEFT, 0.02, 0.18)], thrown);
+        assert_eq!((found.fate, found.grasped_s), (Fate::Ejected { at_s: 0.4 }, Some(0.02)));
+        // Untouched, it passes by; and what touches it out of reach does not eject it.
+        assert_eq!(run(&[], thrown).fate, Fate::NotGrasped);
+        assert_eq!(run(&[(Place::Table, 0.71, 0.83)], thrown).fate, Fate::NotGrasped);
+    }
+
+    #[test]
+    fn a_start_out_of_reach_is_no_ejection() {
+        let far = |t: f64| BodyState { centre_m: [0.0, 0.3 + 0.1 * t], velocity_m_s: [0.0, 0.1], ..at_rest(0.0) };
+        assert_eq!(run(&[(Place::Table, 0.0, 2.0)], far).fate, Fate::NotGrasped);
+    }
+
+    #[test]
+    fn losses_shorter_than_the_threshold_do_not_count() {
+        let thresholds = Thresholds { loss_time_s: 0.06, ..NO_THRESHOLDS };
+        let presses = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 0.47), (LEFT, 0.52, 0.71), (LEFT, 0.78, 2.0)];
+        let found = Run { presses, thresholds, ..Run::default() }.watch();
+        let left = of(&found, LEFT);
+        assert_eq!((left.times_lost, left.presses_since_s), (1, Some(0.78)), "0.05 s do not count, 0.07 s do");
+        assert!((left.lost_s - 0.07).abs() < 1e-12, "{left:?}");
+        assert_eq!((found.fate, found.tts_s), (Fate::Held, Some(0.78)));
+        // A loss at the very end that is still short does not end the grasp.
+        let presses = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 0.97)];
+        let found = Run { presses, thresholds, ..Run::default() }.watch();
+        assert_eq!((found.fate, found.tts_s), (Fate::Held, Some(0.33)));
+    }
+
+    #[test]
+    fn forces_below_the_threshold_do_not_press() {
+        let thresholds = Thresholds { loss_force_n: 1.0, ..NO_THRESHOLDS };
+        let presses = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 2.0), (Place::Palm, 0.05, 2.0)];
+        // The palm's force grows from 0 to 10 N: it passes 1 N at 0.1 s and falls below it at 0.55 s.
+        let palm_n = |t: f64| if t < 0.5 { 10.0 * t } else { 5.5 - 9.0 * (t - 0.05) };
+        let found = Run { presses: presses.clone(), thresholds, palm_n, ..Run::default() }.watch();
+        let palm = of(&found, Place::Palm);
+        assert_eq!((palm.times_lost, palm.presses_since_s), (1, None), "{palm:?}");
+        assert!((palm.lost_s - 0.45).abs() < 0.02, "{palm:?}");
+        assert_eq!(found.tts_s, Some(0.33), "what does not press is not waited for");
+        let found = Run { presses, thresholds: NO_THRESHOLDS, palm_n: |_| 1e-9, ..Run::default() }.watch();
+        assert_eq!(of(&found, Place::Palm).presses_since_s, Some(0.05));
+    }
+
+    #[test]
+    fn an_object_is_held_only_for_as_long_as_the_scene_states() {
+        let thresholds = Thresholds { held_time_s: 0.3, ..NO_THRESHOLDS };
+        let fate =
+            |presses: &[(Place, f64, f64)]| Run { presses: presses.to_vec(), thresholds, ..Run::default() }.watch();
+        let short = fate(&[(RIGHT, 0.2, 2.0), (LEFT, 0.8, 2.0)]);
+        assert_eq!((short.fate, short.tts_s, short.grasped_s), (Fate::NotGrasped, None, None));
+        assert_eq!(short.held_since_s, Some(0.8));
+        assert_eq!(fate(&[(RIGHT, 0.2, 2.0), (LEFT, 0.7, 2.0)]).fate, Fate::Held);
+        let again = fate(&[(RIGHT, 0.2, 2.0), (LEFT, 0.2, 0.6), (LEFT, 0.8, 2.0)]);
+        assert_eq!((again.fate, again.grasped_s), (Fate::Dropped { since_s: 0.6 }, Some(0.2)));
+        assert_eq!(
+            fate_reason(&again, 0.3),
+            "no longer held from 600.000000 ms on; held again only from 800.000000 ms on, less than 300.000000 ms"
+        );
+        assert_eq!(fate(&[(RIGHT, 0.2, 2.0), (LEFT, 0.2, 0.4), (LEFT, 0.5, 0.7)]).fate, Fate::NotGrasped);
+    }
+
+    #[test]
+    fn one_finger_and_the_palm_hold_by_force_closure_if_friction_suffices() {
+        // Normals are 127° apart: closed if both cones contain the line between the contacts, from a half angle of 26.6° on.
+        let thresholds = Thresholds { held_time_s: 0.2, ..NO_THRESHOLDS };
+        let presses = vec![(RIGHT, 0.2, 2.0), (Place::Palm, 0.0, 2.0)];
+        let fate = |mu: f64| Run { presses: presses.clone(), thresholds, mu, ..Run::default() }.watch().fate;
+        assert_eq!(fate(0.55), Fate::Held);
+        assert_eq!(fate(0.45), Fate::NotGrasped);
+        let lost = vec![(RIGHT, 0.2, 0.75), (Place::Palm, 0.0, 2.0)];
+        let found = Run { presses: lost, thresholds, mu: 0.55, ..Run::default() }.watch();
+        assert_eq!((found.fate, found.grasped_s), (Fate::Dropped { since_s: 0.75 }, Some(0.2)));
     }
 
     #[test]

@@ -39,25 +39,42 @@ impl Onset {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct History {
     pub first_touch_s: Option<f64>,
-    /// Since it presses without a break. Which contact of those that press at the end is the last is known only then, so that every one
+    /// Since it presses without a loss that counts. Which contact of those that press at the end is the last is known only then, so that every one
     /// watches how far the object goes.
     pub presses: Option<Onset>,
     has_pressed: bool,
+    /// Since when it does not press, although it did. While this is shorter than what counts as a loss, [`History::presses`] stays.
+    pub lost_from_s: Option<f64>,
     pub times_lost: u32,
     pub lost_s: f64,
 }
 
 impl History {
-    pub fn judge(&mut self, (touched, pressing): (bool, bool), [from_s, to_s]: [f64; 2], [from, to]: &[Pose; 2]) {
+    /// Takes a piece of the run; a loss that lasts less than `loss_time_s` does not count.
+    pub fn judge(
+        &mut self,
+        (touched, pressing): (bool, bool),
+        [from_s, to_s]: [f64; 2],
+        [from, to]: &[Pose; 2],
+        loss_time_s: f64,
+    ) {
         if touched {
             self.first_touch_s.get_or_insert(from_s);
         }
         if pressing {
-            self.has_pressed = true;
+            (self.has_pressed, self.lost_from_s) = (true, None);
             self.presses.get_or_insert(Onset::new(from_s, *from)).reach(to);
         } else if self.has_pressed {
-            self.times_lost += u32::from(self.presses.take().is_some());
-            self.lost_s += to_s - from_s;
+            let lost_from_s = *self.lost_from_s.get_or_insert(from_s);
+            match &mut self.presses {
+                Some(onset) if to_s - lost_from_s < loss_time_s => onset.reach(to),
+                Some(_) => {
+                    self.presses = None;
+                    self.times_lost += 1;
+                    self.lost_s += to_s - lost_from_s;
+                }
+                None => self.lost_s += to_s - from_s,
+            }
         }
     }
 }

@@ -1,6 +1,8 @@
 //! What a run of any scene is judged by, while it streams by.
 
-use super::{AtRest, Criteria, GraspCriteria, GraspTracker, Rebound, Rebounds, Tracker, at_rest};
+use super::{
+    AtRest, Criteria, GraspCriteria, GraspTracker, LinkOverlap, LinkOverlaps, Rebound, Rebounds, Tracker, at_rest,
+};
 use crate::scene::Scene;
 use crate::scene::words::SceneKind;
 use crate::trace::{Event, Sample, Sink, SinkError};
@@ -11,6 +13,7 @@ pub struct Judge {
     finger: Option<(Tracker, AtRest)>,
     gripper: Option<GraspTracker>,
     rebounds: Option<Rebounds>,
+    overlaps: Option<LinkOverlaps>,
 }
 
 /// What they found.
@@ -22,12 +25,14 @@ pub struct Judged {
     pub grasp: Option<GraspCriteria>,
     /// Of every pair of discs; empty where there is a finger.
     pub rebounds: Vec<Rebound>,
+    /// Links of a gripper that overlap what they have no contact with.
+    pub overlaps: Vec<LinkOverlap>,
 }
 
 impl Judge {
     /// For runs of a scene.
     pub fn of(scene: &Scene) -> Self {
-        let mut judge = Judge { finger: None, gripper: None, rebounds: None };
+        let mut judge = Judge { finger: None, gripper: None, rebounds: None, overlaps: LinkOverlaps::of(scene) };
         match scene.kind() {
             SceneKind::Finger => {
                 let rest = scene.object().and_then(|object| at_rest(scene, object).ok());
@@ -46,6 +51,7 @@ impl Judge {
             criteria: finger.map(|(tracker, rest)| tracker.criteria(rest.is_stable())),
             grasp: self.gripper.and_then(|tracker| tracker.criteria()),
             rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
+            overlaps: self.overlaps.map(LinkOverlaps::found).unwrap_or_default(),
         }
     }
 }
@@ -56,6 +62,7 @@ impl Sink for Judge {
             tracker.sample(sample)?;
         }
         self.gripper.sample(sample)?;
+        self.overlaps.sample(sample)?;
         self.rebounds.sample(sample)
     }
 

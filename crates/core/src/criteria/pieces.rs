@@ -41,15 +41,38 @@ pub struct Pieces<const K: usize> {
     events: Vec<Event>,
     /// Ends of the pieces of the step at hand, reused.
     cuts_s: Vec<f64>,
+    /// Normal force, N, that a contact must exceed to press.
+    threshold_n: f64,
 }
 
 impl<const K: usize> Default for Pieces<K> {
     fn default() -> Self {
-        Pieces { last: None, contacts: [Pressing::default(); K], events: Vec::new(), cuts_s: Vec::new() }
+        Self::above(0.0)
     }
 }
 
+/// How far between its last and its next value a force passes the threshold; `None` if it does not.
+fn passes(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
+    ((from_n > threshold_n) != (to_n > threshold_n)).then(|| (threshold_n - from_n) / (to_n - from_n))
+}
+
 impl<const K: usize> Pieces<K> {
+    /// Pieces in which a contact presses only above this normal force, N. Between two samples the force is linear.
+    pub fn above(threshold_n: f64) -> Self {
+        Pieces { last: None, contacts: [Pressing::default(); K], events: Vec::new(), cuts_s: Vec::new(), threshold_n }
+    }
+
+    /// Whether the force of a contact exceeds the threshold at a time between two samples. A touch-down or lift-off between them leaves
+    /// the force unknown; it then counts as large.
+    fn exceeds(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64) -> bool {
+        if self.threshold_n == 0.0 || self.events.iter().any(|event| event.contact == contact) {
+            return true;
+        }
+        let [from_n, to_n] = [last, next].map(|sample| sample.contacts[contact].normal_n);
+        let part = (time_s - last.time_s) / (next.time_s - last.time_s);
+        from_n + part * (to_n - from_n) > self.threshold_n
+    }
+
     pub fn last(&self) -> Option<&Sample> {
         self.last.as_ref()
     }
@@ -95,6 +118,11 @@ impl<const K: usize> Pieces<K> {
         cuts_s.clear();
         let path = judge.path(last, next, &mut cuts_s);
         cuts_s.extend(self.events.iter().map(|event| event.time_s.clamp(last.time_s, next.time_s)));
+        if self.threshold_n > 0.0 {
+            let forces = last.contacts.iter().zip(&next.contacts).take(K);
+            let parts = forces.filter_map(|(from, to)| passes(self.threshold_n, from.normal_n, to.normal_n));
+            cuts_s.extend(parts.map(|part| last.time_s + part * (next.time_s - last.time_s)));
+        }
         cuts_s.push(next.time_s);
         cuts_s.sort_by(f64::total_cmp);
 
@@ -107,8 +135,10 @@ impl<const K: usize> Pieces<K> {
             if to_s > from_s {
                 let lifts_off =
                     |contact| pending.clone().any(|event| event.contact == contact && event.kind == EventKind::LiftOff);
+                let middle_s = 0.5 * (from_s + to_s);
                 let pressing = std::array::from_fn(|contact| {
                     self.contacts[contact].presses_until(&next.contacts[contact], lifts_off(contact))
+                        && self.exceeds(contact, last, next, middle_s)
                 });
                 let touched = self.contacts.map(|contact| contact.touched);
                 judge.judge(&path, &Piece { from_s, to_s, next, touched, pressing });

@@ -47,8 +47,19 @@ pub fn friction(scene: &Scene) -> PerContact<f64> {
 
 /// How the contacts in the hand (phalanges and palm) that press in a sample hold the object with friction, whatever their forces are.
 pub fn force_closure_of(scene: &Scene, sample: &Sample) -> ForceClosure {
-    let friction = friction(scene);
-    let holding = |(place, contact): (Place, &ContactSample)| {
+    let presses = |_, contact: &ContactSample| contact.normal_n > 0.0;
+    closure_with(&friction(scene), reach(&scene.system.grasped().shape), sample, presses)
+}
+
+/// The same of the contacts in the hand that a predicate selects by their index. `object_m` is the distance of the object's outermost point
+/// from its centre.
+pub(super) fn closure_with(
+    friction: &PerContact<f64>,
+    object_m: f64,
+    sample: &Sample,
+    selects: impl Fn(usize, &ContactSample) -> bool,
+) -> ForceClosure {
+    let holding = |(index, (place, contact)): (usize, (Place, &ContactSample))| {
         let mu = match place {
             Place::Finger(side, Site::Proximal) => friction.phalanges[side as usize][0],
             Place::Finger(side, Site::Distal) => friction.phalanges[side as usize][1],
@@ -57,8 +68,9 @@ pub fn force_closure_of(scene: &Scene, sample: &Sample) -> ForceClosure {
         };
         // A sample's normals point away from the object.
         let push = contact.normal.map(|part| -part);
-        (contact.normal_n > 0.0).then_some(Holding { point_m: contact.point_m, push, mu })
+        selects(index, contact).then_some(Holding { point_m: contact.point_m, push, mu })
     };
-    let contacts: Vec<Holding> = Place::ALL.into_iter().zip(&sample.contacts).filter_map(holding).collect();
-    force_closure(&contacts, sample.bodies[0].centre_m, reach(&scene.system.grasped().shape))
+    let all = Place::ALL.into_iter().zip(&sample.contacts).enumerate();
+    let contacts: Vec<Holding> = all.filter_map(holding).collect();
+    force_closure(&contacts, sample.bodies[0].centre_m, object_m)
 }

@@ -1,10 +1,9 @@
 //! Runs the analytic model of a scene and tells a sink about it.
 
-use super::ejection::up_to_ejection;
 use super::grid::Span;
 use super::reading::{Reader, SystemReader};
 use super::recorder::Recorder;
-use super::{Outcome, RunError, Sink, Work};
+use super::{Outcome, Reach, RunError, Sink, Work};
 use crate::analytic::multibody::{Multibody, Size};
 #[cfg(feature = "lists")]
 use crate::analytic::multibody::{ROOM, TooMany, of_discs};
@@ -34,7 +33,7 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
         },
         SceneKind::Finger => list(scene, span, sink),
         SceneKind::Bodies => discs(scene, span, sink),
-        SceneKind::Gripper => up_to_ejection(system, sink, |sink| gripper(scene, span, sink)),
+        SceneKind::Gripper => gripper(scene, span, sink),
     }
 }
 
@@ -110,7 +109,7 @@ pub(super) fn none_at_all(reason: String) -> RunError {
 fn finger<const N: usize, const W: usize>(scene: &Scene, span: Span, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let model = FingerMotion::<N, W>::new(&scene.system);
     let start = FingerMotion::<N, W>::start(&scene.system);
-    simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, span, sink)
+    simulate::<_, _, N, QUADRATURES, GUARDS>(&model, &model, start, &scene.integrator, (span, None), sink)
 }
 
 /// Of a system that has room in N coordinates and C contacts, with Z quadratures and G guards.
@@ -139,16 +138,18 @@ fn parts_within<const N: usize, const C: usize, const Z: usize, const G: usize>(
     let model = Multibody::<N, C>::new(&scene.system);
     let reader = SystemReader { model: &model, system: &scene.system };
     let start = model.start::<Z>(&scene.system);
-    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, span, sink)
+    let until = (span, Reach::of(&scene.system));
+    simulate::<_, _, N, Z, G>(&model, &reader, start, &settings, until, sink)
 }
 
-/// Integrates a model from `start` on, and shows what `reader` makes of it.
+/// Integrates a model from `start` to the end of the span, or to where the object leaves the reach of the fingers, and shows what `reader`
+/// makes of it.
 fn simulate<M, R, const N: usize, const Z: usize, const G: usize>(
     model: &M,
     reader: &R,
     start: State<N, Z>,
     settings: &Integrator,
-    span: Span,
+    (span, reach): (Span, Option<Reach>),
     sink: &mut dyn Sink,
 ) -> Result<Outcome, RunError>
 where
@@ -157,7 +158,7 @@ where
 {
     let options = options(settings);
     let mode = model.read_mode(0.0, &start.q, &start.v);
-    let mut recorder = Recorder::new(reader, mode, &start, span, sink);
+    let mut recorder = Recorder::new(reader, mode, &start, (span, reach), sink);
     recorder.begin()?;
     let method: RadauOrRodas<N, Z> = match settings.method {
         Method::Rodas5p => RadauOrRodas::rodas(),
@@ -166,8 +167,8 @@ where
     let end = integrate_by(method, model, &options, 0.0, start, span.end_s, &mut recorder);
     let outcome = recorder.finish(&end.state, work(&end.counters))?;
     match end.result {
-        Ok(()) => Ok(outcome),
-        Err(failure) => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
+        Err(failure) if outcome.ejected_s.is_none() => Err(RunError::Simulation { failure, so_far: Box::new(outcome) }),
+        _ => Ok(outcome),
     }
 }
 

@@ -1,6 +1,5 @@
 //! Runs the engine model of a scene and tells a sink about it.
 
-use super::ejection::up_to_ejection;
 use super::engine_recorder::EngineRecorder;
 use super::follow::Follow;
 use super::grid::Span;
@@ -24,13 +23,6 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
     if let Some(why) = scene.system.objection() {
         return Err(unstarted(why.to_string(), Outcome::default()));
     }
-    match scene.kind() {
-        SceneKind::Finger | SceneKind::Bodies => started(scene, sink),
-        SceneKind::Gripper => up_to_ejection(&scene.system, sink, |sink| started(scene, sink)),
-    }
-}
-
-fn started(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let Scene { system, engine, .. } = scene;
     let kind = scene.kind();
     let unmoved = || if kind == SceneKind::Finger { Outcome::of_unmoved_finger() } else { Outcome::default() };
@@ -69,8 +61,10 @@ fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Ou
     let time_s = motion.clock.now();
     let outcome = recorder.finish()?;
     match broken {
-        None => Ok(outcome),
-        Some(reason) => Err(RunError::Simulation { failure: Failure { time_s, reason }, so_far: Box::new(outcome) }),
+        Some(reason) if outcome.ejected_s.is_none() => {
+            Err(RunError::Simulation { failure: Failure { time_s, reason }, so_far: Box::new(outcome) })
+        }
+        _ => Ok(outcome),
     }
 }
 
@@ -91,7 +85,8 @@ fn step_through(
         if substeps >= budget {
             return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
-        let dt = next(motion, settings.stepping, end_s);
+        let stop_s = end_s.min(motion.clock.now() + follow.exit_in_s());
+        let dt = next(motion, settings.stepping, stop_s);
         if let Err(error) = motion.advance_while(dt, &|| follow.proceed()) {
             return Ok(Some(match follow.proceed() {
                 true => Reason::Obstacle(error.to_string()),

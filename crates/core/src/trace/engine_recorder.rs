@@ -5,7 +5,7 @@ use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::tracked::{Told, Tracked};
-use super::{ContactSample, Energy, Event, Outcome, Sample, Sink, SinkError, Work};
+use super::{ContactSample, Energy, Event, Outcome, Reach, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, Site};
 use crate::scene::System;
 
@@ -14,6 +14,9 @@ pub(super) struct EngineRecorder<'a> {
     sink: &'a mut dyn Sink,
     grid: Grid,
     end_s: f64,
+    /// The region whose boundary ends the run, and when the object left it.
+    reach: Option<Reach>,
+    ejected_s: Option<f64>,
     start_energy: Energy,
     places: Vec<Tracked>,
     /// Which of them have the normal turned round that the plan has.
@@ -42,6 +45,8 @@ impl<'a> EngineRecorder<'a> {
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
+            reach: Reach::of(system),
+            ejected_s: None,
             last,
             node: Sample::default(),
             within: Sample::default(),
@@ -93,8 +98,17 @@ impl<'a> EngineRecorder<'a> {
         for place in 0..self.places.len() {
             self.close_step(motion, place, end_s)?;
         }
+        if self.is_touched() && self.reach.is_some_and(|reach| reach.leaves(&self.last, &now)) {
+            self.ejected_s = Some(end_s);
+        }
         self.node = now;
         self.emit(dt)
+    }
+
+    /// Whether something has touched the object.
+    fn is_touched(&self) -> bool {
+        let touched = |(index, place): (usize, &Tracked)| place.summary.touchdowns > 0 && !self.last.is_stop(index);
+        self.places.iter().enumerate().any(touched)
     }
 
     /// Surfaces that the last step left apart, in its frozen geometry, or that the run starts with, and that overlap where this
@@ -266,7 +280,13 @@ impl<'a> EngineRecorder<'a> {
             self.sink.sample(&self.last)?;
         }
         let contacts = self.places.iter().map(|tracked| tracked.summary).collect();
-        Ok(Outcome { last: self.last, contacts, work: self.work, loop_gap_m: self.loop_gap_m, ejected_s: None })
+        Ok(Outcome {
+            last: self.last,
+            contacts,
+            work: self.work,
+            loop_gap_m: self.loop_gap_m,
+            ejected_s: self.ejected_s,
+        })
     }
 }
 
@@ -302,7 +322,12 @@ impl Follow for EngineRecorder<'_> {
         EngineRecorder::step(self, motion)
     }
 
+    fn exit_in_s(&self) -> f64 {
+        let object = self.last.bodies.first().filter(|_| self.is_touched());
+        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.exit_in_s(object))
+    }
+
     fn proceed(&self) -> bool {
-        self.sink.proceed()
+        self.ejected_s.is_none() && self.sink.proceed()
     }
 }

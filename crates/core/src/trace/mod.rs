@@ -9,13 +9,12 @@
 //! | `between`, `grid` | a sample between two others; the even grid of times |
 //! | `analytic`, `recorder`, `search`, `reading` | runs of the analytic model, and how its states are read |
 //! | `gate` | runs that end when they are told to |
-//! | `ejection` | the end of a run whose object is thrown out of the gripper |
+//! | `reach` | the region that the fingers of a gripper can reach |
 //! | `engine`, `engine_recorder`, `moments`, `tracked`, `engine_reading` | runs of the engine, and how its nodes are read |
 
 mod analytic;
 mod between;
 pub mod columns;
-mod ejection;
 #[cfg(feature = "engine")]
 mod engine;
 #[cfg(feature = "engine")]
@@ -33,6 +32,7 @@ mod model;
 mod moments;
 mod outcome;
 pub mod overrides;
+mod reach;
 mod reading;
 mod recorder;
 mod recording;
@@ -46,7 +46,6 @@ mod tracked;
 
 pub use analytic::run_analytic;
 pub use between::between;
-pub use ejection::EJECTED_RADII;
 #[cfg(feature = "engine")]
 pub use engine::run_engine;
 pub use error::RunError;
@@ -54,6 +53,7 @@ pub use gate::{GoOn, While};
 pub use layout::{Layout, Place};
 pub use model::{Model, run};
 pub use outcome::{ContactSummary, Outcome, Work};
+pub use reach::Reach;
 pub use recording::{Recording, record};
 pub use sample::{BodyState, ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
 pub use sink::{Sink, SinkError, Wants};

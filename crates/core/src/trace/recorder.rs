@@ -2,9 +2,9 @@
 
 use super::grid::{Grid, Span};
 use super::reading::Reader;
-use super::search::{Marks, SEARCH_FROM, bisect, parabola_peak};
+use super::search::{BISECTIONS, Marks, SEARCH_FROM, bisect, parabola_peak};
 use super::slipping::Slipping;
-use super::{ContactSummary, Energy, Event, EventKind, Outcome, Sample, Sink, SinkError, Wants, Work};
+use super::{ContactSummary, Energy, Event, EventKind, Outcome, Reach, Sample, Sink, SinkError, Wants, Work};
 use crate::analytic::SiteState;
 use crate::integrator::{Observer, State, Step, StepTools};
 
@@ -23,6 +23,9 @@ pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> 
     wants: Wants,
     grid: Grid,
     end_s: f64,
+    /// The region whose boundary ends the run, and when the object left it.
+    reach: Option<Reach>,
+    ejected_s: Option<f64>,
     mode: R::Mode,
     start_energy: Energy,
     places: Vec<Place>,
@@ -40,7 +43,13 @@ pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> 
 }
 
 impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> {
-    pub fn new(reader: &'a R, mode: R::Mode, start: &State<N, Z>, span: Span, sink: &'a mut dyn Sink) -> Self {
+    pub fn new(
+        reader: &'a R,
+        mode: R::Mode,
+        start: &State<N, Z>,
+        (span, reach): (Span, Option<Reach>),
+        sink: &'a mut dyn Sink,
+    ) -> Self {
         let mut last = Sample::default();
         reader.read(0.0, start, &mode, &Energy::default(), Wants::ALL, &mut last);
         let start_energy = last.energy;
@@ -51,6 +60,8 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             sink,
             grid: Grid::new(span),
             end_s: span.end_s,
+            reach,
+            ejected_s: None,
             mode,
             start_energy,
             places: vec![Place::default(); last.contacts.len()],
@@ -95,9 +106,11 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             let (state, mode) = (&self.last_state, &self.last_mode);
             self.reader.read(self.last.time_s, state, mode, &self.start_energy, Wants::ALL, &mut self.last);
         }
+        // The integrator ends a step behind the exit.
+        let end = if self.ejected_s.is_some() { &self.last_state } else { end };
         let summary = |(index, place): (usize, &Place)| ContactSummary { impulse_n_s: end.z[index], ..place.summary };
         let contacts = self.places.iter().enumerate().map(summary).collect();
-        Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0, ejected_s: None })
+        Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0, ejected_s: self.ejected_s })
     }
 
     /// Samples of one step: the grid points and extremes inside it, and its end where steps are short, extremes lie there, or
@@ -108,7 +121,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         mode: &R::Mode,
         tools: &mut dyn StepTools<N, Z>,
     ) -> Result<(), SinkError> {
-        let end = step.t1;
+        let end = self.last.time_s;
         // A damper's force cannot be read off the dense output.
         let pressing = (0..self.places.len()).any(|index| mode[index].presses());
         let mut impulses = step.start.z;
@@ -209,6 +222,29 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
         Ok(())
     }
 
+    /// Shortens the step at hand to where the object leaves the reach of the fingers, if something has touched it. Whether it does.
+    fn end_at_exit(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+        let Some(reach) = self.reach.filter(|reach| reach.leaves(&self.last, &self.end)) else { return false };
+        let touched = |(index, place): (usize, &Place)| place.summary.touchdowns > 0 && !self.end.is_stop(index);
+        if !self.places.iter().enumerate().any(touched) {
+            return false;
+        }
+        let (mut inside, mut outside) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (inside + outside);
+            self.read_within(step.t0 + middle * step.h, &tools.resolve(middle), mode);
+            if reach.is_outside(&self.within.bodies[0]) { outside = middle } else { inside = middle }
+        }
+        let (exit_s, mut impulses) = (step.t0 + outside * step.h, step.start.z);
+        if outside < 1.0 {
+            self.last_state = self.resolved(step, tools, outside, &mut impulses);
+            self.reader.read(exit_s, &self.last_state, mode, &self.start_energy, self.wants, &mut self.end);
+        }
+        self.end_s = self.end.time_s;
+        self.ejected_s = Some(self.end_s);
+        true
+    }
+
     /// Largest force and penetration within the step from the last sample to its end, and where.
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.marks.clear();
@@ -251,16 +287,18 @@ impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             return false;
         }
         self.reader.read(step.t1, step.end, mode, &self.start_energy, self.wants, &mut self.end);
-        if self.wants.peaks {
+        let exits = self.end_at_exit(step, mode, tools);
+        if self.wants.peaks && !exits {
             self.search_peaks(mode, tools);
         } else {
+            self.marks.clear();
             self.take_end();
         }
         std::mem::swap(&mut self.last, &mut self.end);
         if let Err(error) = self.emit_step(step, mode, tools) {
             self.error = Some(error);
         }
-        self.error.is_none() && self.sink.proceed()
+        self.error.is_none() && self.ejected_s.is_none() && self.sink.proceed()
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {

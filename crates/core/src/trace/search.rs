@@ -3,10 +3,13 @@
 /// Steps whose force comes within this fraction of the peak so far are searched for a higher one.
 pub(super) const SEARCH_FROM: f64 = 0.8;
 
+/// Halvings of a step, which find a time within it to 1e-12 of its length.
+pub(super) const BISECTIONS: u32 = 40;
+
 /// Where a rate that starts positive and ends negative is zero.
 pub(super) fn bisect(rate: &mut dyn FnMut(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
+    for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if rate(middle) > 0.0 { low = middle } else { high = middle }
     }

@@ -38,7 +38,7 @@ macro_rules! measured {
     )*};
 }
 
-measured!(Length Angle Time Mass Torque Speed AngularRate Acceleration Density Inertia Frequency Pressure);
+measured!(Length Angle Time Mass Force Torque Speed AngularRate Acceleration Density Inertia Frequency Pressure);
 measured!(AngularStiffness LinearDamping AngularDamping);
 
 impl<M: Measured> Kind for M {

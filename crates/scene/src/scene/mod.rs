@@ -70,6 +70,7 @@ pub use show::{show, show_written};
 pub use suggest::nearest;
 pub use system::System;
 pub use table::bounds::Bounds;
+pub use table::criteria::Thresholds;
 pub use table::engine::{Construction, ENGINE_MAX_STEP_S, Engine, Response, Stepping};
 pub use table::integrator::{Integrator, Method, Preset};
 pub use table::log::{LogExcess, LogRates};
@@ -96,6 +97,8 @@ pub struct Scene {
     pub integrator: Integrator,
     pub engine: Engine,
     pub bounds: Bounds,
+    /// Thresholds of the grasp criteria of a gripper; without meaning in other kinds of scene.
+    pub thresholds: Thresholds,
     pub log: LogRates,
 }
 

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use super::table::bounds::Bounds;
+use super::table::criteria::Thresholds;
 use super::table::differential::Seesaw;
 use super::table::disc::DiscKeys;
 use super::table::drive::{Motor, Shaft, Springs};
@@ -47,6 +48,7 @@ const LIST: &[Listed] = &[
     ("integrator", ANY, schema::<Integrator>),
     ("engine", ANY, schema::<Engine>),
     ("validate", ANY, schema::<Bounds>),
+    ("criteria", TWO_FINGERS, schema::<Thresholds>),
     ("log", ANY, schema::<LogRates>),
 ];
 

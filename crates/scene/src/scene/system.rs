@@ -1,5 +1,6 @@
 //! What is simulated: the one description that both models read, as plain lists.
 
+use super::torque::largest_torque;
 use super::words::SceneKind;
 use super::{Differential, Disc, DiscMotion, DrivenFinger, HalfPlane, PalmMotion, Place, Side};
 use crate::gripper::Site;
@@ -126,6 +127,17 @@ impl System {
     #[inline]
     pub fn bristle(&self, place: Place) -> Option<Bristle> {
         self.law(place).and_then(|law| law.bristle())
+    }
+
+    /// Largest force, N, that a motor exerts at the end of a proximal phalanx; 0 without fingers.
+    pub fn motor_force_n(&self) -> f64 {
+        let input = self.differential.as_ref().map(|differential| &differential.motor);
+        let force = |finger: &DrivenFinger| {
+            let own = largest_torque(&finger.motor.actuation);
+            let half = input.map_or(0.0, |motor| 0.5 * largest_torque(&motor.actuation));
+            own.max(half) / finger.linkage.lengths.l21_m
+        };
+        self.fingers.iter().map(force).fold(0.0, f64::max)
     }
 
     /// Whether friction holds anywhere: in a contact or in a brake.

@@ -62,6 +62,17 @@ pub fn torque(actuation: &Actuation, t: f64) -> (f64, f64) {
     }
 }
 
+/// Largest size of the torque over all times, N·m.
+pub fn largest_torque(actuation: &Actuation) -> f64 {
+    match actuation {
+        Actuation::Constant { torque_n_m }
+        | Actuation::Ramp { torque_n_m, .. }
+        | Actuation::HalfSine { torque_n_m, .. }
+        | Actuation::Reversal { torque_n_m, .. } => torque_n_m.abs(),
+        Actuation::Table { points, .. } => points.iter().map(|(_, torque_n_m)| torque_n_m.abs()).fold(0.0, f64::max),
+    }
+}
+
 #[inline]
 fn table(points: &[(f64, f64)], interpolation: Interpolation, t: f64) -> (f64, f64) {
     let after = points.partition_point(|p| p.0 <= t);

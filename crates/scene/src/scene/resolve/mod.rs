@@ -49,8 +49,8 @@ pub fn scene(raw: &Raw, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Ve
     let top = read(&mut c, "", &raw.whole(), Top::usual_in(raw.kind));
     let (name, duration_s) = heading(&mut c, &raw.whole(), &top, file_name);
     let system = system::system(&mut c, raw, &top);
-    let mu_static = system.as_ref().and_then(system::mu_static);
-    let run::Run { integrator, engine, bounds, log } = run::run(&mut c, &raw.whole(), mu_static, duration_s);
+    let run::Run { integrator, engine, bounds, thresholds, log } =
+        run::run(&mut c, &raw.whole(), system.as_ref(), duration_s);
     // Starts are judged only if everything they stand on is sound.
     if let (Some(system), true) = (&system, c.is_clean()) {
         disc::judge_starts(&mut c, raw, system);
@@ -65,6 +65,7 @@ pub fn scene(raw: &Raw, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Ve
             integrator,
             engine,
             bounds,
+            thresholds,
             log,
         }),
         _ => Err(c.into_problems()),

@@ -7,7 +7,8 @@ use super::super::table::Table;
 use super::super::table::keys::Keys;
 use super::super::table::read;
 use super::super::words::SceneKind;
-use super::super::{Bounds, Construction, Engine, Integrator, LogRates, Response, defaults};
+use super::super::{Bounds, Construction, Engine, Integrator, LogRates, Response, System, Thresholds, defaults};
+use super::system;
 use crate::units::{Dimension, format};
 
 /// All settings of a run.
@@ -15,15 +16,19 @@ pub struct Run {
     pub integrator: Integrator,
     pub engine: Engine,
     pub bounds: Bounds,
+    pub thresholds: Thresholds,
     pub log: LogRates,
 }
 
-/// Judged even where the duration is wrong (`None`). rapier's friction is `mu_static`, that of the scene's contact, unless given.
-pub fn run(c: &mut Checker<'_>, raw: &Keys<'_>, mu_static: Option<f64>, duration_s: Option<f64>) -> Run {
+/// Checks the settings even where the duration or the system is invalid (`None`). rapier's friction is that of the scene's contact unless
+/// given.
+pub fn run(c: &mut Checker<'_>, raw: &Keys<'_>, system: Option<&System>, duration_s: Option<f64>) -> Run {
+    let mu_static = system.and_then(system::mu_static);
     let integrator = read(c, "integrator", &raw.inner("integrator"), Integrator::everyday(raw.kind));
     let engine = engine(c, &raw.inner("engine"), mu_static);
     let bounds = bounds(c, &raw.inner("validate"), duration_s);
-    Run { integrator, engine, bounds, log: log(c, &raw.inner("log"), duration_s) }
+    let thresholds = thresholds(c, &raw.inner("criteria"), system, duration_s);
+    Run { integrator, engine, bounds, thresholds, log: log(c, &raw.inner("log"), duration_s) }
 }
 
 /// The engine model.
@@ -54,20 +59,33 @@ fn engine(c: &mut Checker<'_>, raw: &Keys<'_>, mu_static: Option<f64>) -> Engine
 fn bounds(c: &mut Checker<'_>, raw: &Keys<'_>, duration_s: Option<f64>) -> Bounds {
     let usual = Bounds::over(raw.kind, duration_s.unwrap_or(defaults::DURATION_S));
     let bounds = read(c, "validate", raw, usual);
-    judge_until(c, raw.span("until"), bounds.until_s, duration_s);
+    let help = "lower it, raise `duration`, or leave it out: it is the duration then";
+    within_duration(c, (raw.span("until"), "validate.until"), bounds.until_s, duration_s, help);
     bounds
 }
 
-/// End of the comparison.
-fn judge_until(c: &mut Checker<'_>, span: Option<Range<usize>>, until_s: f64, duration_s: Option<f64>) {
-    let Some(duration_s) = duration_s.filter(|duration_s| until_s > *duration_s) else { return };
-    let (until, duration) = (format(until_s, Dimension::Time), format(duration_s, Dimension::Time));
-    c.push(
-        span,
-        format!("`validate.until` is {until}, but must be at most the duration of {duration}"),
-        "after the end",
-        "lower it, raise `duration`, or leave it out: it is the duration then",
-    );
+/// Thresholds of the grasp criteria, of a gripper.
+fn thresholds(c: &mut Checker<'_>, raw: &Keys<'_>, system: Option<&System>, duration_s: Option<f64>) -> Thresholds {
+    let motor_force_n = system.map_or(0.0, System::motor_force_n);
+    let usual = Thresholds::of(duration_s.unwrap_or(defaults::DURATION_S), motor_force_n);
+    let thresholds = read(c, "criteria", raw, usual);
+    let help = "lower it, raise `duration`, or leave it out";
+    within_duration(c, (raw.span("loss_time"), "criteria.loss_time"), thresholds.loss_time_s, duration_s, help);
+    within_duration(c, (raw.span("held_time"), "criteria.held_time"), thresholds.held_time_s, duration_s, help);
+    thresholds
+}
+
+/// Reports a time that is longer than the run.
+fn within_duration(
+    c: &mut Checker<'_>,
+    (span, key): (Option<Range<usize>>, &str),
+    time_s: f64,
+    duration_s: Option<f64>,
+    help: &str,
+) {
+    let Some(duration_s) = duration_s.filter(|duration_s| time_s > *duration_s) else { return };
+    let (time, duration) = (format(time_s, Dimension::Time), format(duration_s, Dimension::Time));
+    c.push(span, format!("`{key}` is {time}, but must be at most the duration of {duration}"), "after the end", help);
 }
 
 /// What is logged, and whether a log takes it.

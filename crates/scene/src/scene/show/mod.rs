@@ -20,6 +20,7 @@ pub use written::show_written;
 
 use super::table::top::Top;
 use super::table::{Table, show as show_table};
+use super::words::SceneKind;
 use super::{Bounds, Scene};
 
 /// The scene with everything filled in as it is simulated.
@@ -45,6 +46,9 @@ fn shown(scene: &Scene, mut out: Out) -> String {
     // A program may have shortened the run.
     let bounds = Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds };
     show_table(to, "validate", &bounds);
+    if scene.kind() == SceneKind::Gripper {
+        show_table(to, "criteria", &scene.thresholds);
+    }
     show_table(to, "log", &scene.log);
     out.text
 }

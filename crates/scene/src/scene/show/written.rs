@@ -22,7 +22,7 @@ const DIGITS: usize = 6;
 const PLACES: [&str; 4] = ["proximal", "distal", "palm", "table"];
 
 /// Keys and sections of a scene in the order in which people think of them; others stand where they were written.
-const ORDER: [&str; 32] = [
+const ORDER: [&str; 33] = [
     "name",
     "description",
     "kind",
@@ -54,6 +54,7 @@ const ORDER: [&str; 32] = [
     "integrator",
     "engine",
     "validate",
+    "criteria",
     "log",
 ];
 

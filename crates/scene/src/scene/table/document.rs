@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::bounds::Bounds;
+use super::criteria::Thresholds;
 use super::differential::Seesaw;
 use super::disc::DiscKeys;
 use super::drive::{Motor, Shaft, Springs};
@@ -55,6 +56,7 @@ pub fn markdown() -> String {
         section::<Bounds>("`[validate]`", Finger),
         section::<Bounds>("`[validate]` of a scene of discs", Bodies),
         section::<Bounds>("`[validate]` of a gripper", Gripper),
+        section::<Thresholds>("`[criteria]` of a gripper", Gripper),
         section::<LogRates>("`[log]`", Finger),
         section::<Contact>("`[contact]`", Finger),
         section::<FrictionLaw>("`[contact.friction]`", Finger),

@@ -17,6 +17,7 @@
 //! A section may have other keys in scenes of one kind than in those of another: a line is `of` the kinds that have it.
 
 pub mod bounds;
+pub mod criteria;
 pub mod differential;
 pub mod disc;
 mod document;
