@@ -8,7 +8,7 @@ use super::beside::Beside;
 use super::core::Severity;
 use super::metadata::{CHECK_NAME, check_entries};
 use phalanx_core::check::Check;
-use phalanx_core::criteria::{Criteria, Fate, GraspCriteria, Judge, Judged, Rebound};
+use phalanx_core::criteria::{Criteria, GraspCriteria, Judge, Judged, LinkOverlap, Rebound, fate_reason};
 use phalanx_core::scene::Scene;
 use phalanx_core::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
 
@@ -54,9 +54,11 @@ pub fn simulate<W: Write + Send + 'static>(
     let wall_s = start.elapsed().as_secs_f64();
     let last = thinned.end();
     let Listeners { log, judge, last_s, .. } = thinned.sink;
-    let Judged { criteria, grasp, rebounds } = judge.judged(result.is_ok());
+    let Judged { criteria, grasp, rebounds, overlaps } = judge.judged(result.is_ok());
+    let fate =
+        |found: &GraspCriteria| format!("{}: {}", found.fate.name(), fate_reason(found, scene.thresholds.held_time_s));
     let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
-    let warnings = Vec::new();
+    let warnings: Vec<String> = overlaps.iter().map(LinkOverlap::sentence).collect();
     let log = Open { log, last, last_s, verdict: said, warnings: warnings.clone() };
     Ran { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log }
 }
@@ -99,18 +101,6 @@ fn verdict(criteria: &Criteria) -> String {
             format!("{class}: in position from {}, but not held by both phalanges in the end", ms(t_geo_s))
         }
         _ => format!("{class}: the finger never came into position"),
-    }
-}
-
-/// The same of a gripper.
-fn fate(found: &GraspCriteria) -> String {
-    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
-    match (found.fate, found.tts_s) {
-        (Fate::Held, Some(tts_s)) => format!("held: all contacts hold for good from {}", ms(tts_s)),
-        (Fate::Held, None) => "held".to_string(),
-        (Fate::Dropped { since_s }, _) => format!("dropped: no longer held from both sides from {}", ms(since_s)),
-        (Fate::Ejected { at_s }, _) => format!("ejected: the object left the gripper at {}", ms(at_s)),
-        (Fate::NotGrasped, _) => "not grasped: never held from both sides".to_string(),
     }
 }
 

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::figures::figures;
 use crate::check;
-use crate::criteria::{Judge, Judged};
+use crate::criteria::{Judge, Judged, LinkOverlap};
 use crate::film::{Reel, data};
 use crate::report::check::{self as words, RunCheckReport};
 use crate::report::document::{Came, Failure, RunReport};
@@ -18,15 +18,16 @@ pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
     let result = run_analytic(scene, &mut listeners);
     // Nobody here refuses a sample.
     let _ = listeners.end();
-    let Judged { criteria, grasp, rebounds } = listeners.sink.judge.judged(result.is_ok());
+    let Judged { criteria, grasp, rebounds, overlaps } = listeners.sink.judge.judged(result.is_ok());
     let (outcome, error) = came(result);
+    let warnings: Vec<String> = overlaps.iter().map(LinkOverlap::sentence).collect();
     let came = Came {
         wall_s: 0.0,
         outcome: outcome.as_ref(),
         criteria,
         grasp: grasp.as_ref(),
         rebounds: &rebounds,
-        warnings: &[],
+        warnings: &warnings,
     };
     RunReport::new(scene, Model::Analytic, &came, error)
 }

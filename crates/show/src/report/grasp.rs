@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::named::Named;
-use crate::criteria::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, force_closure_of, is_form_closed};
+use crate::criteria::{
+    ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason, force_closure_of, is_form_closed,
+};
 use crate::scene::Scene;
 use crate::scene::words::SceneKind;
 use crate::statics::ForceClosure;
@@ -14,9 +16,13 @@ use crate::trace::Sample;
 pub struct GraspReport {
     /// `held`, `dropped`, `ejected` or `not grasped`.
     pub fate: &'static str,
-    /// When it was first held from both sides.
+    /// What decided the fate; null without the scene.
+    pub fate_reason: Option<String>,
+    /// When it was first pressed from both sides or force-closed; null if it was never held for long enough.
     pub grasped_s: Option<f64>,
-    /// Since when all contacts that press at the end have done so; null if it is not held from both sides then.
+    /// Since when it is held at the end.
+    pub held_since_s: Option<f64>,
+    /// Since when all contacts that are active at the end are active; null if the object is not held then.
     pub tts_s: Option<f64>,
     /// Since when it is no longer held, or when it left the gripper.
     pub until_s: Option<f64>,
@@ -94,7 +100,9 @@ impl GraspReport {
         let contacts = found.contacts.iter().map(|contact| (contact.place.name(), *contact));
         GraspReport {
             fate: found.fate.name(),
+            fate_reason: gripper.map(|scene| fate_reason(found, scene.thresholds.held_time_s)),
             grasped_s: found.grasped_s,
+            held_since_s: found.held_since_s,
             tts_s: found.tts_s,
             until_s: found.fate.until_s(),
             form_closed: holding.and_then(|scene| is_form_closed(scene, last)),

@@ -4,7 +4,7 @@ use super::contacts::Contacts;
 use super::grasp::{CycleReport, GraspReport};
 use super::named::Named;
 use super::states::{BodyReport, State, States};
-use crate::criteria::Criteria;
+use crate::criteria::{Criteria, Fate};
 use crate::trace::{Energy, FingerState};
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
@@ -183,11 +183,9 @@ pub fn grasp(report: &GraspReport) -> Report {
             figure(end, 4)
         ));
     }
-    if let (Some(until_s), "dropped") = (report.until_s, report.fate) {
-        text.push_str(&format!(
-            "Dropped: no longer held from both sides from {} ms on.\n",
-            milliseconds(Some(until_s))
-        ));
+    if let Some(reason) = report.fate_reason.as_ref().filter(|_| report.fate != Fate::Held.name()) {
+        let fate = report.fate;
+        text.push_str(&format!("{}{}: {reason}.\n", fate[..1].to_uppercase(), &fate[1..]));
     }
     if let Some(closure) = report.force_closure {
         let (one, each) = (figure(closure.q1_l1, 3), figure(closure.q1_linf, 3));

@@ -38,7 +38,7 @@ fn heading(report: &RunReport) -> Report {
     if let Some(at_s) = report.grasp.iter().flatten().find_map(GraspReport::ejected_s) {
         let _ = writeln!(
             text,
-            "EJECTED: the object was thrown out of the gripper at {}, which ends the run",
+            "EJECTED: the object left the reach of both fingers at {}, which ends the run",
             duration(at_s)
         );
     }
