@@ -100,11 +100,23 @@ fn both_models_agree_on_every_gripper() {
         assert_held(&invariants(&scene, Model::Engine, &found), &format!("{name}, engine"));
         let verdict = verdicts(&compare(&found, &expected, scene.bounds.until_s), &scene.bounds);
         let broken = verdict.checks.iter().filter(|check| !check.passed());
+        let of_models = [(&exact, &expected), (&scene, &found)].map(|(scene, run)| criteria(scene, run));
+        wrong.extend(criteria_differ(&of_models, scene.thresholds.loss_time_s).map(|what| format!("{name}: {what}")));
         wrong.extend(
             broken.map(|check| format!("{name}: {} is {:?}, not {}", check.bound, check.measured, check.limit)),
         );
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// How the criteria of both models differ: fates, and times to stability by more than this.
+fn criteria_differ([one, other]: &[GraspCriteria; 2], within_s: f64) -> Option<String> {
+    let same_time = match (one.tts_s, other.tts_s) {
+        (Some(one_s), Some(other_s)) => (one_s - other_s).abs() <= within_s,
+        (one_s, other_s) => one_s == other_s,
+    };
+    let same = one.fate.name() == other.fate.name() && same_time;
+    (!same).then(|| format!("{:?} from {:?}, and {:?} from {:?}", one.fate, one.tts_s, other.fate, other.tts_s))
 }
 
 #[test]
@@ -137,7 +149,7 @@ fn what_scenes_expect_is_what_happens() {
         );
         assert!(found.cycle.brake_slip_rad.iter().all(|slip| slip.is_some_and(|slip| slip < 2e-4)), "{found:?}");
     }
-    // What weighs too much for its brakes is dropped while the lift is braked, in both models at one time.
+    // An object too heavy for the brakes slides through the hand while the lift is braked, and is dropped at about one time in both models.
     let scene = load("gripper/cycle-dropped");
     let dropped = [Model::Analytic, Model::Engine].map(|model| {
         let run = recorded(model, &if model == Model::Analytic { reference(&scene) } else { scene.clone() });
@@ -148,11 +160,11 @@ fn what_scenes_expect_is_what_happens() {
             other => panic!("{model:?}: {other:?}"),
         }
     });
-    assert!((dropped[0] - 67.6424e-3).abs() < 1e-6 && (dropped[0] - dropped[1]).abs() < 1e-6, "{dropped:?}");
+    assert!((dropped[0] - 123.8833e-3).abs() < 1e-6 && (dropped[0] - dropped[1]).abs() < 2e-5, "{dropped:?}");
     // The disc is thrown out, which ends the run.
     let thrown = of("hard/gripper-no-friction");
     assert!(
-        (thrown.outcome.ejected_s.expect("an ejection") - 34.845e-3).abs() < 2e-5,
+        (thrown.outcome.ejected_s.expect("an ejection") - 33.999e-3).abs() < 2e-5,
         "{:?}",
         thrown.outcome.ejected_s
     );

@@ -11,6 +11,7 @@ mod check;
 mod criteria_anchor;
 mod criteria_tracker;
 mod dice;
+mod fates;
 mod grippers;
 mod hard_grippers;
 mod hard_scenes;

@@ -9,7 +9,7 @@ use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Sprin
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
     Actuation, Axis, Bounds, Brake, Contacts, Differential, Disc, DiscMotion, DrivenFinger, Engine, HalfPlane, Initial,
-    Integrator, LogRates, Motor, Move, PalmMotion, Preset, Ramp, Scene, System, Vibration,
+    Integrator, LogRates, Motor, Move, PalmMotion, Preset, Ramp, Scene, System, Thresholds, Vibration,
 };
 use serde_json::Value;
 
@@ -217,6 +217,7 @@ fn scene(value: &Value) -> Scene {
         integrator: Integrator::preset(Preset::Engineering),
         engine: Engine::DEFAULT,
         bounds: Bounds::over(SceneKind::Gripper, duration_s),
+        thresholds: Thresholds::of(duration_s, 0.0),
         log: LogRates { numeric_hz: 1e4, picture_hz: 0.0 },
     }
 }

@@ -5,7 +5,7 @@ use super::held;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
-    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System,
+    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogRates, Preset, Scene, Stepping, System, Thresholds,
 };
 use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
@@ -57,6 +57,7 @@ pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>,
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
+        thresholds: Thresholds::of(duration_s, 0.0),
         bounds: Bounds {
             position_m: 1e-6,
             contact_time_s: 1e-6,

@@ -5,7 +5,7 @@ use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
     Actuation, Bounds, Contacts, Disc, DrivenFinger, Engine, HalfPlane, Initial, Integrator, LogRates, Method, Motor,
-    Placement, Preset, Scene, Spring, SpringKind, System, show,
+    Placement, Preset, Scene, Spring, SpringKind, System, Thresholds, show,
 };
 use phalanx::shape::Placed;
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerState, Sample, Site};
@@ -43,6 +43,7 @@ fn resolved() -> Scene {
         },
         engine: Engine::DEFAULT,
         bounds: Bounds::over(SceneKind::Finger, 20e-3),
+        thresholds: Thresholds::of(20e-3, 0.0),
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }

@@ -51,9 +51,10 @@ impl<const K: usize> Default for Pieces<K> {
     }
 }
 
-/// How far between its last and its next value a force passes the threshold; `None` if it does not.
+/// How far between its last and its next value a force passes the threshold; `None` if it does not. A force that rises from zero has just
+/// begun: it counts from there.
 fn passes(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
-    ((from_n > threshold_n) != (to_n > threshold_n)).then(|| (threshold_n - from_n) / (to_n - from_n))
+    (from_n > 0.0 && (from_n > threshold_n) != (to_n > threshold_n)).then(|| (threshold_n - from_n) / (to_n - from_n))
 }
 
 impl<const K: usize> Pieces<K> {
@@ -69,6 +70,9 @@ impl<const K: usize> Pieces<K> {
             return true;
         }
         let [from_n, to_n] = [last, next].map(|sample| sample.contacts[contact].normal_n);
+        if from_n == 0.0 {
+            return to_n > self.threshold_n;
+        }
         let part = (time_s - last.time_s) / (next.time_s - last.time_s);
         from_n + part * (to_n - from_n) > self.threshold_n
     }
