@@ -2,7 +2,8 @@
 
 use phalanx::scene::words::SceneKind;
 use phalanx::scene::{
-    self, Actuation, Bounds, DiscMotion, Integrator, Motor, Place, Placement, Preset, Scene, Side, SpringKind, show,
+    self, Actuation, Bounds, DiscMotion, Integrator, Motor, Place, Placement, Preset, Scene, Side, SpringKind,
+    Thresholds, show,
 };
 use phalanx::shape::Placed;
 use phalanx::sizing::{INTERVALS, Rule, Task, size_with};
@@ -58,6 +59,29 @@ fn a_gripper_that_says_little_is_that_of_the_specification() {
     assert_eq!(scene.bounds, Bounds::over(SceneKind::Gripper, 0.02));
     assert_eq!((scene.integrator.preset, scene.integrator.rtol), (Preset::Engineering, 3e-6));
     comes_back(&scene);
+}
+
+#[test]
+fn thresholds_of_criteria_follow_from_duration_and_torque_unless_given() {
+    let near = |found: f64, wanted: f64| assert!((found / wanted - 1.0).abs() < 1e-12, "{found}, not {wanted}");
+    let usual = with("", "").thresholds;
+    near(usual.loss_time_s, 1e-4);
+    near(usual.held_time_s, 1e-3);
+    near(usual.loss_force_n, 1e-4 * 0.48 / 0.02443242165159721);
+    let short = with("duration = \"2 ms\"\n", "");
+    near(short.thresholds.loss_time_s, 1e-5);
+    near(short.thresholds.held_time_s, 1e-4);
+    comes_back(&short);
+    let given = with("", "[criteria]\nloss_time = \"0 ms\"\nloss_force = \"5 mN\"\nheld_time = \"2 ms\"\n");
+    let wanted = Thresholds { loss_time_s: 0.0, loss_force_n: 5e-3, held_time_s: 2e-3 };
+    assert_eq!(given.thresholds, wanted);
+    comes_back(&given);
+    let text = format!("kind = \"gripper\"\n{DESIGN}{DRIVE}[criteria]\nheld_time = \"21 ms\"\n");
+    let error = scene::parse_any(&text, "test.toml").expect_err("longer than the run").to_string();
+    assert!(error.contains("`criteria.held_time` is 21 ms, but must be at most the duration of 20 ms"), "{error}");
+    // A single finger follows the thesis: it has no such section.
+    let error = scene::parse_any(&format!("{DESIGN}{DRIVE}[criteria]\nloss_time = \"1 ms\"\n"), "test.toml");
+    assert!(error.is_err_and(|error| error.to_string().contains("criteria")));
 }
 
 #[test]
