@@ -41,13 +41,13 @@ pub struct Pieces<const K: usize> {
     events: Vec<Event>,
     /// Ends of the pieces of the step at hand, reused.
     cuts_s: Vec<f64>,
-    /// Normal force, N, that a contact must exceed to press.
-    threshold_n: f64,
+    /// Normal force, N, that a contact must exceed to press, where forces between samples are interpolated; otherwise `None`.
+    threshold_n: Option<f64>,
 }
 
 impl<const K: usize> Default for Pieces<K> {
     fn default() -> Self {
-        Self::above(0.0)
+        Self::new(None)
     }
 }
 
@@ -58,23 +58,25 @@ fn passes(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
 }
 
 impl<const K: usize> Pieces<K> {
-    /// Pieces in which a contact presses only above this normal force, N. Between two samples the force is linear.
+    /// Pieces in which a contact presses while its normal force exceeds this, N. The force is linear between two samples without an event
+    /// of the contact.
     pub fn above(threshold_n: f64) -> Self {
+        Self::new(Some(threshold_n))
+    }
+
+    fn new(threshold_n: Option<f64>) -> Self {
         Pieces { last: None, contacts: [Pressing::default(); K], events: Vec::new(), cuts_s: Vec::new(), threshold_n }
     }
 
-    /// Whether the force of a contact exceeds the threshold at a time between two samples. A touch-down or lift-off between them leaves
-    /// the force unknown; it then counts as large.
-    fn exceeds(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64) -> bool {
-        if self.threshold_n == 0.0 || self.events.iter().any(|event| event.contact == contact) {
-            return true;
-        }
+    /// Whether a contact presses at a time between two samples.
+    fn presses(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64, lifts_off: bool) -> bool {
+        let threshold_n = self.threshold_n.filter(|_| self.events.iter().all(|event| event.contact != contact));
+        let Some(threshold_n) = threshold_n else {
+            return self.contacts[contact].presses_until(&next.contacts[contact], lifts_off);
+        };
         let [from_n, to_n] = [last, next].map(|sample| sample.contacts[contact].normal_n);
-        if from_n == 0.0 {
-            return to_n > self.threshold_n;
-        }
-        let part = (time_s - last.time_s) / (next.time_s - last.time_s);
-        from_n + part * (to_n - from_n) > self.threshold_n
+        let part = if from_n > 0.0 { (time_s - last.time_s) / (next.time_s - last.time_s) } else { 1.0 };
+        from_n + part * (to_n - from_n) > threshold_n
     }
 
     pub fn last(&self) -> Option<&Sample> {
@@ -122,9 +124,9 @@ impl<const K: usize> Pieces<K> {
         cuts_s.clear();
         let path = judge.path(last, next, &mut cuts_s);
         cuts_s.extend(self.events.iter().map(|event| event.time_s.clamp(last.time_s, next.time_s)));
-        if self.threshold_n > 0.0 {
+        if let Some(threshold_n) = self.threshold_n {
             let forces = last.contacts.iter().zip(&next.contacts).take(K);
-            let parts = forces.filter_map(|(from, to)| passes(self.threshold_n, from.normal_n, to.normal_n));
+            let parts = forces.filter_map(|(from, to)| passes(threshold_n, from.normal_n, to.normal_n));
             cuts_s.extend(parts.map(|part| last.time_s + part * (next.time_s - last.time_s)));
         }
         cuts_s.push(next.time_s);
@@ -140,10 +142,8 @@ impl<const K: usize> Pieces<K> {
                 let lifts_off =
                     |contact| pending.clone().any(|event| event.contact == contact && event.kind == EventKind::LiftOff);
                 let middle_s = 0.5 * (from_s + to_s);
-                let pressing = std::array::from_fn(|contact| {
-                    self.contacts[contact].presses_until(&next.contacts[contact], lifts_off(contact))
-                        && self.exceeds(contact, last, next, middle_s)
-                });
+                let pressing =
+                    std::array::from_fn(|contact| self.presses(contact, last, next, middle_s, lifts_off(contact)));
                 let touched = self.contacts.map(|contact| contact.touched);
                 judge.judge(&path, &Piece { from_s, to_s, next, touched, pressing });
                 from_s = to_s;
