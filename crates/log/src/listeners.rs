@@ -52,7 +52,7 @@ pub fn simulate<W: Write + Send + 'static>(
     let last = thinned.end();
     let Listeners { log, judge, last_s, .. } = thinned.sink;
     let Judged { criteria, grasp, rebounds } = judge.judged(result.is_ok());
-    let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
+    let said = criteria.as_ref().map(Criteria::verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
     let log = Open { log, last, last_s, verdict: said };
     Ran { result, criteria, grasp, rebounds, last_s, wall_s, log }
 }
@@ -77,25 +77,7 @@ impl<W: Write + Send + 'static> Open<W> {
     }
 }
 
-/// What the log says of the grasp in the end.
-fn verdict(criteria: &Criteria) -> String {
-    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
-    let class = criteria.class.name();
-    if !criteria.statically_stable {
-        return format!("{class}: at rest a phalanx would have to pull");
-    }
-    match (criteria.tts_s, criteria.rebound_percent, criteria.t_geo_s) {
-        (Some(tts_s), Some(rebound), _) => {
-            format!("{class}: both phalanges hold for good from {}, rebounds {rebound:.3} %", ms(tts_s))
-        }
-        (_, _, Some(t_geo_s)) => {
-            format!("{class}: in position from {}, but not held by both phalanges in the end", ms(t_geo_s))
-        }
-        _ => format!("{class}: the finger never came into position"),
-    }
-}
-
-/// The same of a gripper.
+/// What the log says of the grasp of a gripper in the end.
 fn fate(found: &GraspCriteria) -> String {
     let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
     match (found.fate, found.tts_s) {
