@@ -294,7 +294,7 @@ mod tests {
             (settled(7e-3, 5.000001, None), "rebound 5.000001 %, more than 5 %"),
             (settled(7e-3, 4.9999, None), "rebound 4.9999 %, at most 5 %"),
             (verdict(ClassReason::StaticForces { forces_n: [1.0, -1e-12] }), "on the tip is -1.00e-12 N"),
-            (verdict(ClassReason::OutOfPosition { off_rad: [EPSILON_RAD + 1e-9, 0.0] }), "q11 ends 0.20000006°"),
+            (verdict(ClassReason::OutOfPosition { off_rad: [EPSILON_RAD + 1e-9, 0.0] }), "q11 ends 0.2000001°"),
         ] {
             assert!(said.contains(expected), "{said} has no {expected}");
         }
