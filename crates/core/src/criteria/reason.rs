@@ -44,6 +44,8 @@ pub struct Loss {
     pub times: u32,
     /// Whether this is a phalanx that touched the object before the other did.
     pub touched_first: bool,
+    /// Time lost to all rebounds, [`Criteria::lost_s`](super::Criteria::lost_s).
+    pub all_s: f64,
 }
 
 /// The conditions of stability: both angles in position, both phalanges pressing.
@@ -169,6 +171,9 @@ fn settled(f: &mut Formatter<'_>, class: Class, tts_s: f64, rebound_percent: f64
     }
 }
 
+/// Times lost are the same within this share: three digits are shown.
+const SAME_LOSS: f64 = 5e-3;
+
 impl Display for Loss {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let first = if self.touched_first { " touched first and" } else { "" };
@@ -179,7 +184,12 @@ impl Display for Loss {
         let times = if self.times > 1 { format!(" {} times, last", self.times) } else { String::new() };
         let [from, until] = [(self.from_s, self.until_s), (self.until_s, self.from_s)]
             .map(|(time_s, other_s)| milliseconds(time_s, other_s));
-        write!(f, "{}{first} {lost}{times} at {from}, until {until}", self.of.name())
+        write!(f, "{}{first} {lost}{times} at {from}, until {until}", self.of.name())?;
+        // Another loss went before, or part of this one was before the finger was in position.
+        match (self.all_s - (self.until_s - self.from_s)).abs() > SAME_LOSS * self.all_s {
+            true => write!(f, "; {} lost in all", milliseconds(self.all_s, f64::NAN)),
+            false => Ok(()),
+        }
     }
 }
 
@@ -225,8 +235,9 @@ mod tests {
 
     #[test]
     fn every_sentence_has_its_figure_and_its_limit() {
-        let tip = Loss { of: Condition::Tip, from_s: 7.1e-3, until_s: 8.2e-3, times: 1, touched_first: true };
-        let often = Loss { of: Condition::Proximal, times: 3, touched_first: false, ..tip };
+        let tip =
+            Loss { of: Condition::Tip, from_s: 7.1e-3, until_s: 8.2e-3, times: 1, touched_first: true, all_s: 1.1e-3 };
+        let often = Loss { of: Condition::Proximal, times: 3, touched_first: false, all_s: 2.3e-3, ..tip };
         let q21 = Loss { of: Condition::Q21, touched_first: false, ..tip };
         let off_rad = [0.1f64.to_radians(), 0.249f64.to_radians()];
         let both = [0.3f64.to_radians(), 0.249f64.to_radians()];
@@ -268,7 +279,7 @@ mod tests {
             ),
             (
                 settled(8.2e-3, 7.34, Some(often)),
-                "semi-unstable: rebound 7.3 %, more than 5 %; the proximal phalanx lifted off 3 times, last at 7.1 ms, until 8.2 ms",
+                "semi-unstable: rebound 7.3 %, more than 5 %; the proximal phalanx lifted off 3 times, last at 7.1 ms, until 8.2 ms; 2.3 ms lost in all",
             ),
             (
                 settled(16.2e-3, 0.0, None),
@@ -298,7 +309,14 @@ mod tests {
         ] {
             assert!(said.contains(expected), "{said} has no {expected}");
         }
-        let short = Loss { of: Condition::Tip, from_s: 7.1e-3, until_s: 7.1e-3 + 2e-9, times: 1, touched_first: false };
+        let short = Loss {
+            of: Condition::Tip,
+            from_s: 7.1e-3,
+            until_s: 7.1e-3 + 2e-9,
+            times: 1,
+            touched_first: false,
+            all_s: 2e-9,
+        };
         assert_eq!(short.to_string(), "the tip lifted off at 7.1 ms, until 7.100002 ms");
     }
 }

@@ -139,7 +139,7 @@ impl Found {
         let losses = Condition::ALL.into_iter().zip(&self.conditions).filter_map(|(of, history)| {
             let [from_s, until_s] = history.lost_s?;
             let touched_first = of == Condition::Tip && tip_first;
-            Some(Loss { of, from_s, until_s, times: history.times_lost, touched_first })
+            Some(Loss { of, from_s, until_s, times: history.times_lost, touched_first, all_s: self.lost_s })
         });
         losses.filter(|loss| loss.until_s > t_geo_s).max_by(|a, b| a.until_s.total_cmp(&b.until_s))
     }
