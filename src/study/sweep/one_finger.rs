@@ -34,11 +34,9 @@ pub(super) fn of_finger(
     }
     let grasp = statics.grasp.as_ref().ok();
     let tracker = grasp.map(|grasp| Tracker::new(grasp.angles()));
-    simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| match (tracker, grasp) {
-        (Some(tracker), Some(grasp)) => closing(cells, tracker, grasp, outcome)
-            .then(|| unknown(&statics))
-            .unwrap_or_else(|| Some(NO_SAMPLES.to_string())),
-        _ => unknown(&statics),
+    simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| {
+        let judged = tracker.as_ref().zip(grasp).map(|(tracker, grasp)| closing(cells, tracker, grasp, outcome));
+        if judged == Some(false) { Some(NO_SAMPLES.to_string()) } else { unknown(&statics) }
     })
 }
 
