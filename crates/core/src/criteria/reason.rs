@@ -182,12 +182,11 @@ impl Display for Loss {
             Condition::Proximal | Condition::Tip => "lifted off",
         };
         let times = if self.times > 1 { format!(" {} times, last", self.times) } else { String::new() };
-        let [from, until] = [(self.from_s, self.until_s), (self.until_s, self.from_s)]
-            .map(|(time_s, other_s)| milliseconds(time_s, other_s));
-        write!(f, "{}{first} {lost}{times} at {from}, until {until}", self.of.name())?;
+        let [from, until] = apart([self.from_s * 1e3, self.until_s * 1e3], 3);
+        write!(f, "{}{first} {lost}{times} at {from} ms, until {until} ms", self.of.name())?;
         // Another loss went before, or part of this one was before the finger was in position.
         match (self.all_s - (self.until_s - self.from_s)).abs() > SAME_LOSS * self.all_s {
-            true => write!(f, "; {} lost in all", milliseconds(self.all_s, f64::NAN)),
+            true => write!(f, "; {} lost since it was first in position", milliseconds(self.all_s, f64::NAN)),
             false => Ok(()),
         }
     }
@@ -203,6 +202,12 @@ fn figure(value: f64, limit: f64, digits: usize) -> String {
     let shown = (digits..=17).map(|digits| rounded(value, digits));
     let tells = |text: &String| side(value).is_none() || text.parse().is_ok_and(|read: f64| side(read) == side(value));
     shown.into_iter().find(tells).unwrap_or_else(|| value.to_string())
+}
+
+/// Two different numbers with `digits` significant digits, or with as many more as tell them apart.
+fn apart(values: [f64; 2], digits: usize) -> [String; 2] {
+    let mut shown = (digits..=17).map(|digits| values.map(|value| rounded(value, digits)));
+    shown.find(|[one, other]| one != other).unwrap_or_else(|| values.map(|value| value.to_string()))
 }
 
 /// A number with so many significant digits, without zeros behind the point.
@@ -279,7 +284,7 @@ mod tests {
             ),
             (
                 settled(8.2e-3, 7.34, Some(often)),
-                "semi-unstable: rebound 7.3 %, more than 5 %; the proximal phalanx lifted off 3 times, last at 7.1 ms, until 8.2 ms; 2.3 ms lost in all",
+                "semi-unstable: rebound 7.3 %, more than 5 %; the proximal phalanx lifted off 3 times, last at 7.1 ms, until 8.2 ms; 2.3 ms lost since it was first in position",
             ),
             (
                 settled(16.2e-3, 0.0, None),
@@ -317,6 +322,8 @@ mod tests {
             touched_first: false,
             all_s: 2e-9,
         };
+        let rounds_alike = Loss { from_s: 13.99e-3, until_s: 14.02e-3, all_s: 0.03e-3, ..short };
+        assert_eq!(rounds_alike.to_string(), "the tip lifted off at 13.99 ms, until 14.02 ms");
         assert_eq!(short.to_string(), "the tip lifted off at 7.1 ms, until 7.100002 ms");
     }
 }
