@@ -147,9 +147,9 @@ class Result:
 
     @property
     def criteria(self) -> dict[str, Any] | None:
-        """Of a finger: class, time to stability `tts_s`, `rebound_percent`, …; of a gripper what became of its object.
+        """Of a finger: class, what decides it (`class_reason`), `tts_s`, `rebound_percent`, …; of a gripper what became of its object.
 
-        None of discs (`contacts` has their restitution), and where the run does not say.
+        None of discs (`contacts` has their restitution), and where the run does not say: `summary["no_criteria"]` says why.
         """
 
     @property
@@ -205,7 +205,10 @@ class Table:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """How many runs ended how: `runs`, `by_status`, `by_class`, and `reasons` of those that were not completed."""
+        """How many runs ended how: `runs`, `by_status`, `by_class`, and `reasons` of those that were not completed or have no class.
+
+        `no_class` is how many of the completed runs have no class, because the finger cannot grasp its object.
+        """
 
     def to_pandas(self) -> pandas.DataFrame:
         """All columns as a pandas DataFrame."""
@@ -269,7 +272,8 @@ def evaluate(
     value is that of every design. A number is in SI, a text has its unit. threads: 0 for one on each core. columns: only these of
     the table. check: check every run (three more runs for each).
 
-    A design whose scene is not valid, or whose run does not end, is a row with `status` and `reason`, never an exception. Raises
+    A design whose scene is not valid, or whose run does not end, is a row with `status` and `reason`, never an exception; one
+    that cannot grasp its object has a `reason` and no `class`. `class_reason` says what decides the class. Raises
     StudyError for a path that is no field, or arrays of different lengths; SceneError for a scene that is none.
     """
 
@@ -289,7 +293,8 @@ def sweep(
     broken off goes on where it was when it is called again, and OUT.study.json beside it says of which study the results are.
     model: instead of the study's. check: check every run. limit: only the first so many runs. restart: begin anew.
 
-    A scene that is not valid and a run that does not end are rows, with status and reason. Raises StudyError for what is wrong
+    A scene that is not valid and a run that does not end are rows, with status and reason; so are designs that cannot grasp,
+    which have a reason and no class. Raises StudyError for what is wrong
     with the study, or with the place of its results.
     """
 

@@ -15,7 +15,8 @@ use super::{errors, study, words};
 /// Arrays and lists are all of one length; a single value is that of every design. A number is in SI, a text has its unit.
 /// threads: 0 for one on each core. columns: only these of the table. check: check every run (three more runs for each).
 ///
-/// A design whose scene is not valid, or whose run does not end, is a row with `status` and `reason`, never an exception. Raises
+/// A design whose scene is not valid, or whose run does not end, is a row with `status` and `reason`, never an exception; one that
+/// cannot grasp its object has a `reason` and no `class`. `class_reason` says what decides the class. Raises
 /// StudyError for a path that is no field, or arrays of different lengths; SceneError for a scene that is none.
 #[pyfunction]
 #[pyo3(signature = (scene, fields, *, model = "analytic", threads = 0, columns = None, check = false))]

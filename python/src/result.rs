@@ -115,8 +115,9 @@ impl Result {
         self.part(py, "contacts")
     }
 
-    /// Of a finger: class, time to stability `tts_s`, `rebound_percent`, …; of a gripper what became of its object; of discs None
-    /// (`contacts` has their restitution). None too where the run does not say.
+    /// Of a finger: class, what decides it (`class_reason`), time to stability `tts_s`, `rebound_percent`, …; of a gripper what became
+    /// of its object; of discs None (`contacts` has their restitution). None too where the run does not say: `summary["no_criteria"]`
+    /// says why.
     #[getter]
     fn criteria<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let gripper = self.layout.fingers.len() > 1;

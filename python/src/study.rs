@@ -44,7 +44,8 @@ pub fn rows(py: Python<'_>, study: &Study, threads: usize, most: u64) -> PyResul
 /// off goes on where it was when it is called again, and OUT.study.json beside it says of which study the results are.
 /// model: instead of the study's. check: check every run. limit: only the first so many runs. restart: begin anew, whatever is in out.
 ///
-/// A scene that is not valid and a run that does not end are rows, with status and reason. Raises StudyError for what is wrong
+/// A scene that is not valid and a run that does not end are rows, with status and reason; so are designs that cannot grasp, which
+/// have a reason and no class. Raises StudyError for what is wrong
 /// with the study, or with the place of its results.
 #[pyfunction]
 #[pyo3(signature = (study, threads = 0, out = None, *, model = None, check = false, limit = None, restart = false))]

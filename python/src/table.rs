@@ -115,7 +115,8 @@ impl Table {
         self.names()
     }
 
-    /// How many runs ended how: `runs`, `by_status`, `by_class`, and `reasons` of those that were not completed.
+    /// How many runs ended how: `runs`, `by_status`, `by_class`, and `reasons` of those that were not completed or
+    /// have no class, because the finger cannot grasp its object (`no_class` of them).
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         words::json(py, &self.counts)

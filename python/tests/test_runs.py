@@ -84,6 +84,10 @@ class Runs(unittest.TestCase):
         self.assertAlmostEqual(touches[1].time_s, 6.883746e-3, places=8)
         self.assertGreater(touches[0].approach_speed, 2)
         self.assertEqual(result.criteria["class"], "stable")
+        self.assertIn("from 6.88 ms on, in less than 15 ms", result.criteria["class_reason"])
+        damped = phalanx.run(phalanx.Scene.load(ANCHOR).with_({"contact.damping": "1e4 N*s/m"})).criteria
+        self.assertEqual(damped["class"], "unstable")
+        self.assertEqual(damped["class_reason"], "q21 ends 0.249° from the grasp; at most 0.2° count as in position")
         self.assertAlmostEqual(result.contacts["proximal"]["first_s"], touches[0].time_s, places=12)
         self.assertAlmostEqual(result.energies["balance_j"], result["balance_j"][-1])
         gripper = phalanx.run(GRIPPER)

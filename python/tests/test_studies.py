@@ -66,6 +66,20 @@ class Evaluate(unittest.TestCase):
         with self.assertRaises(TypeError):
             phalanx.evaluate(scene, {"design.base": base})
 
+    def test_a_design_that_cannot_grasp_has_a_reason_and_no_class(self):
+        scene = SCENES / "long-fingers.toml"
+        found = phalanx.evaluate(scene, {"lengths.t22": [0.010, 0.016]})
+        self.assertEqual(list(found["status"]), ["completed"] * 2)
+        self.assertEqual(list(found["class"]), [None, "stable"])
+        self.assertRegex(found["reason"][0], "the distal phalanx does not reach its contact: it is 10.0000 mm long")
+        self.assertIsNone(found["reason"][1])
+        self.assertRegex(found["class_reason"][1], "both phalanges press in position from 8.05 ms on, in less than 15 ms")
+        self.assertEqual(found.summary["no_class"], 1)
+        self.assertIn(found["reason"][0], [reason["reason"] for reason in found.summary["reasons"]])
+        run = phalanx.run(phalanx.Scene.load(scene).with_({"lengths.t22": "10 mm"}))
+        self.assertIsNone(run.criteria)
+        self.assertIn(found["reason"][0], run.summary["no_criteria"])
+
     def test_what_is_no_field_is_refused(self):
         for fields, words in (
             ({"design.bas": 1}, "did you mean \"design.base\""),

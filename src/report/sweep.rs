@@ -91,9 +91,10 @@ impl Reported for SweepReport {
         let mut text = Report::from(format!("{study}: {model} model, {of}, {designs} designs; in {out}\n\n"));
         let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
         text.push(list(&found.by_status.iter().map(line).collect::<Vec<_>>()));
-        if found.by_class.iter().any(|(_, count)| *count > 0) {
+        if found.no_class > 0 || found.by_class.iter().any(|(_, count)| *count > 0) {
             text.push_str("\nof the completed ones\n");
-            text.push(list(&found.by_class.iter().map(line).collect::<Vec<_>>()));
+            let no_class = (found.no_class > 0).then(|| ("no class".to_string(), found.no_class));
+            text.push(list(&found.by_class.iter().chain(&no_class).map(line).collect::<Vec<_>>()));
         }
         text.push_str(&reasons(&found.reasons));
         let mut done = String::new();
@@ -119,7 +120,7 @@ impl Reported for SweepReport {
     }
 }
 
-/// Why runs were not completed, a line each; nothing if all were.
+/// Why runs were not completed, or have no class, a line each; nothing if all were and have.
 pub(super) fn reasons(of: &[Reason]) -> String {
     if of.is_empty() {
         return String::new();

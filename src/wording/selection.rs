@@ -8,6 +8,7 @@ use crate::wording::quantity::Quantity;
 pub fn criterion_name(criterion: &Criterion) -> String {
     match criterion {
         Criterion::Completed => "simulated to the end".to_string(),
+        Criterion::Graspable => "can grasp its object".to_string(),
         Criterion::ForcePositive => "statically stable".to_string(),
         Criterion::FormClosed => "form-closed".to_string(),
         Criterion::Class(crate::criteria::Class::Stable) => "stable".to_string(),
@@ -26,6 +27,7 @@ pub fn criterion_name(criterion: &Criterion) -> String {
 pub fn criterion_key(criterion: &Criterion) -> &str {
     match criterion {
         Criterion::Completed => "completed",
+        Criterion::Graspable => "graspable",
         Criterion::ForcePositive => "force_positive",
         Criterion::FormClosed => "form_closed",
         Criterion::Class(_) => "class",

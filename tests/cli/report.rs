@@ -1,7 +1,7 @@
 //! The report of a run: the JSON document key by key, and the summary for people.
 
 use crate::support::synthetic::{posture, scene};
-use phalanx::criteria::{Class, Criteria};
+use phalanx::criteria::{Class, ClassReason, Criteria};
 use phalanx::report::document::{Came, Failure, RunReport};
 use phalanx::scene::Scene;
 use phalanx::trace::{ContactSummary, Model, Outcome, Sample, Site, Work};
@@ -54,6 +54,7 @@ fn criteria() -> Criteria {
         rebound_percent: Some(0.0),
         statically_stable: true,
         class: Class::Stable,
+        class_reason: ClassReason::Settled { tts_s: 6.883746e-3, rebound_percent: 0.0, loss: None },
     }
 }
 
@@ -115,6 +116,8 @@ fn the_document_has_every_promised_key() {
     assert_eq!(document["contacts"]["limit"]["first_s"], Value::Null);
     assert_eq!(document["contacts"]["limit"]["touchdowns"], 0);
     assert_eq!(document["criteria"]["class"], "stable");
+    let reason = document["criteria"]["class_reason"].as_str().expect("a sentence");
+    assert_eq!(reason, "both phalanges press in position from 6.88 ms on, in less than 15 ms, without a rebound");
     assert_eq!(document["criteria"]["rebound_percent"], 0.0);
     assert_eq!(document["error"], Value::Null);
     assert_eq!(document["log"], Value::Null);

@@ -85,6 +85,8 @@ describe("the explorer", () => {
     const strip = await page.locator("#strip output").allTextContents();
     const figures = (await state()).figures.slice(0, strip.length).map(({ text }) => text);
     assert.deepEqual(strip, figures);
+    const { criteria } = native(SCENE);
+    assert.equal(await page.locator("#class-reason").textContent(), `${criteria.class}: ${criteria.class_reason}`);
     await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-light.png") });
     await close();
   });

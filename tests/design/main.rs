@@ -31,5 +31,6 @@ mod sweep_resume;
 mod sweep_runs;
 mod sweep_shards;
 mod sweep_study;
+mod sweep_verdicts;
 mod table;
 mod volume_kernel;

@@ -10,6 +10,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use crate::support::cli::{directory, json, phalanx, stderr, stdout, write};
+use phalanx::criteria::at_rest;
+use phalanx::scene;
 use phalanx::study::optimize::{self, Design, Listener, Optimisation, load, run};
 use phalanx::study::sweep::{Row, Status};
 use phalanx::table::{self, Value};
@@ -124,6 +126,27 @@ fn threads_change_nothing_and_what_was_known_is_not_run_again() {
     let mut foreign = kept.0.clone();
     foreign[20][2] = Value::Number(0.0123456);
     assert!(run(&of, 2, foreign, &|| true, &mut Deaf(0)).is_err());
+}
+
+/// The lightest finger is one that does not reach its object: it is infeasible although its run is complete.
+#[test]
+fn a_design_that_cannot_grasp_is_infeasible() {
+    let directory = directory("optimize_ungraspable");
+    let text = "[scene]\nduration = \"20 ms\"\nmotor.torque = \"600 N*mm\"\nspring.torque = \"150 N*mm\"\n[scene.lengths]\nl11 = \"20 \
+                mm\"\nl21 = \"31 mm\"\nl22 = \"10 mm\"\nt22 = \"16 mm\"\nphi22 = \"115 deg\"\n[scene.object]\nradius = \"25 \
+                mm\"\ncentre = [\"-21 mm\", \"25 mm\"]\n[[variables]]\nfield = \"lengths.t22\"\nfrom = \"11 mm\"\nto = \"26 \
+                mm\"\n[[objectives]]\ncolumn = \"mass_kg\"\n[method]\nalgorithm = \"cma-es\"\npopulation = 6\ngenerations = 6\nseed \
+                = 1\n";
+    let of = load(write(&directory, "light.toml", text)).unwrap_or_else(|error| panic!("{error}"));
+    let found = all(&of, 2);
+    let grasps = |design: &Design| {
+        let scene = scene::parse(&of.scene_text(&design.points), "one.toml").expect("a scene");
+        at_rest(&scene, scene.object().expect("an object")).is_ok()
+    };
+    let grasping = found.designs.iter().filter(|design| grasps(design)).count();
+    assert!(grasping > 5 && found.designs.len() - grasping > 5, "{grasping} of {}", found.designs.len());
+    assert!(found.designs.iter().all(|design| design.is_feasible() == grasps(design)));
+    assert!(grasps(&found.designs[found.best(0).expect("a best")]));
 }
 
 #[test]

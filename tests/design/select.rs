@@ -1,6 +1,6 @@
 //! Selection on small tables made by hand: what each criterion removes, r_WC, and the ends where nothing is left.
 
-use crate::support::select::{Made, good, refused, results};
+use crate::support::select::{Made, good, refused, results, ungraspable};
 use phalanx::criteria::Class;
 use phalanx::report::select::{SelectionReport, ranking_table};
 use phalanx::study::select::{Bound, SelectError, Selection, SelectionCriteria, Side, Weights, select};
@@ -214,6 +214,60 @@ fn wrong_tables_are_refused() {
         |tts: f64| SelectionCriteria { weights: Weights { pfp: 0.0, tts, f21: 0.0, f22: 0.0 }, ..bound("mass_kg") };
     assert_eq!(select(&whole(), &weights(0.0)), Err(SelectError::NoWeight));
     assert_eq!(select(&whole(), &weights(-1.0)), Err(SelectError::Weight { name: "tts", value: -1.0 }));
+}
+
+/// Designs that cannot grasp are counted by the reason without its numbers, meet no criterion, and end no selection.
+#[test]
+fn runs_that_cannot_grasp_are_counted_and_not_selected() {
+    let semi = "rebound 2.1 %, at most 5 %; the tip touched first and lifted off at 7.1 ms, until 8.2 ms";
+    let runs = [
+        good(1, 7e-3, [5.0, 20.0, 8.0]),
+        ungraspable(2, "the distal phalanx does not reach its contact: it is 15.7800 mm long"),
+        ungraspable(3, "the distal phalanx does not reach its contact: it is 16.0000 mm long"),
+        ungraspable(4, "the proximal phalanx misses the object: it is 9 mm long"),
+        refused(5),
+        Made { class: Some("semi-stable"), class_reason: Some(semi), ..good(6, 8e-3, [6.0, 20.0, 8.0]) },
+    ];
+    let any = SelectionCriteria {
+        force_positive: false,
+        form_closed: false,
+        least_class: None,
+        bounds: vec![],
+        weights: Weights { tts: 0.0, ..Weights::default() },
+    };
+    for criteria in [SelectionCriteria::default(), any] {
+        let selection = selected(&results(&runs), &criteria);
+        let mut chosen: Vec<i64> = places(&selection).iter().map(|place| place.1).collect();
+        chosen.sort_unstable();
+        assert_eq!(chosen, [1, 6]);
+        assert!(selection.ranking.iter().all(|ranked| ranked.r_wc.is_finite()));
+        let counts: Vec<_> = selection.cannot_grasp.iter().map(|reason| (reason.runs, reason.first_run)).collect();
+        assert_eq!(counts, [(2, 2), (1, 4)]);
+        let tally = &selection.tallies[1];
+        assert_eq!((tally.holds, tally.fails, tally.unknown), (2, 3, 1));
+        let report = SelectionReport::new("made.csv", &selection, 5);
+        let text = report.report().to_string();
+        for part in [
+            "cannot grasp           3 (50.0 %)",
+            "2 rows cannot grasp, first run 2: the distal phalanx does not reach its contact: it is 15.7800 mm long",
+            "1 row cannot grasp, first run 4: the proximal phalanx misses the object: it is 9 mm long",
+            "can grasp its object",
+            &format!("1 semi-stable, first run 6: {semi}"),
+            &format!("run 6 is semi-stable: {semi}"),
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        let document: serde_json::Value = serde_json::from_str(&report.json()).expect("JSON");
+        assert_eq!(document["classes"][0]["cannot_grasp"], 3);
+        assert_eq!(
+            (&document["cannot_grasp"][0]["runs"], &document["criteria"][1]["criterion"]),
+            (&2.into(), &"graspable".into())
+        );
+        assert_eq!(document["class_reasons"][1]["class_reason"], semi);
+    }
+    // Where every finger can grasp, nothing is said of it.
+    let selection = selected(&results(&mixed()), &SelectionCriteria::default());
+    assert!(selection.cannot_grasp.is_empty() && selection.tallies.len() == 5);
 }
 
 #[test]

@@ -206,5 +206,7 @@ fn a_scene_without_an_object_has_no_grasp_but_a_row() {
         assert_eq!(table.numbers(name).expect(name), [None; 2], "{name}");
     }
     assert_eq!(table.texts("class").expect("texts"), [None; 2]);
+    assert_eq!(table.texts("reason").expect("texts"), [Some("there is no object"); 2]);
+    assert_eq!(summary(&table).expect("a sweep's").no_class, 2);
     assert!(table.integers("steps").expect("integers").iter().all(|steps| steps.is_some_and(|steps| steps > 0)));
 }

@@ -34,7 +34,7 @@ impl Closing {
             let sample = posture(time, (TARGET.q11_rad + angle, rate), (TARGET.q21_rad, 0.0), (self.forces_n)(time));
             tracker.sample(&sample).expect("never fails");
         }
-        tracker.criteria(true)
+        tracker.criteria(None).expect("a run")
     }
 }
 
@@ -76,12 +76,17 @@ fn a_statically_unstable_grasp_is_unstable_whatever_the_dynamics_say() {
         let sample = posture(time, (TARGET.q11_rad, 0.0), (TARGET.q21_rad, 0.0), [20.0, 8.0]);
         tracker.sample(&sample).expect("never fails");
     }
-    let criteria = tracker.criteria(true);
+    let criteria = tracker.criteria(Some([3.0, 0.0])).expect("a run");
     assert_eq!(criteria.t_geo_s, Some(0.0));
     assert_eq!(criteria.tts_s, Some(0.0));
     assert_eq!(criteria.rebound_percent, Some(0.0));
     assert_eq!(criteria.class, Class::Stable);
-    assert_eq!(tracker.criteria(false).class, Class::Unstable);
+    let pulls = tracker.criteria(Some([-1.2, 3.0])).expect("a run");
+    assert_eq!((pulls.class, pulls.statically_stable), (Class::Unstable, false));
+    assert_eq!(
+        pulls.verdict(),
+        "unstable: the static force on the proximal phalanx is -1.2 N; it must not be negative"
+    );
 }
 
 #[test]

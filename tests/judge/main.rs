@@ -9,6 +9,7 @@ mod budget;
 mod campaign;
 mod check;
 mod criteria_anchor;
+mod criteria_reason;
 mod criteria_tracker;
 mod dice;
 mod fates;

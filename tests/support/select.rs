@@ -12,6 +12,8 @@ pub struct Made {
     pub force_positive: Option<bool>,
     pub form_closed: Option<bool>,
     pub class: Option<&'static str>,
+    pub class_reason: Option<&'static str>,
+    pub reason: Option<&'static str>,
     pub tts_s: Option<f64>,
     /// PFP, F21, F22.
     pub forces: Option<[f64; 3]>,
@@ -27,6 +29,8 @@ pub fn good(design: i64, tts_s: f64, forces: [f64; 3]) -> Made {
         force_positive: Some(true),
         form_closed: Some(true),
         class: Some("stable"),
+        class_reason: Some("both phalanges press in position from 7 ms on, in less than 15 ms, without a rebound"),
+        reason: None,
         tts_s: Some(tts_s),
         forces: Some(forces),
     }
@@ -39,10 +43,17 @@ pub fn refused(design: i64) -> Made {
         force_positive: None,
         form_closed: None,
         class: None,
+        class_reason: None,
+        reason: Some("the scene is not valid"),
         tts_s: None,
         forces: None,
         ..good(design, 0.0, [0.0; 3])
     }
+}
+
+/// A run that was simulated to the end, of a finger that cannot grasp its object.
+pub fn ungraspable(design: i64, reason: &'static str) -> Made {
+    Made { status: "completed", reason: Some(reason), ..refused(design) }
 }
 
 /// The table of these runs, numbered from 1.
@@ -57,8 +68,10 @@ pub fn results(runs: &[Made]) -> Table {
         ("force_positive", Kind::Flag),
         ("form_closed", Kind::Flag),
         ("status", Kind::Text),
+        ("reason", Kind::Text),
         ("tts_s", Kind::Number),
         ("class", Kind::Text),
+        ("class_reason", Kind::Text),
         ("f21_n", Kind::Number),
         ("f22_n", Kind::Number),
         ("pfp_n", Kind::Number),
@@ -75,8 +88,10 @@ pub fn results(runs: &[Made]) -> Table {
             Value::from(run.force_positive),
             Value::from(run.form_closed),
             Value::from(run.status),
+            Value::from(run.reason),
             Value::from(run.tts_s),
             Value::from(run.class),
+            Value::from(run.class_reason),
             force(1),
             force(2),
             force(0),

@@ -97,6 +97,8 @@ describe("what it answers", () => {
     assert.ok(numbers.length > 30);
     for (const { key, value } of numbers) assert.equal(value, key.split(".").reduce((at, part) => at[part], said), key);
     assert.equal(answer.figures[0].text, said.criteria.class);
+    assert.equal(answer.verdict, `${said.criteria.class}: ${said.criteria.class_reason}`);
+    assert.ok(answer.figures.every(({ key }) => key !== "criteria.class_reason"));
     assert.equal(answer.steps, said.steps);
   });
 

@@ -57,7 +57,7 @@ pub fn simulate<W: Write + Send + 'static>(
     let Judged { criteria, grasp, rebounds, overlaps } = judge.judged(result.is_ok());
     let fate =
         |found: &GraspCriteria| format!("{}: {}", found.fate.name(), fate_reason(found, scene.thresholds.held_time_s));
-    let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
+    let said = criteria.as_ref().map(Criteria::verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
     let warnings: Vec<String> = overlaps.iter().map(LinkOverlap::sentence).collect();
     let log = Open { log, last, last_s, verdict: said, warnings: warnings.clone() };
     Ran { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log }
@@ -83,24 +83,6 @@ impl<W: Write + Send + 'static> Open<W> {
             log.record(CHECK_NAME, check_entries(check))?;
         }
         log.finish().map(Some)
-    }
-}
-
-/// What the log says of the grasp in the end.
-fn verdict(criteria: &Criteria) -> String {
-    let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
-    let class = criteria.class.name();
-    if !criteria.statically_stable {
-        return format!("{class}: at rest a phalanx would have to pull");
-    }
-    match (criteria.tts_s, criteria.rebound_percent, criteria.t_geo_s) {
-        (Some(tts_s), Some(rebound), _) => {
-            format!("{class}: both phalanges hold for good from {}, rebounds {rebound:.3} %", ms(tts_s))
-        }
-        (_, _, Some(t_geo_s)) => {
-            format!("{class}: in position from {}, but not held by both phalanges in the end", ms(t_geo_s))
-        }
-        _ => format!("{class}: the finger never came into position"),
     }
 }
 

@@ -36,7 +36,7 @@ pub struct OptimisationReport<'a> {
     pub runs: u64,
     /// Runs by how they ended.
     pub by_status: BTreeMap<&'static str, u64>,
-    /// Why runs were not completed.
+    /// Why runs were not completed, or have no class.
     pub reasons: Vec<Reason>,
     pub variables: Vec<VariableReport>,
     pub objectives: Vec<ObjectiveReport>,

@@ -70,7 +70,7 @@ impl Heard {
     /// Of a run that was completed, and of which nothing is missing.
     fn criteria(&self, reading: &Reading) -> Option<Criteria> {
         let judged = self.tracker.as_ref().zip(self.grasp.as_ref()).filter(|_| is_of_whole_run(reading));
-        judged.map(|(tracker, grasp)| tracker.criteria(grasp.is_stable()))
+        judged.and_then(|(tracker, grasp)| tracker.criteria(grasp.static_forces_n()))
     }
 }
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::criteria::Class;
 use crate::study::select::{CLASSES, Criterion, Parts, RunStatus, Selection, Side, Weights};
+use crate::study::sweep::Reason;
 use crate::table::Value;
 use crate::wording::{criterion_key, criterion_name};
 
@@ -25,6 +26,10 @@ pub struct SelectionReport<'a> {
     pub missing_runs: usize,
     pub axes: Vec<VariedReport>,
     pub classes: Vec<ClassesReport>,
+    /// What decides the classes, from the best, by the sentence without its numbers.
+    pub class_reasons: Vec<ClassReasonReport>,
+    /// Why runs that were simulated to the end have no class.
+    pub cannot_grasp: Vec<Reason>,
     pub criteria: Vec<CriterionReport>,
     pub selected: usize,
     /// The criterion that removed the last run, where none is left.
@@ -42,6 +47,23 @@ pub struct VariedReport {
     pub again: bool,
 }
 
+/// Runs of one class that one sentence decides.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClassReasonReport {
+    pub class: String,
+    /// As it is in the first of these runs; others differ in their numbers.
+    pub class_reason: String,
+    pub runs: u64,
+    pub first_run: u64,
+}
+
+impl ClassReasonReport {
+    fn new(of: &Reason) -> Self {
+        let Reason { status, reason, runs, first_run } = of.clone();
+        ClassReasonReport { class: status, class_reason: reason, runs, first_run }
+    }
+}
+
 /// One condition.
 #[derive(Clone, Debug, Serialize)]
 pub struct ClassesReport {
@@ -49,6 +71,8 @@ pub struct ClassesReport {
     pub condition: BTreeMap<String, Value>,
     pub runs: usize,
     pub statuses: StatusesReport,
+    /// Completed runs without a class.
+    pub cannot_grasp: usize,
     pub statically_stable: usize,
     pub statically_unstable: usize,
     pub form_closed: usize,
@@ -69,7 +93,7 @@ pub struct StatusesReport {
 /// One criterion.
 #[derive(Clone, Debug, Serialize)]
 pub struct CriterionReport {
-    /// `completed`, `force_positive`, `form_closed`, `class`, `settled`, or the column of a bound.
+    /// `completed`, `graspable`, `force_positive`, `form_closed`, `class`, `settled`, or the column of a bound.
     pub criterion: String,
     pub words: String,
     /// The least class, or the bound in the unit of its column.
@@ -90,6 +114,8 @@ pub struct RankedReport {
     pub design: i64,
     pub axes: BTreeMap<String, Value>,
     pub class: Option<Class>,
+    /// What decides the class.
+    pub class_reason: Option<String>,
     pub pfp_n: Option<f64>,
     pub tts_s: Option<f64>,
     pub f21_n: Option<f64>,
@@ -112,6 +138,8 @@ impl<'a> SelectionReport<'a> {
                 .map(|axis| VariedReport { column: axis.column.clone(), values: axis.values.len(), again: axis.again })
                 .collect(),
             classes: classes(selection),
+            class_reasons: selection.class_reasons.iter().map(ClassReasonReport::new).collect(),
+            cannot_grasp: selection.cannot_grasp.clone(),
             criteria: criteria(selection),
             selected: selection.ranking.len(),
             emptied_by: selection.emptied_by().map(|tally| criterion_key(&tally.criterion).to_string()),
@@ -133,6 +161,7 @@ fn classes(selection: &Selection) -> Vec<ClassesReport> {
                 refused: status(RunStatus::Refused),
                 failed: status(RunStatus::Failed),
             },
+            cannot_grasp: of.cannot_grasp,
             statically_stable: of.statically_stable,
             statically_unstable: of.statically_unstable,
             form_closed: of.form_closed,
@@ -179,6 +208,7 @@ fn ranking(selection: &Selection) -> Vec<RankedReport> {
             design: run.design,
             axes: axes.map(|(axis, value)| (axis.column.clone(), value.clone())).collect(),
             class: run.class,
+            class_reason: run.class_reason.clone(),
             pfp_n: run.pfp_n,
             tts_s: run.tts_s,
             f21_n: run.f21_n,

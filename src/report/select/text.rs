@@ -1,7 +1,9 @@
 //! A selection as tables for people.
 
 use super::document::SelectionReport;
-use crate::study::select::{CLASSES, Ranked, RunStatus, Selection};
+use crate::criteria::Class;
+use crate::study::select::{CLASSES, Candidate, Ranked, RunStatus, Selection};
+use crate::study::sweep::Reason;
 use crate::wording::figures::{figure, row};
 use crate::wording::quantity::Quantity;
 use crate::wording::report::{Report, Reported, table};
@@ -16,6 +18,7 @@ impl Reported for SelectionReport<'_> {
         text.push_str(&unfinished(selection));
         text.push('\n');
         text.push(classes(selection));
+        text.push_str(&reasons(selection));
         text.push('\n');
         text.push(criteria(selection));
         text.push('\n');
@@ -64,6 +67,9 @@ fn classes(selection: &Selection) -> Report {
         }
     }
     let all = |condition: usize| selection.classes[condition].runs;
+    if !selection.cannot_grasp.is_empty() {
+        line("cannot grasp", &|condition| (selection.classes[condition].cannot_grasp, all(condition)));
+    }
     line("statically stable", &|condition| (selection.classes[condition].statically_stable, all(condition)));
     line("form-closed", &|condition| (selection.classes[condition].form_closed, all(condition)));
     for (index, class) in CLASSES.into_iter().enumerate() {
@@ -71,6 +77,25 @@ fn classes(selection: &Selection) -> Report {
     }
     line("stable or semi-stable", &|condition| (selection.classes[condition].dynamically_stable(), all(condition)));
     table(&rows)
+}
+
+/// What decides the classes, and why some runs have none.
+fn reasons(selection: &Selection) -> String {
+    let mut text = String::new();
+    if !selection.class_reasons.is_empty() {
+        text.push_str("\nwhat decides the class (figures are those of the first run)\n");
+    }
+    for Reason { status, reason, runs, first_run } in &selection.class_reasons {
+        text.push_str(&format!("{runs:>7} {status}, first run {first_run}: {reason}\n"));
+    }
+    if !selection.cannot_grasp.is_empty() {
+        text.push_str("\nwithout a class (figures are those of the first run)\n");
+    }
+    for Reason { reason, runs, first_run, .. } in &selection.cannot_grasp {
+        let rows = if *runs == 1 { "row" } else { "rows" };
+        text.push_str(&format!("{runs:>7} {rows} cannot grasp, first run {first_run}: {reason}\n"));
+    }
+    text
 }
 
 /// What each criterion removed.
@@ -118,7 +143,17 @@ fn ranking(selection: &Selection, most: usize) -> Report {
         runs(selection.runs.len()),
         most.min(selection.ranking.len()),
     );
-    Report::from(best).and(table(&rows)).and(equal(selection))
+    Report::from(best).and(table(&rows)).and(equal(selection)).and(decided(selection, most))
+}
+
+/// What decides the class of those shown that are not stable.
+fn decided(selection: &Selection, most: usize) -> String {
+    let shown = selection.ranking.iter().take(most).map(|ranked| &selection.runs[ranked.run_index]);
+    let line = |run: &Candidate| {
+        let class = run.class.filter(|class| *class != Class::Stable)?;
+        Some(format!("run {} is {}: {}\n", run.run, class.name(), run.class_reason.as_ref()?))
+    };
+    shown.filter_map(line).collect()
 }
 
 /// Axes that have more than one value.

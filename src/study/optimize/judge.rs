@@ -21,11 +21,12 @@ pub struct Judged {
 
 /// Judges a design by its rows, one for each condition.
 ///
-/// The violation counts, over all conditions: 1 for a run that did not come to its end, 1 for each figure that it has not, and for each
+/// The violation counts, over all conditions: 1 for a run that did not come to its end or has no verdict, because its finger cannot
+/// grasp the object, 1 for each figure that it has not, and for each
 /// constraint that is missed how far it is missed, from 0 to 1.
 pub fn judge(objectives: &[Objective], constraints: &[Constraint], rows: &[Row]) -> Judged {
     let by_status = Status::ALL.map(|status| rows.iter().filter(|row| row.status == status).count() as u64);
-    let unfinished = rows.iter().filter(|row| row.status != Status::Completed).count() as f64;
+    let unfinished = rows.iter().filter(|row| !row.judged).count() as f64;
     let figures: Vec<Vec<Option<f64>>> =
         objectives.iter().map(|of| rows.iter().map(|row| figure(&of.figure, row)).collect()).collect();
     let lacking = figures.iter().flatten().filter(|value| value.is_none()).count() as f64;

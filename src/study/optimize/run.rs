@@ -111,8 +111,9 @@ fn simulated(
 ) -> Result<Option<Vec<Row>>, OtherDesign> {
     let study = of.study.with_rows(points.to_vec());
     let offset = before * of.conditions();
-    let mut rows: Vec<Option<Row>> =
-        (1..=study.runs()).map(|run| Some(row(known.remove(&(offset + run))?))).collect::<Vec<Option<Row>>>();
+    let mut rows: Vec<Option<Row>> = (1..=study.runs())
+        .map(|run| Some(Row::of_cells(study.kind, known.remove(&(offset + run))?)))
+        .collect::<Vec<Option<Row>>>();
     for (run, row) in (1..).zip(&rows) {
         if row.as_ref().is_some_and(|row| !is_of(row, &study, run)) {
             return Err(OtherDesign { run: offset + run });
@@ -142,13 +143,6 @@ fn simulated(
         }
     }
     Ok(rows.into_iter().collect())
-}
-
-/// A row that was known, with its status.
-fn row(cells: Vec<Value>) -> Row {
-    let said = |status: &Status| cells.iter().any(|cell| matches!(cell, Value::Text(text) if text == status.name()));
-    let status = Status::ALL.into_iter().find(said).unwrap_or(Status::Refused);
-    Row { run: number(&cells).unwrap_or(0), status, cells }
 }
 
 /// Whether a row is of the design and the condition that a study has there.

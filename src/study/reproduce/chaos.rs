@@ -176,8 +176,8 @@ fn again(scene: &Scene, varied: bool, go_on: &(dyn Fn() -> bool + Sync)) -> Resu
 }
 
 fn end(tracker: &Tracker, rest: &AtRest) -> End {
-    let criteria = tracker.criteria(rest.is_stable());
-    (criteria.class, criteria.tts_s)
+    let criteria = tracker.criteria(rest.static_forces_n());
+    criteria.map_or((Class::Unstable, None), |criteria| (criteria.class, criteria.tts_s))
 }
 
 /// The end of the run with another torque. One that breaks off is unstable.

@@ -52,7 +52,7 @@ fn closing(name: &'static str, text: &str, file: &str) -> Result<Closing, Reprod
     Ok(Closing {
         name,
         mass_kg: total_mass(&scene.finger().linkage.bodies),
-        criteria: kept.tracker.criteria(rest.is_stable()),
+        criteria: kept.tracker.criteria(rest.static_forces_n()).ok_or_else(|| error(&"the run has no duration"))?,
         pfp_n: palm_force(&rest.end, forces[0], forces[1], rest.mu_static[0]),
         outcome,
         points: kept.points,

@@ -64,11 +64,22 @@ pub struct Candidate {
     pub force_positive: Option<bool>,
     pub form_closed: Option<bool>,
     pub class: Option<Class>,
+    /// What decides the class.
+    pub class_reason: Option<String>,
+    /// Why it was not completed, or why figures are missing.
+    pub reason: Option<String>,
     pub tts_s: Option<f64>,
     /// Final simulated normal forces, and the palm force of them.
     pub f21_n: Option<f64>,
     pub f22_n: Option<f64>,
     pub pfp_n: Option<f64>,
+}
+
+impl Candidate {
+    /// Whether it was simulated to the end, but has no class, for the finger cannot grasp its object.
+    pub fn cannot_grasp(&self) -> bool {
+        self.status == RunStatus::Completed && self.class.is_none()
+    }
 }
 
 /// The class of a name.
@@ -97,6 +108,8 @@ pub fn read(table: &Table) -> Result<Read, SelectError> {
         force_positive: table.flags("force_positive")?,
         form_closed: table.flags("form_closed")?,
         class: table.texts("class")?,
+        class_reason: texts_if_there(table, "class_reason")?,
+        reason: texts_if_there(table, "reason")?,
         tts: table.numbers("tts_s")?,
         f21: table.numbers("f21_n")?,
         f22: table.numbers("f22_n")?,
@@ -126,10 +139,20 @@ struct Columns<'a> {
     force_positive: Vec<Option<bool>>,
     form_closed: Vec<Option<bool>>,
     class: Vec<Option<&'a str>>,
+    class_reason: Vec<Option<&'a str>>,
+    reason: Vec<Option<&'a str>>,
     tts: Vec<Option<f64>>,
     f21: Vec<Option<f64>>,
     f22: Vec<Option<f64>>,
     pfp: Vec<Option<f64>>,
+}
+
+/// A column of texts; nothing in each row where there is no such column.
+fn texts_if_there<'a>(table: &'a Table, name: &str) -> Result<Vec<Option<&'a str>>, SelectError> {
+    match table.columns.iter().any(|column| column.name == name) {
+        true => Ok(table.texts(name)?),
+        false => Ok(vec![None; table.rows.len()]),
+    }
 }
 
 fn candidate(columns: &Columns, row: usize, axes: Vec<Value>) -> Result<Candidate, SelectError> {
@@ -161,6 +184,8 @@ fn candidate(columns: &Columns, row: usize, axes: Vec<Value>) -> Result<Candidat
         force_positive: columns.force_positive[row],
         form_closed: columns.form_closed[row],
         class: class.transpose()?,
+        class_reason: columns.class_reason[row].map(String::from),
+        reason: columns.reason[row].map(String::from),
         tts_s: finite("tts_s", columns.tts[row])?,
         f21_n: finite("f21_n", columns.f21[row])?,
         f22_n: finite("f22_n", columns.f22[row])?,
@@ -174,7 +199,9 @@ fn candidate(columns: &Columns, row: usize, axes: Vec<Value>) -> Result<Candidat
         ("f22_n", found.f22_n.is_none()),
         ("pfp_n", found.pfp_n.is_none()),
     ];
-    match needed.iter().find(|(_, absent)| status == RunStatus::Completed && *absent) {
+    // A row says why figures are missing, or it is not finished.
+    let must_have = status == RunStatus::Completed && found.reason.is_none();
+    match needed.iter().find(|(_, absent)| must_have && *absent) {
         Some(&(column, _)) => Err(SelectError::Unfinished { row: row + 1, run, column }),
         None => Ok(found),
     }

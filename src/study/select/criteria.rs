@@ -59,6 +59,8 @@ impl Side {
 pub enum Criterion {
     /// The run came to its end; without that there is nothing to rank.
     Completed,
+    /// The finger can grasp its object. Only where there are runs in which it cannot.
+    Graspable,
     ForcePositive,
     FormClosed,
     Class(Class),
@@ -101,6 +103,7 @@ impl Criterion {
         };
         match self {
             Criterion::Completed => verdict(Some(completed)),
+            Criterion::Graspable => verdict(completed.then(|| !run.cannot_grasp())),
             Criterion::ForcePositive => verdict(run.force_positive),
             Criterion::FormClosed => verdict(run.form_closed),
             // In the order of `CLASSES`.

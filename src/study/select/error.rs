@@ -21,8 +21,8 @@ pub enum SelectError {
     #[error("run {run}: `{column}` is {value}, expected a finite number, or nothing where there is none")]
     NotFinite { run: i64, column: &'static str, value: f64 },
     #[error(
-        "row {row} (run {run}) is completed, but has no `{column}`: the row is not finished; let `phalanx sweep` resume \
-         and write it again"
+        "row {row} (run {run}) is completed, but has neither `{column}` nor a `reason`: the row is not finished; make the sweep \
+         again (`phalanx sweep --restart`)"
     )]
     Unfinished { row: usize, run: i64, column: &'static str },
     #[error("run {run} is there twice, in rows {first} and {second}: remove one of them, each run may be there once")]

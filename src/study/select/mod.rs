@@ -27,6 +27,7 @@ pub use error::SelectError;
 pub use ranking::{Figures, Parts, Ranked, Weights, rank};
 pub use tally::{Classes, Tally};
 
+use crate::study::sweep::Reason;
 use crate::table::Table;
 
 /// A finished selection.
@@ -45,6 +46,10 @@ pub struct Selection {
     pub tallies: Vec<Tally>,
     /// One for each condition.
     pub classes: Vec<Classes>,
+    /// Why runs that were simulated to the end have no class, by the reason without its numbers.
+    pub cannot_grasp: Vec<Reason>,
+    /// What decides the classes, from the best; `status` is the class. Empty if the table has no column `class_reason`.
+    pub class_reasons: Vec<Reason>,
     /// The runs that meet every criterion, best first.
     pub ranking: Vec<Ranked>,
     /// Numbers up to the largest that no row has: the sweep was not finished.
@@ -69,11 +74,15 @@ impl Selection {
 /// Applies the criteria to every run of a table of results, and ranks those that meet all of them.
 ///
 /// Columns as `phalanx sweep` writes them. The table must have `run`, `design`, `l12_m`, `status`,
-/// `force_positive`, `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and what is bounded; others may be missing.
+/// `force_positive`, `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and what is bounded; others may be missing. A
+/// completed run may lack figures if its `reason` says why; it meets no criterion about them.
 pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection, SelectError> {
     criteria.weights.check()?;
     let candidates::Read { axes, conditions, runs } = candidates::read(results)?;
-    let list = criteria.list();
+    let mut list = criteria.list();
+    if runs.iter().any(Candidate::cannot_grasp) {
+        list.insert(1, Criterion::Graspable);
+    }
     let bounded = criteria::bounded(results, &list)?;
     let judge = |run: &Candidate| {
         let of = |(criterion, column): (&Criterion, &Option<Vec<Option<f64>>>)| {
@@ -92,6 +101,8 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
     Ok(Selection {
         tallies: tally::tallies(&list, &verdicts),
         classes: tally::classes(&runs, conditions.len()),
+        cannot_grasp: tally::cannot_grasp(&runs),
+        class_reasons: tally::class_reasons(&runs),
         missing_runs: tally::missing(&runs),
         weights: criteria.weights,
         criteria: list,

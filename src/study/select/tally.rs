@@ -1,10 +1,12 @@
 //! What each criterion removed, and how many runs each class has.
 
+use std::cmp::Reverse;
 use std::collections::HashSet;
 
 use super::classes::CLASSES;
 use super::criteria::{Criterion, Verdict};
 use super::{Candidate, RunStatus};
+use crate::study::sweep::{Reason, grouped};
 
 /// What one criterion did.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +53,8 @@ pub fn tallies(criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Vec<Tally> 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Classes {
     pub runs: usize,
+    /// Simulated to the end, without a class.
+    pub cannot_grasp: usize,
     /// In the order of [`RunStatus::ALL`].
     pub statuses: [usize; 4],
     /// In the order of [`CLASSES`].
@@ -74,6 +78,7 @@ pub fn classes(runs: &[Candidate], conditions: usize) -> Vec<Classes> {
         let count = |test: &dyn Fn(&Candidate) -> bool| of.iter().filter(|run| test(run)).count();
         Classes {
             runs: of.len(),
+            cannot_grasp: count(&Candidate::cannot_grasp),
             statuses: RunStatus::ALL.map(|status| count(&|run| run.status == status)),
             dynamic: CLASSES.map(|class| count(&|run| run.class == Some(class))),
             statically_stable: count(&|run| run.force_positive == Some(true)),
@@ -82,6 +87,25 @@ pub fn classes(runs: &[Candidate], conditions: usize) -> Vec<Classes> {
         }
     };
     (0..conditions).map(of).collect()
+}
+
+/// Why completed runs have no class, the most frequent reason first.
+pub fn cannot_grasp(runs: &[Candidate]) -> Vec<Reason> {
+    let of = runs.iter().filter(|run| run.cannot_grasp());
+    let mut found =
+        grouped(of.filter_map(|run| Some((run.run.unsigned_abs(), run.status.name(), run.reason.as_deref()?))));
+    found.sort_by_key(|reason| (Reverse(reason.runs), reason.first_run));
+    found
+}
+
+/// What decides the classes, from the best class, the most frequent reason first.
+pub fn class_reasons(runs: &[Candidate]) -> Vec<Reason> {
+    let mut found = grouped(
+        runs.iter().filter_map(|run| Some((run.run.unsigned_abs(), run.class?.name(), run.class_reason.as_deref()?))),
+    );
+    let rank = |name: &str| CLASSES.iter().position(|class| class.name() == name);
+    found.sort_by_key(|reason| (rank(&reason.status), Reverse(reason.runs), reason.first_run));
+    found
 }
 
 /// Numbers from 1 to the largest that no run has.

@@ -54,6 +54,7 @@ pub(in crate::study) use raw::{Anything, List, RawAxis, RawFilter, schema_of_stu
 pub(in crate::study) use read::{filter_of, stem, text_of};
 pub(in crate::study) use read_axis::{axes, between, field, read};
 pub(in crate::study) use row::found;
+pub(in crate::study) use summary::grouped;
 
 pub use error::StudyError;
 pub use field::{Field, Holds, Point};

@@ -1,9 +1,9 @@
 //! One run of a finger: scene, statics, simulation, row.
 
 use super::row::{Cells, Row, Status};
-use super::simulate::{refusal, simulated};
+use super::simulate::{NO_SAMPLES, refusal, simulated};
 use super::{Filter, Study};
-use crate::criteria::{AtRest, Class, Tracker, at_rest};
+use crate::criteria::{AtRest, Class, Tracker, grasp_at_rest};
 use crate::gripper::{SpringKind, total_mass};
 use crate::scene::{self, Scene};
 use crate::statics::{Equilibrium, form_closure, palm_force_each};
@@ -35,15 +35,13 @@ pub(super) fn of_finger(
     let grasp = statics.grasp.as_ref().ok();
     let tracker = grasp.map(|grasp| Tracker::new(grasp.angles()));
     simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| {
-        if let Some((tracker, grasp)) = tracker.as_ref().zip(grasp) {
-            closing(cells, tracker, grasp, outcome);
-        }
+        let judged = tracker.as_ref().zip(grasp).map(|(tracker, grasp)| closing(cells, tracker, grasp, outcome));
+        if judged == Some(false) { Some(NO_SAMPLES.to_string()) } else { unknown(&statics) }
     })
 }
 
 fn statics(scene: &Scene) -> Statics {
-    let object = scene.object().ok_or_else(|| "there is no object".to_string());
-    let grasp = object.and_then(|object| at_rest(scene, object).map_err(|error| error.to_string()));
+    let grasp = grasp_at_rest(scene);
     let closed = |grasp: &AtRest| match form_closure(&scene.finger().linkage, &grasp.end) {
         Ok(found) => Ok(found.closed),
         Err(error) => Err(error.to_string()),
@@ -76,19 +74,33 @@ fn design(cells: &mut Cells, scene: &Scene, statics: &Statics) {
     cells.set("form_closed", statics.form_closed.as_ref().ok().copied());
 }
 
-/// What the simulation says of the grasp.
-fn closing(cells: &mut Cells, tracker: &Tracker, grasp: &AtRest, outcome: &Outcome) {
-    let criteria = tracker.criteria(grasp.is_stable());
+/// What statics cannot say of a design, so that the row lacks these figures, and the class without a grasp.
+fn unknown(statics: &Statics) -> Option<String> {
+    let grasp = match &statics.grasp {
+        Ok(grasp) => grasp,
+        Err(reason) => return Some(reason.clone()),
+    };
+    let forces = grasp.forces.as_ref().err().map(|error| format!("no static forces: {error}"));
+    let closed = statics.form_closed.as_ref().err().map(|error| format!("no form closure: {error}"));
+    let reasons: Vec<String> = forces.into_iter().chain(closed).collect();
+    (!reasons.is_empty()).then(|| reasons.join("; "))
+}
+
+/// What the simulation says of the grasp; `false` if there is nothing to judge.
+fn closing(cells: &mut Cells, tracker: &Tracker, grasp: &AtRest, outcome: &Outcome) -> bool {
+    let Some(criteria) = tracker.criteria(grasp.static_forces_n()) else { return false };
     cells.set("t_geo_s", criteria.t_geo_s);
     cells.set("tts_s", criteria.tts_s);
     cells.set("rebound_percent", criteria.rebound_percent);
     cells.set("class", criteria.class.name());
+    cells.set("class_reason", criteria.class_reason.to_string());
     let forces_n = [outcome.last.contact(Site::Proximal).normal_n, outcome.last.contact(Site::Distal).normal_n];
     cells.set("f21_n", forces_n[0]);
     cells.set("f22_n", forces_n[1]);
     cells.set("pfp_n", palm_force_each(&grasp.end, forces_n, grasp.mu_static));
     cells.set("peak_f21_n", outcome.site(Site::Proximal).peak_normal_n);
     cells.set("peak_f22_n", outcome.site(Site::Distal).peak_normal_n);
+    true
 }
 
 /// Why a run is not simulated, if so.

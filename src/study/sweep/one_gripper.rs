@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::row::{Cells, Row, Status};
-use super::simulate::{refusal, simulated};
+use super::simulate::{NO_SAMPLES, refusal, simulated};
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::gripper::SpringKind;
 use crate::scene::words::SceneKind;
@@ -23,10 +23,12 @@ pub(super) fn of_gripper(
     };
     design(&mut cells, &scene);
     let tracker = GraspTracker::of(&scene);
-    simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| {
-        if let Some(found) = tracker.criteria() {
+    simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| match tracker.criteria() {
+        Some(found) => {
             closing(cells, &scene, &found, outcome);
+            None
         }
+        None => Some(NO_SAMPLES.to_string()),
     })
 }
 

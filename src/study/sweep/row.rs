@@ -33,11 +33,14 @@ impl Status {
     }
 }
 
-/// One row of the results.
+/// One row of the results. A row without a verdict has a reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     pub run: u64,
     pub status: Status,
+    /// Whether it has a verdict: a class, or of a gripper what became of the grasp. A run that was not completed has none, and a
+    /// finger that cannot grasp its object has none.
+    pub judged: bool,
     /// A value for each of [`columns`].
     pub cells: Vec<Value>,
 }
@@ -92,7 +95,7 @@ const OF_GRIPPER: [(&str, Kind); 41] = [
     ("check_error_rad", Kind::Number),
 ];
 
-const OF_FINGER: [(&str, Kind); 27] = [
+const OF_FINGER: [(&str, Kind); 28] = [
     ("l12_m", Kind::Number),
     ("l21_m", Kind::Number),
     ("l22_m", Kind::Number),
@@ -112,6 +115,7 @@ const OF_FINGER: [(&str, Kind); 27] = [
     ("tts_s", Kind::Number),
     ("rebound_percent", Kind::Number),
     ("class", Kind::Text),
+    ("class_reason", Kind::Text),
     ("f21_n", Kind::Number),
     ("f22_n", Kind::Number),
     ("pfp_n", Kind::Number),
@@ -121,6 +125,33 @@ const OF_FINGER: [(&str, Kind); 27] = [
     ("check", Kind::Text),
     ("check_error_rad", Kind::Number),
 ];
+
+/// The column of the verdict.
+pub(super) fn verdict_column(kind: SceneKind) -> &'static str {
+    if kind == SceneKind::Gripper { "grasp" } else { "class" }
+}
+
+impl Row {
+    /// The row of these cells, as they were written.
+    pub(in crate::study) fn of_cells(kind: SceneKind, cells: Vec<Value>) -> Row {
+        let text = |name: &str| match cells.get(place(kind, cells.len(), name)?)? {
+            Value::Text(text) => Some(text.as_str()),
+            _ => None,
+        };
+        let status = Status::ALL.into_iter().find(|status| text("status") == Some(status.name()));
+        let run = match cells.first() {
+            Some(Value::Integer(run)) => u64::try_from(*run).unwrap_or(0),
+            _ => 0,
+        };
+        Row { run, status: status.unwrap_or(Status::Refused), judged: text(verdict_column(kind)).is_some(), cells }
+    }
+}
+
+/// Where a found column stands in a row of so many cells.
+fn place(kind: SceneKind, cells: usize, name: &str) -> Option<usize> {
+    let found = found(kind);
+    Some(cells.checked_sub(found.len())? + found.iter().position(|(column, _)| *column == name)?)
+}
 
 /// The columns of a study's results: `run`, `design`, the axes, and what is found.
 pub fn columns(study: &Study) -> Vec<Column> {
@@ -149,17 +180,14 @@ pub fn sorted(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Tabl
 /// The cells of a row, named while it is made.
 pub(super) struct Cells {
     cells: Vec<Value>,
-    /// Where the found ones begin, and which they are.
-    from: usize,
-    found: &'static [(&'static str, Kind)],
+    kind: SceneKind,
 }
 
 impl Cells {
     pub fn new(kind: SceneKind, first: Vec<Value>) -> Self {
-        let (from, found) = (first.len(), found(kind));
         let mut cells = first;
-        cells.resize(from + found.len(), Value::Missing);
-        Cells { cells, from, found }
+        cells.resize(cells.len() + found(kind).len(), Value::Missing);
+        Cells { cells, kind }
     }
 
     /// Sets what was found; numbers that are not finite are missing.
@@ -168,9 +196,10 @@ impl Cells {
             Value::Number(number) if !number.is_finite() => Value::Missing,
             value => value,
         };
-        debug_assert!(self.found.iter().any(|(found, _)| *found == name), "{name}");
-        if let Some(at) = self.found.iter().position(|(found, _)| *found == name) {
-            self.cells[self.from + at] = value;
+        let place = place(self.kind, self.cells.len(), name);
+        debug_assert!(place.is_some(), "{name}");
+        if let Some(place) = place {
+            self.cells[place] = value;
         }
     }
 
@@ -178,7 +207,11 @@ impl Cells {
         self.set("status", status.name());
         // One row is one line of the file that grows.
         let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
-        self.set("reason", Some(reason).filter(|reason| !reason.is_empty()));
-        Row { run, status, cells: self.cells }
+        let reason = Some(reason).filter(|reason| !reason.is_empty());
+        let has_reason = reason.is_some();
+        self.set("reason", reason);
+        let row = Row { run, ..Row::of_cells(self.kind, self.cells) };
+        debug_assert!(row.judged || has_reason, "run {run} has neither a verdict nor a reason");
+        row
     }
 }

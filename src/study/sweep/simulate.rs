@@ -7,8 +7,12 @@ use crate::scene::{Scene, SceneError};
 use crate::trace::While;
 use crate::trace::{self, Outcome, RunError, Sink};
 
+/// Why there is nothing to judge although the run is complete.
+pub(super) const NO_SAMPLES: &str = "the run has no duration, so there is nothing to judge";
+
 /// Simulates a scene and says in its row what `closing` finds in the sink and the outcome; checks it if the study asks for
-/// that. `None` if it was told to stop.
+/// that. `closing` returns why figures of a verdict are missing, which is the row's reason: no row lacks both. `None` if it was
+/// told to stop.
 pub(super) fn simulated<S: Sink>(
     study: &Study,
     run: u64,
@@ -16,13 +20,13 @@ pub(super) fn simulated<S: Sink>(
     mut cells: Cells,
     mut sink: S,
     go_on: &(dyn Fn() -> bool + Sync),
-    closing: impl FnOnce(&mut Cells, &S, &Outcome),
+    closing: impl FnOnce(&mut Cells, &S, &Outcome) -> Option<String>,
 ) -> Option<Row> {
     let outcome = match trace::run(study.model, scene, &mut While { sink: &mut sink, go_on }) {
         Ok(outcome) => outcome,
         Err(error) => return unfinished(cells, run, error),
     };
-    closing(&mut cells, &sink, &outcome);
+    let reason = closing(&mut cells, &sink, &outcome);
     cells.set("steps", outcome.work.steps as i64);
     if study.checked {
         let check = check(study.model, scene, go_on);
@@ -30,7 +34,7 @@ pub(super) fn simulated<S: Sink>(
         cells.set("check_error_rad", check.errors.path);
     }
     // A check that was broken off is not one.
-    go_on().then(|| cells.row(run, Status::Completed, ""))
+    go_on().then(|| cells.row(run, Status::Completed, &reason.unwrap_or_default()))
 }
 
 /// The row of a run that did not get to its end.

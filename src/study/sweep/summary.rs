@@ -19,7 +19,9 @@ pub struct Summary {
     /// Completed runs by dynamic class, from good to bad; of grippers by what became of the grasp.
     #[serde(serialize_with = "by_name")]
     pub by_class: Vec<(String, u64)>,
-    /// Why runs were not completed: status, reason without its numbers, how many, and the first run of them.
+    /// Completed runs without a class: the finger cannot grasp its object. `reasons` says why.
+    pub no_class: u64,
+    /// Why runs were not completed, or have no class: status, reason without its numbers, how many, and the first run of them.
     pub reasons: Vec<Reason>,
 }
 
@@ -47,6 +49,7 @@ impl Summary {
     /// Counts the rows of another table of the same study, which stand behind those of this one.
     pub fn add(&mut self, more: Summary) {
         self.runs += more.runs;
+        self.no_class += more.no_class;
         for (counts, others) in [(&mut self.by_status, more.by_status), (&mut self.by_class, more.by_class)] {
             for ((_, count), (_, other)) in counts.iter_mut().zip(others) {
                 *count += other;
@@ -78,27 +81,30 @@ pub fn summary(table: &Table) -> Result<Summary, TableError> {
     };
     let reason = table.texts("reason")?;
     let count = |column: &[Option<&str>], name: &str| column.iter().filter(|cell| **cell == Some(name)).count() as u64;
-    let mut reasons: BTreeMap<(usize, String), Reason> = BTreeMap::new();
-    for ((run, status), reason) in runs.iter().zip(&status).zip(&reason) {
-        let (Some(run), Some(status), Some(reason)) = (run, status, reason) else { continue };
-        let rank = Status::ALL.iter().position(|known| known.name() == *status).unwrap_or(Status::ALL.len());
-        let run = run.unsigned_abs();
-        let found = reasons.entry((rank, without_numbers(reason))).or_insert_with(|| Reason {
-            status: status.to_string(),
-            reason: reason.to_string(),
-            runs: 0,
-            first_run: run,
-        });
-        found.runs += 1;
-    }
-    let mut reasons: Vec<Reason> = reasons.into_values().collect();
+    let rows = runs.iter().zip(&status).zip(&reason);
+    let mut reasons =
+        grouped(rows.filter_map(|((run, status), reason)| Some(((*run)?.unsigned_abs(), (*status)?, (*reason)?))));
     in_order(&mut reasons);
+    let unjudged = |(status, class): &(&Option<&str>, &Option<&str>)| {
+        **status == Some(Status::Completed.name()) && class.is_none()
+    };
     Ok(Summary {
+        no_class: status.iter().zip(&class).filter(unjudged).count() as u64,
         runs: table.rows.len() as u64,
         by_status: Status::ALL.map(|of| (of.name().to_string(), count(&status, of.name()))).to_vec(),
         by_class: classes.into_iter().map(|of| (of.to_string(), count(&class, of))).collect(),
         reasons,
     })
+}
+
+/// Runs by status and reason without its numbers: run, status and reason of each. Statuses are in the order of the alphabet.
+pub(in crate::study) fn grouped<'a>(runs: impl Iterator<Item = (u64, &'a str, &'a str)>) -> Vec<Reason> {
+    let mut found: BTreeMap<(&str, String), Reason> = BTreeMap::new();
+    for (first_run, status, reason) in runs {
+        let new = || Reason { status: status.to_string(), reason: reason.to_string(), runs: 0, first_run };
+        found.entry((status, without_numbers(reason))).or_insert_with(new).runs += 1;
+    }
+    found.into_values().collect()
 }
 
 /// By status, the most frequent first.

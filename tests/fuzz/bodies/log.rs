@@ -49,7 +49,7 @@ pub fn log(bytes: &[u8]) {
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }
-    let _ = listener.tracker.criteria(true);
+    let _ = listener.tracker.criteria(None);
     any(bytes);
     recovered(bytes);
 }

@@ -21,10 +21,24 @@ impl AtRest {
         FinalAngles { q11_rad: self.end.posture.q11_rad, q21_rad: self.end.posture.q21_rad }
     }
 
+    /// Normal forces of the proximal and of the distal phalanx, N; `None` where statics say nothing.
+    pub fn static_forces_n(&self) -> Option<[f64; 2]> {
+        self.forces.as_ref().ok().map(|forces| [forces.f21_n, forces.f22_n])
+    }
+
     /// Force positiveness. Where statics say nothing, nothing speaks against what is seen to hold.
     pub fn is_stable(&self) -> bool {
         self.forces.as_ref().map_or(true, Equilibrium::is_force_positive)
     }
+}
+
+/// The grasp of a scene's finger, or in words why there is none.
+///
+/// # Errors
+/// There is no object, or the finger cannot grasp it.
+pub fn grasp_at_rest(scene: &Scene) -> Result<AtRest, String> {
+    let object = scene.object().ok_or_else(|| "there is no object".to_string())?;
+    at_rest(scene, object).map_err(|error| error.to_string())
 }
 
 /// The grasp of a scene's finger on its object.

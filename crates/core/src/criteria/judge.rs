@@ -48,7 +48,7 @@ impl Judge {
     pub fn judged(self, completed: bool) -> Judged {
         let finger = self.finger.filter(|_| completed);
         Judged {
-            criteria: finger.map(|(tracker, rest)| tracker.criteria(rest.is_stable())),
+            criteria: finger.and_then(|(tracker, rest)| tracker.criteria(rest.static_forces_n())),
             grasp: self.gripper.and_then(|tracker| tracker.criteria()),
             rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
             overlaps: self.overlaps.map(LinkOverlaps::found).unwrap_or_default(),

@@ -7,7 +7,7 @@
 //!   position and both normal forces are positive. None: the finger is not stable.
 //! * **rebound** = 100 |(t_geo + T)/(tts + T) − 1| percent (4.1), T the length of the run; see [`rebound_percent`] for
 //!   when it counts as 0.
-//! * **class**: [`Class::of`], which takes in whether the grasp is statically stable ([`at_rest`]).
+//! * **class**: [`Class::of`], which takes in whether the grasp is statically stable ([`at_rest`]); [`ClassReason`] says what decides it.
 //!
 //! [`Rebounds`] finds restitution in a scene of discs.
 //!
@@ -27,17 +27,19 @@ mod judge;
 mod overlap;
 mod pieces;
 mod pressing;
+mod reason;
 mod rebounds;
 mod stance;
 mod tracker;
 
-pub use at_rest::{AtRest, at_rest};
+pub use at_rest::{AtRest, at_rest, grasp_at_rest};
 pub use balance::{Driven, Pressed, hand_at_rest, held_at_rest, pressed};
 pub use formula::{Class, EPSILON_RAD, RESOLUTION_S, rebound_percent};
 pub use grasp::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, Travel, fate_reason};
 pub use grasp_tracker::GraspTracker;
 pub use judge::{Judge, Judged};
 pub use overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
+pub use reason::{AtEnd, ClassReason, Condition, Loss};
 pub use rebounds::{Rebound, Rebounds};
 pub use stance::{force_closure_of, friction, is_form_closed, normal_forces, stance};
 pub use tracker::{FinalAngles, Tracker};
@@ -52,10 +54,19 @@ pub struct Criteria {
     /// (4.1); `None` if the finger is not stable.
     pub rebound_percent: Option<f64>,
     pub class: Class,
+    /// What decides the class; in documents its sentence.
+    pub class_reason: ClassReason,
     /// First time in position; `None` if the finger never gets there.
     pub t_geo_s: Option<f64>,
     /// Time after t_geo that went to rebounds: out of position, or with a phalanx off the object it had touched.
     pub lost_s: f64,
     /// Force positiveness of the grasp at rest: without it the class is unstable, whatever the run shows.
     pub statically_stable: bool,
+}
+
+impl Criteria {
+    /// The class and what decides it, in a sentence.
+    pub fn verdict(&self) -> String {
+        format!("{}: {}", self.class.name(), self.class_reason)
+    }
 }

@@ -2,7 +2,8 @@
 
 use super::hermite::Hermite;
 use super::pieces::{Judge, Piece, Pieces};
-use super::{Class, Criteria, EPSILON_RAD, rebound_percent};
+use super::reason::{is_in_position, is_positive};
+use super::{AtEnd, ClassReason, Condition, Criteria, EPSILON_RAD, Loss, RESOLUTION_S, rebound_percent};
 use crate::trace::{Event, Sample, Sink, SinkError, Wants};
 
 /// The two angles of the geometric final configuration, in which both phalanges touch the object.
@@ -31,30 +32,116 @@ struct Found {
     t_geo_s: Option<f64>,
     stable_since_s: Option<f64>,
     lost_s: f64,
+    /// In the order of [`Condition::ALL`].
+    conditions: [History; 4],
+    /// |q11 − q11,f| and |q21 − q21,f| in the middle of the last piece, rad, by which that is judged; `None` without a piece.
+    off_rad: Option<[f64; 2]>,
+}
+
+/// One condition of stability through the run.
+#[derive(Clone, Copy, Debug, Default)]
+struct History {
+    /// When it was first met; of a phalanx, when it first touched.
+    first_s: Option<f64>,
+    holds: bool,
+    times_lost: u32,
+    /// Start and end of the last loss, the end while it lasts that of the last piece.
+    lost_s: Option<[f64; 2]>,
+}
+
+impl History {
+    /// Takes a piece of the run. `met`: in position in this piece, or touched so far.
+    fn take(&mut self, [from_s, to_s]: [f64; 2], met: bool, holds: bool) {
+        if met {
+            self.first_s.get_or_insert(from_s);
+        }
+        if !holds && self.first_s.is_some() {
+            match &mut self.lost_s {
+                Some([_, until_s]) if !self.holds => *until_s = to_s,
+                lost_s => {
+                    *lost_s = Some([from_s, to_s]);
+                    self.times_lost = self.times_lost.saturating_add(1);
+                }
+            }
+        }
+        self.holds = holds;
+    }
+
+    fn at_end(&self) -> AtEnd {
+        match (self.holds, self.lost_s) {
+            (true, _) => AtEnd::Presses,
+            (false, Some([at_s, _])) => AtEnd::LiftedOff { at_s },
+            (false, None) => AtEnd::NeverTouched,
+        }
+    }
 }
 
 impl Tracker {
     pub fn new(target: FinalAngles) -> Self {
-        let found = Found { target, t_geo_s: None, stable_since_s: None, lost_s: 0.0 };
+        let found = Found {
+            target,
+            t_geo_s: None,
+            stable_since_s: None,
+            lost_s: 0.0,
+            conditions: Default::default(),
+            off_rad: None,
+        };
         Tracker { pieces: Pieces::default(), found }
     }
 
-    /// The criteria of the run up to the last sample. `statically_stable`: whether the static forces of the grasp are
-    /// positive (thesis (2.32)); `true` if that is judged elsewhere.
-    pub fn criteria(&self, statically_stable: bool) -> Criteria {
-        let Found { t_geo_s, stable_since_s, lost_s, .. } = self.found;
-        let rebound_percent = match (t_geo_s, stable_since_s, self.pieces.last()) {
-            (Some(t_geo_s), Some(tts_s), Some(last)) => Some(rebound_percent(t_geo_s, tts_s, last.time_s, lost_s)),
-            _ => None,
+    /// The criteria of the run up to the last sample; `None` of a run without duration. `static_forces_n`: normal forces of both
+    /// phalanges in the grasp at rest (thesis (2.32)), N; `None` where these are not known or judged elsewhere.
+    pub fn criteria(&self, static_forces_n: Option<[f64; 2]>) -> Option<Criteria> {
+        let Found { t_geo_s, stable_since_s, lost_s, off_rad, .. } = self.found;
+        let (last, judged_rad) = (self.pieces.last()?, off_rad?);
+        let off_rad = self.found.off_rad(last.finger().q11_rad, last.finger().q21_rad);
+        // A crossing of the band's edge at the very end does not change how the last piece was judged.
+        let off_rad = [0, 1].map(|joint| match is_in_position(off_rad[joint]) == is_in_position(judged_rad[joint]) {
+            true => off_rad[joint],
+            false => judged_rad[joint],
+        });
+        let rebound_percent =
+            t_geo_s.zip(stable_since_s).map(|(t_geo_s, tts_s)| rebound_percent(t_geo_s, tts_s, last.time_s, lost_s));
+        let pulls = static_forces_n.filter(|forces_n| !is_positive(forces_n));
+        let class_reason = match (pulls, stable_since_s.zip(rebound_percent)) {
+            (Some(forces_n), _) => ClassReason::StaticForces { forces_n },
+            (None, Some((tts_s, rebound_percent))) => {
+                ClassReason::Settled { tts_s, rebound_percent, loss: self.found.last_loss() }
+            }
+            (None, None) if off_rad.into_iter().all(is_in_position) => {
+                let [_, _, proximal, tip] = &self.found.conditions;
+                ClassReason::NotPressing { phalanges: [proximal, tip].map(History::at_end) }
+            }
+            (None, None) => ClassReason::OutOfPosition { off_rad },
         };
-        Criteria {
+        Some(Criteria {
             t_geo_s,
             tts_s: stable_since_s,
             lost_s,
             rebound_percent,
-            statically_stable,
-            class: Class::of(stable_since_s, rebound_percent, statically_stable),
-        }
+            statically_stable: pulls.is_none(),
+            class: class_reason.class(),
+            class_reason,
+        })
+    }
+}
+
+impl Found {
+    fn off_rad(&self, q11_rad: f64, q21_rad: f64) -> [f64; 2] {
+        [(q11_rad - self.target.q11_rad).abs(), (q21_rad - self.target.q21_rad).abs()]
+    }
+
+    /// The loss that ended last, if it is one that counts as a rebound.
+    fn last_loss(&self) -> Option<Loss> {
+        let t_geo_s = self.t_geo_s.filter(|_| self.lost_s >= RESOLUTION_S)?;
+        let [_, _, proximal, tip] = &self.conditions;
+        let tip_first = tip.first_s.zip(proximal.first_s).is_some_and(|(tip_s, proximal_s)| tip_s < proximal_s);
+        let losses = Condition::ALL.into_iter().zip(&self.conditions).filter_map(|(of, history)| {
+            let [from_s, until_s] = history.lost_s?;
+            let touched_first = of == Condition::Tip && tip_first;
+            Some(Loss { of, from_s, until_s, times: history.times_lost, touched_first, all_s: self.lost_s })
+        });
+        losses.filter(|loss| loss.until_s > t_geo_s).max_by(|a, b| a.until_s.total_cmp(&b.until_s))
     }
 }
 
@@ -78,8 +165,14 @@ impl Judge<2> for Found {
 
     fn judge(&mut self, [q11, q21]: &[Hermite; 2], piece: &Piece<2>) {
         let middle = 0.5 * (piece.from_s + piece.to_s);
-        let in_position = (q11.value(middle) - self.target.q11_rad).abs() <= EPSILON_RAD
-            && (q21.value(middle) - self.target.q21_rad).abs() <= EPSILON_RAD;
+        let off_rad = self.off_rad(q11.value(middle), q21.value(middle));
+        self.off_rad = Some(off_rad);
+        let ([q11_in, q21_in], [proximal, tip]) = (off_rad.map(is_in_position), piece.pressing);
+        let in_position = q11_in && q21_in;
+        let met = [q11_in, q21_in, piece.touched[0], piece.touched[1]];
+        for ((history, met), holds) in self.conditions.iter_mut().zip(met).zip([q11_in, q21_in, proximal, tip]) {
+            history.take([piece.from_s, piece.to_s], met, holds);
+        }
         if in_position {
             self.t_geo_s.get_or_insert(piece.from_s);
         }

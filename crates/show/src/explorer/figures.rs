@@ -32,8 +32,22 @@ const FIRST: [(&str, &str); 15] = [
     ("contacts.", "peak_normal_n"),
 ];
 /// Parts of the document that are no results, or are asked for by themselves.
-const NO_FIGURES: [&str; 11] =
-    ["scene", "kind", "model", "wall_s", "integrator", "engine", "log", "page", "check", "error", "work"];
+const NO_FIGURES: [&str; 12] = [
+    "scene",
+    "kind",
+    "model",
+    "wall_s",
+    "integrator",
+    "engine",
+    "log",
+    "page",
+    "check",
+    "error",
+    "work",
+    "no_criteria",
+];
+/// A sentence, which the page has in a line of its own: [`verdict`].
+const CLASS_REASON: &str = "criteria.class_reason";
 
 /// All figures with labels and texts, the most wanted first.
 pub fn figures(report: &RunReport) -> Vec<Value> {
@@ -52,6 +66,12 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
         json!({ "key": key, "label": label(key), "value": number, "text": said, "unit": unit(key) })
     };
     all.iter().map(one).collect()
+}
+
+/// The class of a finger with what decides it, or why it has none.
+pub fn verdict(report: &RunReport) -> Option<String> {
+    let class = report.criteria.flatten().map(|criteria| criteria.verdict());
+    class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}")))
 }
 
 /// The leaves of the document that are figures or words.
@@ -75,6 +95,7 @@ fn leaves(key: &str, value: &Value, found: &mut Vec<(String, Flat)>) {
             parts.iter().enumerate().for_each(|(index, part)| leaves(&format!("{key}.{index}"), part, found));
             return;
         }
+        _ if key == CLASS_REASON => return,
         Value::Number(number) => number.as_f64().map_or(Flat::None, Flat::Number),
         Value::String(word) => Flat::Word(word.clone()),
         Value::Bool(flag) => Flat::Word(if *flag { "yes" } else { "no" }.to_string()),

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::figures::figures;
+use super::figures::{figures, verdict};
 use crate::check;
 use crate::criteria::{Judge, Judged, LinkOverlap};
 use crate::film::{Reel, data};
@@ -50,6 +50,7 @@ pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     json!({
         "film": data::beside(&film, numbers),
         "figures": figures(&report),
+        "verdict": verdict(&report),
         "failed": report.error.as_ref().map(|error| &error.reason),
         "steps": report.steps,
     })

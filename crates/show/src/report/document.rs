@@ -8,7 +8,7 @@ use super::check::RunCheckReport;
 use super::contacts::Contacts;
 use super::grasp::GraspReport;
 use super::states::States;
-use crate::criteria::{Criteria, GraspCriteria, Rebound};
+use crate::criteria::{Criteria, GraspCriteria, Rebound, grasp_at_rest};
 use crate::scene::table::held::Written;
 use crate::scene::table::{Table, columns};
 use crate::scene::words::SceneKind;
@@ -38,6 +38,9 @@ pub struct RunReport {
     /// Of a finger; null without an object, without a grasp of it, or if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub criteria: Option<Option<Criteria>>,
+    /// Of a finger with an object: why there are no criteria; null where there are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_criteria: Option<Option<String>>,
     /// Of a gripper: what became of the object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<Option<GraspReport>>,
@@ -97,12 +100,23 @@ pub struct Came<'a> {
     pub warnings: &'a [String],
 }
 
+/// Why a run of a finger has no criteria, if it cannot have any.
+fn no_criteria(scene: &Scene, completed: bool) -> Option<String> {
+    scene.object()?;
+    match grasp_at_rest(scene) {
+        _ if !completed => Some("the run was not completed".to_string()),
+        Err(reason) => Some(format!("the finger cannot grasp this object: {reason}")),
+        Ok(_) => None,
+    }
+}
+
 impl RunReport {
     /// A run with what is known of it: all of it, or up to where it broke off, and why.
     pub fn new(scene: &Scene, model: Model, came: &Came<'_>, error: Option<Failure>) -> Self {
         let (engine, outcome) = (model == Model::Engine, came.outcome);
         let (kind, layout) = (scene.kind(), Layout::of(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
+        let criteria = came.criteria.filter(|_| error.is_none());
         RunReport {
             scene: scene.name.clone(),
             kind: kind.word(),
@@ -112,7 +126,8 @@ impl RunReport {
             wall_s: came.wall_s,
             states: States::new(&layout, outcome, Some(scene)),
             contacts: outcome.map(|outcome| Contacts::new(&layout, outcome, came.rebounds)),
-            criteria: finger.then(|| came.criteria.filter(|_| error.is_none())),
+            criteria: finger.then_some(criteria),
+            no_criteria: finger.then(|| no_criteria(scene, error.is_none()).filter(|_| criteria.is_none())),
             grasp: gripper
                 .then(|| came.grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, Some(scene), &of.last))),
             completed: error.is_none(),

@@ -144,9 +144,7 @@ pub fn dynamics(criteria: &Criteria) -> Report {
         row(["criteria", "class", "tts, ms", "rebound", "in position first, ms"]),
         row(["", criteria.class.name(), &milliseconds(criteria.tts_s), &rebound, &milliseconds(criteria.t_geo_s)]),
     ]);
-    if !criteria.statically_stable {
-        text.push_str("Unstable in statics: at rest a phalanx would have to pull (phalanx statics says which).\n");
-    }
+    text.push_str(&format!("{}\n", criteria.verdict()));
     text
 }
 

@@ -19,6 +19,8 @@ impl Reported for RunReport {
         sections.extend(self.contacts.as_ref().and_then(contacts));
         sections.extend(self.energy.as_ref().map(|energy| energies(energy, self.has_joints())));
         sections.extend(self.criteria.flatten().map(|criteria| dynamics(&criteria)));
+        let no_criteria = self.no_criteria.iter().flatten().filter(|_| self.completed);
+        sections.extend(no_criteria.map(|reason| Report::from(format!("no class: {reason}\n"))));
         sections.extend(self.grasp.iter().flatten().map(grasp));
         sections.extend(check::line(self.check.as_ref(), self.steps));
         Report::join(sections)

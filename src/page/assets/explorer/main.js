@@ -95,6 +95,8 @@ async function shown(lab, { answer, data, ms }, shot) {
   showVerdict(null);
   byId("ended").hidden = !lab.failed;
   put("ended", lab.failed ? `The run has ended early: ${lab.failed}` : "");
+  put("class-reason", answer.verdict ?? "");
+  byId("class-reason").title = answer.verdict ?? "";
   put("speed-of-run", speedWords(lab));
 }
 

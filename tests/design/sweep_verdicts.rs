@@ -1,0 +1,205 @@
+//! Every row of a sweep has a verdict or a reason, whatever the designs are.
+
+use std::collections::HashSet;
+
+use phalanx::criteria::at_rest;
+use phalanx::report::select::SelectionReport;
+use phalanx::scene;
+use phalanx::study::select::{SelectionCriteria, select};
+use phalanx::study::sweep::{Study, parse, run, summary, table};
+use phalanx::table::Table;
+use phalanx::wording::Reported;
+
+fn study(text: &str) -> Study {
+    parse(text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn results(study: &Study) -> Table {
+    let mut rows = Vec::new();
+    assert!(run(study, 0, &HashSet::new(), |row| rows.push(row)).complete);
+    table(study, &rows)
+}
+
+/// Asserts that a row has a verdict if it was completed, and a reason if it has none; how many rows have which of the two.
+fn assert_judged(study: &Study, table: &Table, verdict: &str) -> [usize; 2] {
+    let texts = |name: &str| table.texts(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let (status, reason, verdicts) = (texts("status"), texts("reason"), texts(verdict));
+    for (index, verdict) in verdicts.iter().enumerate() {
+        let what = || format!("run {}:\n{}", index + 1, study.scene_text(index as u64 + 1));
+        assert!(verdict.is_some() || reason[index].is_some(), "neither verdict nor reason in {}", what());
+        assert!(verdict.is_none() || status[index] == Some("completed"), "a verdict of an incomplete run: {}", what());
+    }
+    let judged = verdicts.iter().flatten().count();
+    [judged, verdicts.len() - judged]
+}
+
+/// Designs whose distal phalanx is too short, too long or too weak for the object, as a study that varies lengths has them.
+const SHORT: &str = r#"
+name = "short"
+[scene]
+duration = "40 ms"
+[scene.lengths]
+l11 = "20 mm"
+l21 = "31 mm"
+l22 = "10 mm"
+t22 = "16 mm"
+phi22 = "115 deg"
+[scene.object]
+radius = "25 mm"
+centre = ["-21 mm", "25 mm"]
+[scene.motor]
+torque = "600 N*mm"
+[scene.spring]
+type = "torsional"
+preload = "110 deg"
+stiffness = "60 N*mm/rad"
+[scene.contact.friction]
+mu_static = 0.5
+[[axes]]
+field = "spring.stiffness"
+values = ["20 N*mm/rad", "40 N*mm/rad", "60 N*mm/rad", "80 N*mm/rad", "100 N*mm/rad"]
+[[axes]]
+field = "lengths.t22"
+from = "8 mm"
+to = "26 mm"
+count = 19
+"#;
+
+#[test]
+fn a_design_that_cannot_grasp_says_why_and_is_counted() {
+    let study = study(SHORT);
+    let table = results(&study);
+    let [judged, unjudged] = assert_judged(&study, &table, "class");
+    assert_eq!((judged, unjudged), (65, 30));
+    let (status, reason) = (table.texts("status").expect("texts"), table.texts("reason").expect("texts"));
+    let (class, class_reason) = (table.texts("class").expect("texts"), table.texts("class_reason").expect("texts"));
+    for (index, (class, class_reason)) in class.iter().zip(&class_reason).enumerate() {
+        assert_eq!(class.is_some(), class_reason.is_some());
+        let scene = scene::parse(&study.scene_text(index as u64 + 1), "run.toml").expect("a scene");
+        let grasp = at_rest(&scene, scene.object().expect("an object"));
+        if status[index] == Some("completed") {
+            // The very text that `phalanx run` gives.
+            assert_eq!(grasp.err().map(|error| error.to_string()).as_deref(), reason[index]);
+        }
+    }
+    let found = summary(&table).expect("a sweep's");
+    assert_eq!(found.no_class, 26);
+    let short = &found.reasons[0];
+    assert_eq!((short.status.as_str(), short.runs, short.first_run), ("completed", 26, 5));
+    assert!(
+        short.reason.starts_with("the distal phalanx does not reach its contact: it is 12.0000 mm long"),
+        "{short:?}"
+    );
+
+    let selection = select(&table, &SelectionCriteria { form_closed: false, ..SelectionCriteria::default() });
+    let selection = selection.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((selection.ranking.len(), selection.cannot_grasp[0].runs), (60, 26));
+    let text = SelectionReport::new("short.csv", &selection, 3).report().to_string();
+    assert!(
+        text.contains("26 rows cannot grasp, first run 5: the distal phalanx does not reach its contact"),
+        "{text}"
+    );
+}
+
+/// Of wide ranges: most designs are refused, fail, cannot grasp, or are in statics that say nothing.
+const FINGERS: &str = r#"
+name = "fingers"
+[scene]
+duration = "15 ms"
+integrator.max_steps = 600
+[scene.lengths]
+[scene.object]
+[scene.spring]
+[scene.motor]
+[[axes]]
+field = "lengths.l11"
+from = "4 mm"
+to = "40 mm"
+[[axes]]
+field = "lengths.l21"
+from = "5 mm"
+to = "60 mm"
+[[axes]]
+field = "lengths.l22"
+from = "2 mm"
+to = "30 mm"
+[[axes]]
+field = "lengths.t22"
+from = "1 mm"
+to = "60 mm"
+[[axes]]
+field = "lengths.phi22"
+from = "30 deg"
+to = "175 deg"
+[[axes]]
+field = "object.radius"
+from = "1 mm"
+to = "60 mm"
+[[axes]]
+field = "object.centre"
+values = [["-15.5 mm", "20 mm"], ["-40 mm", "10 mm"], ["-21 mm", "25 mm"]]
+[[axes]]
+field = "spring.torque"
+from = "1 N*mm"
+to = "1000 N*mm"
+spacing = "log"
+[[axes]]
+field = "motor.torque"
+from = "1 N*mm"
+to = "5000 N*mm"
+spacing = "log"
+[[axes]]
+field = "contact.friction.mu_static"
+from = 0
+to = 2
+[sample]
+method = "halton"
+count = 250
+seed = 7
+"#;
+
+const GRIPPERS: &str = r#"
+name = "grippers"
+scene = "../gripper/design-95.toml"
+[set]
+duration = "10 ms"
+integrator.max_steps = 400
+[[axes]]
+field = "design.base"
+from = "10 mm"
+to = "24 mm"
+[[axes]]
+field = "object.radius"
+from = "14 mm"
+to = "22 mm"
+[[axes]]
+field = "object.offset"
+from = "-6 mm"
+to = "6 mm"
+[[axes]]
+field = "motor.torque"
+from = "1 N*mm"
+to = "5000 N*mm"
+spacing = "log"
+[sample]
+method = "halton"
+count = 60
+seed = 7
+"#;
+
+#[test]
+fn every_row_has_a_verdict_or_a_reason() {
+    for (text, verdict) in [(FINGERS, "class"), (GRIPPERS, "grasp")] {
+        let study = study(text);
+        let table = results(&study);
+        let [judged, unjudged] = assert_judged(&study, &table, verdict);
+        let found = summary(&table).expect("a sweep's");
+        assert!(judged > 10 && unjudged > 10, "{judged} {unjudged}: {found:?}");
+        assert_eq!(found.by_class.iter().map(|(_, count)| count).sum::<u64>(), judged as u64);
+        if verdict == "class" {
+            assert!(found.no_class > 10, "{found:?}");
+            // A selection goes on whatever is missing in a row.
+            select(&table, &SelectionCriteria::default()).unwrap_or_else(|error| panic!("{error}"));
+        }
+    }
+}
