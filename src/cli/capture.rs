@@ -24,8 +24,8 @@ use crate::wording::Reported;
 /// Which positioning errors a gripper captures: where the object ends that lies off the middle of the palm.
 ///
 /// Simulates the gripper with its object at places from one end of the largest error to the other. Starts, and motors and springs that the
-/// scene sizes, are those for the largest error: the gripper does not know where the object lies. An object is captured where it is held
-/// from both sides when the run ends; where it is no longer, the edge is found by bisection. Beside it: whether it comes to the middle,
+/// scene sizes, are those for the largest error: the gripper does not know where the object lies. An object is captured where its fate
+/// is held; where it is no longer, the edge is found by bisection. Beside it: whether it comes to the middle,
 /// how long until all contacts hold for good, and whether the grasp is form-closed, where the object lies and where it ends.
 #[derive(Debug, Args)]
 #[command(

@@ -53,3 +53,6 @@ pub mod scenes {}
 
 #[doc = include_str!("stability.md")]
 pub mod stability {}
+
+#[doc = include_str!("verdicts.md")]
+pub mod verdicts {}

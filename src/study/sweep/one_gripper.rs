@@ -3,11 +3,11 @@
 use super::Study;
 use super::row::{Cells, Row, Status};
 use super::simulate::{NO_SAMPLES, refusal, simulated};
-use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
+use crate::criteria::{Fate, GraspCriteria, GraspTracker, LinkOverlaps, is_form_closed};
 use crate::gripper::SpringKind;
 use crate::scene::words::SceneKind;
 use crate::scene::{self, Place, Scene, SceneError, Side};
-use crate::trace::Outcome;
+use crate::trace::{Event, Outcome, Sample, Sink, SinkError, Wants};
 
 /// Makes one run of a study of grippers, of which `text` is the scene; `None` if it was told to stop.
 pub(super) fn of_gripper(
@@ -22,14 +22,37 @@ pub(super) fn of_gripper(
         Err(error) => return Some(cells.row(run, Status::Refused, &refusal(&error))),
     };
     design(&mut cells, &scene);
-    let tracker = GraspTracker::of(&scene);
-    simulated(study, run, &scene, cells, tracker, go_on, |cells, tracker, outcome| match tracker.criteria() {
+    let watch = Watch { grasp: GraspTracker::of(&scene), overlaps: LinkOverlaps::of(&scene) };
+    simulated(study, run, &scene, cells, watch, go_on, |cells, watch, outcome| match watch.grasp.criteria() {
         Some(found) => {
             closing(cells, &scene, &found, outcome);
+            let overlaps = watch.overlaps.iter().flat_map(LinkOverlaps::found);
+            cells.set("link_overlap_m", overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max));
             None
         }
         None => Some(NO_SAMPLES.to_string()),
     })
+}
+
+/// What a run is judged by.
+struct Watch {
+    grasp: GraspTracker,
+    overlaps: Option<LinkOverlaps>,
+}
+
+impl Sink for Watch {
+    fn wants(&self) -> Wants {
+        Wants { energies: false, passive: true, peaks: true }
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.grasp.sample(sample)?;
+        self.overlaps.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.grasp.event(event)
+    }
 }
 
 /// The scene of a run.

@@ -51,7 +51,7 @@ pub(in crate::study) fn found(kind: SceneKind) -> &'static [(&'static str, Kind)
 }
 
 /// Of grippers: lengths and forces of both fingers, what became of the object and where it is.
-const OF_GRIPPER: [(&str, Kind); 41] = [
+const OF_GRIPPER: [(&str, Kind); 42] = [
     ("palm_width_m", Kind::Number),
     ("right_l21_m", Kind::Number),
     ("left_l21_m", Kind::Number),
@@ -75,6 +75,7 @@ const OF_GRIPPER: [(&str, Kind); 41] = [
     ("slip_m", Kind::Number),
     ("slip_rad", Kind::Number),
     ("contacts_lost", Kind::Integer),
+    ("link_overlap_m", Kind::Number),
     ("right_proximal_first_s", Kind::Number),
     ("left_proximal_first_s", Kind::Number),
     ("right_distal_first_s", Kind::Number),

@@ -21,7 +21,7 @@ pub struct Judge {
 pub struct Judged {
     /// Of a finger, if it can grasp its object and the run was completed.
     pub criteria: Option<Criteria>,
-    /// Of a gripper.
+    /// Of a gripper, if the run was completed.
     pub grasp: Option<GraspCriteria>,
     /// Of every pair of discs; empty where there is a finger.
     pub rebounds: Vec<Rebound>,
@@ -49,9 +49,9 @@ impl Judge {
         let finger = self.finger.filter(|_| completed);
         Judged {
             criteria: finger.and_then(|(tracker, rest)| tracker.criteria(rest.static_forces_n())),
-            grasp: self.gripper.and_then(|tracker| tracker.criteria()),
+            grasp: self.gripper.filter(|_| completed).and_then(|tracker| tracker.criteria()),
             rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
-            overlaps: self.overlaps.map(LinkOverlaps::found).unwrap_or_default(),
+            overlaps: self.overlaps.as_ref().map(LinkOverlaps::found).unwrap_or_default(),
         }
     }
 }

@@ -94,11 +94,12 @@ impl LinkOverlaps {
     }
 
     /// The overlaps up to the last sample.
-    pub fn found(mut self) -> Vec<LinkOverlap> {
-        if let Some(last) = self.latest.take() {
-            self.look(&last);
+    pub fn found(&self) -> Vec<LinkOverlap> {
+        let mut all = self.clone();
+        if let Some(last) = &self.latest {
+            all.look(last);
         }
-        self.found
+        all.found
     }
 
     fn look(&mut self, sample: &Sample) {

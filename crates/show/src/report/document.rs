@@ -41,7 +41,7 @@ pub struct RunReport {
     /// Of a finger with an object: why there are no criteria; null where there are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_criteria: Option<Option<String>>,
-    /// Of a gripper: what became of the object.
+    /// Of a gripper: what became of the object; null if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<Option<GraspReport>>,
     pub completed: bool,
