@@ -146,6 +146,15 @@ impl<'a> Comparison<'a> {
         }
     }
 
+    /// Whether a pair of discs overlapped without a force to speak of in either model: its largest force is next to nothing beside that
+    /// of its spring alone. The law held the force at zero, and what is left of it as the surfaces part is too short for steps.
+    fn carries_nothing(&self, index: usize, outcome: &Outcome) -> bool {
+        let Some(spring_n) = self.reference.spring_n.get(index) else { return false };
+        let runs = [outcome, &self.reference.outcome];
+        let peaks = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.peak_normal_n));
+        peaks.iter().all(|peak| *peak < SIGNIFICANT * spring_n)
+    }
+
     /// The differences, once the run is over.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
@@ -156,6 +165,9 @@ impl<'a> Comparison<'a> {
             let largest = reference.contacts.iter().map(figure).fold(0.0, f64::max);
             let of = |&index: &usize| {
                 let found = outcome.contacts.get(index).map_or(f64::NAN, figure);
+                if self.carries_nothing(index, outcome) {
+                    return None;
+                }
                 relative(found, figure(&reference.contacts[index]), largest)
             };
             compared.iter().map(of).collect()
