@@ -28,7 +28,7 @@ pub enum Value {
 pub struct Criterion {
     /// Key of its bound, with its unit.
     pub bound: &'static str,
-    /// What it is of: the name of a pair or contact; empty where there is one.
+    /// What it is of: the name of a pair or contact; empty of the whole.
     pub of: String,
     pub analytic: Value,
     pub engine: Value,

@@ -51,7 +51,7 @@ mod verdict;
 
 pub use crate::numeric::plane::turned;
 pub use cost::{Cost, cost};
-pub use criteria::{Criterion, FEW_LOSSES, LOST_SHARE, LOST_TIME_SHARE, Value};
+pub use criteria::{Criterion, FEW_LOSSES, LOST_SHARE, LOST_TIME_SHARE, Value, checks, criteria, unjudged};
 pub use difference::{Comparison, Differences, Off, compare, largest, off};
 pub use ensemble::{GRIPPER_MEMBERS, MEMBERS, TORQUE_STEP, member, members};
 pub use impacts::{IMPACT_S, Impact, Impacts};

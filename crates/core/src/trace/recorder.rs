@@ -218,6 +218,7 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     /// Largest force and penetration within the step from the last sample to its end, and where.
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.marks.clear();
+        let length_s = self.end.time_s - self.last.time_s;
         for (index, place) in self.places.iter_mut().enumerate() {
             // A released contact can still get deeper, without a force.
             let presses = mode[index].presses();
@@ -237,7 +238,9 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                     self.marks.push(deepest);
                 }
             }
-            let highest = start.normal_n.max(end.normal_n);
+            // A force that comes and goes within the step is zero at both ends, but its mean is not.
+            let mean = (end.impulse_n_s - start.impulse_n_s) / length_s;
+            let highest = start.normal_n.max(end.normal_n).max(mean);
             if presses && highest > SEARCH_FROM * summary.peak_normal_n {
                 let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
                 let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
