@@ -185,7 +185,7 @@ def engine(scratch):
     """Speed against error of every setting on the anchor, and its picture."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     out = scratch / "validation"
-    document = validation(ROOT / "scenes" / "experiment-95.toml", "--ladder-time", "10 min", "--out", out)
+    document = validation(ROOT / "scenes" / "experiment-95.toml", "--ladder-time", "600 s", "--out", out)
     shutil.copy(out / "speed-error.svg", ROOT / "tools" / "figures" / "speed-error.svg")
     header = [
         "setting", "runs", "steps", "time (ms)", "× real time", "× everyday analytic", "angle (rad)", "contact time (µs)", "impulse (%)",

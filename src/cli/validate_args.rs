@@ -36,7 +36,7 @@ pub struct ValidateArgs {
     #[arg(long)]
     pub(super) ladder: bool,
 
-    /// Time that the ladder may take, such as "1 min": settings beyond it are left out, and named [default: 10 s]
+    /// Time that the ladder may take, such as "60 s": settings beyond it are left out, and named [default: 10 s]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub(super) ladder_time: Option<f64>,
 

@@ -184,11 +184,12 @@ impl<'a> Comparison<'a> {
             compared.iter().map(of).collect()
         };
         let first_s = |outcome: &Outcome, index: usize| outcome.contacts.get(index).and_then(|contact| contact.first_s);
-        // What overlaps by rounding in both runs is a contact in neither.
+        // Discs that overlap by rounding in both runs are in contact in neither.
         let touch = |&index: &usize| {
             let (found, expected) = (first_s(outcome, index), first_s(reference, index));
             let one_lacks = found.is_some() != expected.is_some();
-            if one_lacks && self.deepest_m(index, outcome) <= ROUNDING_M {
+            let of_discs = self.reference.spring_n.get(index).is_some();
+            if one_lacks && of_discs && self.deepest_m(index, outcome) <= ROUNDING_M {
                 None
             } else {
                 first_touch(found, expected, self.until_s)

@@ -3,8 +3,8 @@
 use super::Impacts;
 use crate::criteria::{Judge, Judged};
 use crate::law::spring_force;
-use crate::scene::Scene;
 use crate::scene::words::SceneKind;
+use crate::scene::{Scene, System, Touching};
 use crate::trace::{ContactSummary, Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
 use crate::trace::{GoOn, While};
 
@@ -65,12 +65,23 @@ pub fn record_while(model: Model, scene: &Scene, go_on: GoOn) -> Result<Recordin
     let outcome = run(model, scene, &mut While { sink: &mut heard, go_on })?;
     let judged = heard.judge.judged(true);
     recording.judged = Some(judged);
-    if let (SceneKind::Bodies, Some(law)) = (scene.kind(), scene.system.between_discs) {
-        let spring = |contact: &ContactSummary| spring_force(&law.normal, contact.max_penetration_m);
-        recording.spring_n = outcome.contacts.iter().map(spring).collect();
+    if scene.kind() == SceneKind::Bodies {
+        let contacts = scene.system.touching().into_iter().zip(&outcome.contacts);
+        recording.spring_n = contacts.map(|(touching, contact)| spring_n(&scene.system, touching, contact)).collect();
     }
     recording.outcome = outcome;
     Ok(recording)
+}
+
+/// Force of the spring of a contact of discs at its largest depth, N.
+fn spring_n(system: &System, touching: Touching, contact: &ContactSummary) -> f64 {
+    let law = match touching {
+        Touching::Discs(..) => system.between_discs,
+        Touching::Palm(_) => system.palm.and_then(|palm| palm.contact),
+        Touching::Table(_) => system.table.and_then(|table| table.contact),
+        Touching::Phalanx(..) | Touching::Stop(_) => None,
+    };
+    law.map_or(0.0, |law| spring_force(&law.normal, contact.max_penetration_m))
 }
 
 /// A recording that is judged as it is made.
