@@ -238,9 +238,11 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                     self.marks.push(deepest);
                 }
             }
-            // A force that comes and goes within the step is zero at both ends, but its mean is not.
-            let mean = (end.impulse_n_s - start.impulse_n_s) / length_s;
-            let highest = start.normal_n.max(end.normal_n).max(mean);
+            let mut highest = start.normal_n.max(end.normal_n);
+            if highest == 0.0 {
+                // A force that comes and goes within the step has a mean.
+                highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
+            }
             if presses && highest > SEARCH_FROM * summary.peak_normal_n {
                 let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
                 let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
