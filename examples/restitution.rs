@@ -25,7 +25,7 @@ pub fn bounces() -> Result<Vec<Bounce>, Box<dyn Error>> {
             *velocity_m_s = [speed_m_s, 0.0];
         }
         // This sink keeps what the impacts were like.
-        let mut rebounds = Rebounds::new(scene.system.pairs().len());
+        let mut rebounds = Rebounds::of(&scene.system);
         let outcome = run(Model::Analytic, &scene, &mut rebounds)?;
         if let [pair] = rebounds.pairs()
             && let (Some(approach_m_s), Some(separation_m_s)) = (pair.approach_m_s, pair.separation_m_s)

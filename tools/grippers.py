@@ -38,7 +38,7 @@ def phalanx(*arguments):
 def scene_row(path):
     run = phalanx("run", path)
     engine = phalanx("run", path, "--model", "engine", "--no-check")
-    verdict = {check["bound"]: check["measured"] for check in phalanx("validate", path, "--quick")["verdict"]}
+    verdict = {check["bound"]: check["measured"] for check in phalanx("validate", path)["verdict"]}
     touches = [[run["contacts"][f"{side}_{site}"]["first_s"] for site in ("proximal", "distal")] for side in ("right", "left")]
     touches = [[time_s for time_s in of if time_s is not None] for of in touches]
     first = " / ".join(f"{min(of) * 1e3:.3f}" if of else "–" for of in touches)

@@ -4,7 +4,7 @@
     tools/hard_cases.py                 all scenes
     tools/hard_cases.py --dry-run       print the table, leave the page alone
 
-Builds in release mode, runs `phalanx validate --quick` and `phalanx run` on every scene, and replaces what stands between
+Builds in release mode, runs `phalanx validate --quick --ladder` and `phalanx run` on every scene, and replaces what stands between
 the page's markers. What is hard, and why a bound is wider than usual, is said by the comment of each scene.
 """
 
@@ -52,7 +52,7 @@ def row(path):
         reason = f"ends at {run['error']['time_s'] * 1e3:.3f} ms: {run['error']['reason'].split(':')[0]}"
         engine_time = number(engine["wall_s"] * 1e3, "{:.1f}")
         return front + ["–", "–", "–", "–", str(engine["steps"]), engine_time, f"as expected: {reason}"], True
-    status, found, complaint = phalanx("validate", path, "--quick")
+    status, found, complaint = phalanx("validate", path, "--quick", "--ladder")
     if found is None:
         sys.exit(f"{name}: {complaint}")
     measured = {check["bound"]: check for check in found["verdict"]}

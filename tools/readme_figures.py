@@ -185,7 +185,7 @@ def engine(scratch):
     """Speed against error of every setting on the anchor, and its picture."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     out = scratch / "validation"
-    document = validation(ROOT / "scenes" / "experiment-95.toml", "--out", out)
+    document = validation(ROOT / "scenes" / "experiment-95.toml", "--ladder-time", "600 s", "--out", out)
     shutil.copy(out / "speed-error.svg", ROOT / "tools" / "figures" / "speed-error.svg")
     header = [
         "setting", "runs", "steps", "time (ms)", "× real time", "× everyday analytic", "angle (rad)", "contact time (µs)", "impulse (%)",
@@ -229,7 +229,7 @@ def validate(_):
     ]
     body = []
     for scene in sorted((ROOT / "scenes").glob("*.toml")):
-        document = validation(scene, "--quick")
+        document = validation(scene, "--quick", "--ladder")
         measured = {row["bound"]: row["measured"] for row in document["verdict"]}
         run = document["engine"]
         keys = ("angle_rad", "contact_time_s", "final_force", "impulse", "loop_gap_m")

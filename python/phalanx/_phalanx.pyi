@@ -401,8 +401,14 @@ def capture(
     found, 0.01 mm if it is not given. Texts with units, or numbers in m.
     """
 
-def validate(scene: _SceneLike, quick: bool = False) -> dict[str, Any]:
-    """The engine held to the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured.
+def validate(
+    scene: _SceneLike,
+    quick: bool = False,
+    ladder: bool = False,
+    ladder_time: _Quantity | None = None,
+) -> dict[str, Any]:
+    """The engine compared with the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured.
 
-    quick: leave out the settings that take long.
+    ladder: compare and time other settings as well, speed against error, in at most ladder_time, 10 s if it is not given. quick:
+    leave those that take long out of the ladder.
     """

@@ -15,7 +15,7 @@ use phalanx::study::only_gripper;
 use phalanx::study::posture::{directions, posture};
 use phalanx::study::size::{Asked as Sizing, size as sized};
 use phalanx::units::Dimension;
-use phalanx::validate::refuse_too_fine;
+use phalanx::validate::{Climb, LADDER_TIME_S, StudyError, climb, refuse_too_fine};
 use phalanx::wording::Reported;
 use pyo3::prelude::*;
 
@@ -242,14 +242,28 @@ pub fn capture<'py>(
     words::json(py, &CaptureReport::from(&found).json())
 }
 
-/// The engine held to the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured, speed against
-/// error. quick: leave out the settings that take long.
+/// The engine compared with the analytic model (`phalanx validate --json`): `passed`, every bound with what was measured. ladder: compare
+/// and time other settings as well, speed against error, in at most `ladder_time` ("10 s"). quick: leave those that take long out of it.
 #[pyfunction]
-#[pyo3(signature = (scene, quick = false))]
-pub fn validate<'py>(py: Python<'py>, scene: SceneLike, quick: bool) -> PyResult<Bound<'py, PyAny>> {
+#[pyo3(signature = (scene, quick = false, ladder = false, ladder_time = None))]
+pub fn validate<'py>(
+    py: Python<'py>,
+    scene: SceneLike,
+    quick: bool,
+    ladder: bool,
+    ladder_time: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     refuse_too_fine(&scene.scene).map_err(|error| errors::argument(py, error))?;
-    let found = watch::free(py, |go_on| phalanx::validate::validate(&scene.scene, quick, &mut |_| {}, &|| go_on()))?;
-    let found = found.map_err(|error| errors::run(py, error, None))?;
-    words::json(py, &ValidationReport::new(&scene.scene, &found, quick).json())
+    let time_s = given(py, "ladder_time", ladder_time, Dimension::Time)?;
+    let plan = (ladder || time_s.is_some()).then(|| Climb { quick, time_s: time_s.unwrap_or(LADDER_TIME_S) });
+    let found = watch::free(py, |go_on| {
+        let mut found = phalanx::validate::validate(&scene.scene, go_on)?;
+        if let Some(plan) = plan {
+            climb(&mut found, &scene.scene, plan, &mut |_| {}, go_on)?;
+        }
+        Ok(found)
+    })?;
+    let found = found.map_err(|error: StudyError| errors::run(py, error, None))?;
+    words::json(py, &ValidationReport::new(&scene.scene, &found, plan).json())
 }

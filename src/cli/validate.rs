@@ -2,7 +2,7 @@
 
 use super::folder::Folder;
 use super::interrupt::Interrupt;
-use super::output::answer;
+use super::output::{print, show};
 use super::progress::Count;
 use super::validate_args::ValidateArgs;
 use super::validate_files::{files, write};
@@ -11,8 +11,8 @@ use crate::integrator;
 use crate::report::validation::ValidationReport;
 use crate::scene::Scene;
 use crate::trace::{Model, RunError};
-use crate::validate::{Progress, StudyError, Validation, refuse_too_fine, validate};
-use crate::wording::duration;
+use crate::validate::{Climb, Progress, StudyError, Validation, climb, refuse_too_fine, validate};
+use crate::wording::{Report, Reported, duration};
 
 /// Runs the command.
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
@@ -20,38 +20,68 @@ pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &scene;
     let folder = args.out.as_deref().map(|out| Folder::open(out, files(scene))).transpose()?;
     let interrupt = Interrupt::listen()?;
-    let found = watched(scene, args, &interrupt)?;
-    let mut report = ValidationReport::new(scene, &found, args.quick);
+    let mut found = watched(scene, args, &interrupt)?;
+    let mut report = ValidationReport::new(scene, &found, None);
+    // The verdict comes first, whatever follows takes.
+    if !args.json {
+        show(&report.of_verdict())?;
+    }
+    if let Some(plan) = args.climb() {
+        climbed(&mut found, scene, (args, plan), &interrupt)?;
+        report = ValidationReport::new(scene, &found, Some(plan));
+    }
     if let Some(folder) = folder {
         folder.fill(|out| write(out, args, scene, &found, &mut report, &interrupt))?;
     }
-    answer(&report, args.json)?;
+    match (args.json, report.of_ladder()) {
+        (true, _) => print(&report.json())?,
+        (false, Some(ladder)) => show(&Report::from("\n").and(ladder))?,
+        (false, None) => {}
+    }
     Ok(if report.passed { Status::Done } else { Status::CheckFailed })
 }
 
-/// The validation itself, its progress shown; it ends at a signal.
+/// The verdict; it ends at a signal.
 fn watched(scene: &Scene, args: &ValidateArgs, interrupt: &Interrupt) -> Result<Validation, Failure> {
     refuse_too_fine(scene).map_err(Failure::bad_input)?;
+    let mut count = Count::new();
+    count.show(0, 1, "verdict");
+    let result = validate(scene, &|| interrupt.signal().is_none());
+    count.clear();
+    result.map_err(|error| match interrupt.signal().filter(|_| error.error.is_stop()) {
+        Some(signal) => interrupted(signal, "before its verdict", args.out.is_some()),
+        None => incomplete(error),
+    })
+}
+
+/// The ladder, its progress shown; it ends at a signal.
+fn climbed(
+    found: &mut Validation,
+    scene: &Scene,
+    (args, plan): (&ValidateArgs, Climb),
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
     let mut count = Count::new();
     let mut reached = (0, 0);
     let mut tell = |Progress { done, total, next }: Progress| {
         reached = (done, total);
         count.show(done, total, next);
     };
-    let result = validate(scene, args.quick, &mut tell, &|| interrupt.signal().is_none());
+    let result = climb(found, scene, plan, &mut tell, &|| interrupt.signal().is_none());
     count.clear();
     result.map_err(|error| match interrupt.signal().filter(|_| error.error.is_stop()) {
-        Some(signal) => interrupted(signal, reached, args.out.is_some()),
+        Some(signal) => {
+            let (done, total) = reached;
+            interrupted(signal, &format!("after {done} of {total} settings of its ladder"), args.out.is_some())
+        }
         None => incomplete(error),
     })
 }
 
-/// A signal came while settings were being compared.
-fn interrupted(signal: &str, (done, total): (usize, usize), out: bool) -> Failure {
+/// A signal came.
+fn interrupted(signal: &str, when: &str, out: bool) -> Failure {
     let files = if out { "; no file was written, and older ones are as they were" } else { "" };
-    Failure::incomplete(format!(
-        "the validation was interrupted by {signal} after {done} of {total} parts: there is no verdict{files}"
-    ))
+    Failure::incomplete(format!("the validation was interrupted by {signal} {when}{files}"))
 }
 
 /// One of the two runs that must complete did not.

@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::set::SetArgs;
+use crate::trace::overrides::duration;
+use crate::validate::{Climb, LADDER_TIME_S};
 
-/// Compare the engine with the analytic model, judge it by the scene's bounds, and weigh speed against error.
+/// Compare the engine with the analytic model, and judge it by the scene's bounds; with a ladder, weigh speed against error.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx validate scenes/experiment-95.toml\n  phalanx validate scenes/experiment-95.toml --out \
-                  report\n  phalanx validate scenes/experiment-95.toml --quick --json > validation.json\n\nThe section \
+                  report\n  phalanx validate scenes/experiment-95.toml --ladder --json > validation.json\n\nThe section \
                   [validate] of a scene sets its bounds. Exit status: 0 within bounds; 1 out of bounds; 2 bad input; 3 a \
                   simulation could not be completed."
 )]
@@ -30,7 +32,23 @@ pub struct ValidateArgs {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// Leave out the settings that take long: fixed steps below 1e-5 s and reduced coordinates
+    /// Compare and time other settings of both models as well: speed against error. --out has them too
+    #[arg(long)]
+    pub(super) ladder: bool,
+
+    /// Time that the ladder may take, such as "60 s": settings beyond it are left out, and named [default: 10 s]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub(super) ladder_time: Option<f64>,
+
+    /// Leave settings that take long out of the ladder: fixed steps below 1e-5 s and reduced coordinates
     #[arg(long)]
     pub(super) quick: bool,
+}
+
+impl ValidateArgs {
+    /// The ladder, where one is wanted.
+    pub(super) fn climb(&self) -> Option<Climb> {
+        let wanted = self.ladder || self.ladder_time.is_some() || self.out.is_some();
+        wanted.then(|| Climb { quick: self.quick, time_s: self.ladder_time.unwrap_or(LADDER_TIME_S) })
+    }
 }

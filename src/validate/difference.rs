@@ -7,6 +7,8 @@ use crate::trace::{ContactSummary, Event, Outcome, Sample, Sink, SinkError};
 /// Impacts of a finger with less than this part of the largest impulse, and pairs of bodies with less than this part of the
 /// largest figure of all, are too small to compare in it.
 const SIGNIFICANT: f64 = 0.01;
+/// Places of the size of these scenes are rounded to less than this, m.
+const ROUNDING_M: f64 = 1e-15;
 /// A reference force below this is no force: the difference is then absolute, in N.
 const NO_FORCE_N: f64 = 1e-6;
 
@@ -146,6 +148,24 @@ impl<'a> Comparison<'a> {
         }
     }
 
+    /// Largest depth of a contact in either model.
+    fn deepest_m(&self, index: usize, outcome: &Outcome) -> f64 {
+        let runs = [outcome, &self.reference.outcome];
+        let depths = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.max_penetration_m));
+        depths[0].max(depths[1])
+    }
+
+    /// Whether a pair of discs carried no force to speak of in either model: it overlapped by rounding, or its largest force is next to
+    /// nothing beside that of its spring alone. The law held the force at zero then, and what is left of it as the surfaces part is too
+    /// short for steps.
+    fn carries_nothing(&self, index: usize, outcome: &Outcome) -> bool {
+        let spring_n = self.reference.spring_n.get(index).copied().unwrap_or(0.0);
+        let runs = [outcome, &self.reference.outcome];
+        let peaks = runs.map(|run| run.contacts.get(index).map_or(f64::NAN, |contact| contact.peak_normal_n));
+        let by_rounding = spring_n > 0.0 && self.deepest_m(index, outcome) <= ROUNDING_M;
+        by_rounding || peaks.iter().all(|peak| *peak < SIGNIFICANT * spring_n)
+    }
+
     /// The differences, once the run is over.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
@@ -156,12 +176,25 @@ impl<'a> Comparison<'a> {
             let largest = reference.contacts.iter().map(figure).fold(0.0, f64::max);
             let of = |&index: &usize| {
                 let found = outcome.contacts.get(index).map_or(f64::NAN, figure);
+                if self.carries_nothing(index, outcome) {
+                    return None;
+                }
                 relative(found, figure(&reference.contacts[index]), largest)
             };
             compared.iter().map(of).collect()
         };
         let first_s = |outcome: &Outcome, index: usize| outcome.contacts.get(index).and_then(|contact| contact.first_s);
-        let touch = |&index: &usize| first_touch(first_s(outcome, index), first_s(reference, index), self.until_s);
+        // Discs that overlap by rounding in both runs are in contact in neither.
+        let touch = |&index: &usize| {
+            let (found, expected) = (first_s(outcome, index), first_s(reference, index));
+            let one_lacks = found.is_some() != expected.is_some();
+            let of_discs = self.reference.spring_n.get(index).is_some();
+            if one_lacks && of_discs && self.deepest_m(index, outcome) <= ROUNDING_M {
+                None
+            } else {
+                first_touch(found, expected, self.until_s)
+            }
+        };
         let ends_within = outcome.last.time_s <= self.until_s;
         let final_force = |&index: &usize| match ends_within {
             true => final_force(&outcome.last, &reference.last, index),

@@ -1,10 +1,18 @@
 //! The members of the ensemble: the scene with its motor torque, or the speeds of its discs and gravity, changed by parts in 1e9.
 
 use crate::check::pushed;
+use crate::scene::words::SceneKind;
 use crate::scene::{DiscMotion, Scene};
 
-/// Runs of which the worst counts.
+/// Runs of which the worst counts, of a finger or of discs…
 pub const MEMBERS: usize = 5;
+/// …and of a gripper, whose runs take 50 times as long: the scene itself, and one other.
+pub const GRIPPER_MEMBERS: usize = 2;
+
+/// Runs of a scene of which the worst counts.
+pub fn members(scene: &Scene) -> usize {
+    if scene.kind() == SceneKind::Gripper { GRIPPER_MEMBERS } else { MEMBERS }
+}
 
 /// Relative difference of the motor torque from one member to the next: far below any bound in its effect, and enough
 /// to shift where steps fall.

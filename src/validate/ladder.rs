@@ -1,6 +1,6 @@
 //! The settings that are tried: both models, from coarse to fine.
 
-use super::MEMBERS;
+use super::members;
 use super::subject::{is_jointed, reference, touching_friction, with};
 use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
@@ -73,12 +73,13 @@ impl Rung {
     fn engine(engine: Engine, scene: &Scene) -> Self {
         let own = engine == scene.engine;
         let long = matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > ONCE_STEPS);
-        let members = if long && !own { 1 } else { MEMBERS };
+        let members = if long && !own { 1 } else { members(scene) };
         Rung { family: Family::of(&engine), settings: Settings::Engine(engine), own, members }
     }
 
-    fn analytic(integrator: Integrator) -> Self {
-        Rung { family: Family::Analytic, settings: Settings::Analytic(integrator), own: false, members: MEMBERS }
+    fn analytic(integrator: Integrator, scene: &Scene) -> Self {
+        let settings = Settings::Analytic(integrator);
+        Rung { family: Family::Analytic, settings, own: false, members: members(scene) }
     }
 
     pub fn model(&self) -> Model {
@@ -121,6 +122,11 @@ pub fn own(scene: &Scene) -> Rung {
     Rung::engine(scene.engine, scene)
 }
 
+/// The setting of the reference.
+pub fn of_reference(scene: &Scene) -> Rung {
+    Rung::analytic(reference(scene).integrator, scene)
+}
+
 /// A setting in few words, without its family.
 pub fn name(rung: &Rung) -> String {
     match rung.settings {
@@ -156,7 +162,7 @@ pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
         engines.insert(place.map_or(engines.len(), |place| place + 1), own);
     }
     let engines = engines.into_iter().map(|engine| Rung::engine(engine, scene));
-    engines.chain(analytic(scene).into_iter().map(Rung::analytic)).collect()
+    engines.chain(analytic(scene).into_iter().map(|integrator| Rung::analytic(integrator, scene))).collect()
 }
 
 /// Tolerances around the scene's own, or around the usual one where its steps are fixed. Bodies without joints are rarely

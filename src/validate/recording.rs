@@ -1,8 +1,11 @@
 //! A run kept whole.
 
 use super::Impacts;
-use crate::scene::Scene;
-use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
+use crate::criteria::{Judge, Judged};
+use crate::law::spring_force;
+use crate::scene::words::SceneKind;
+use crate::scene::{Scene, System, Touching};
+use crate::trace::{ContactSummary, Event, Model, Outcome, RunError, Sample, Sink, SinkError, between, run};
 use crate::trace::{GoOn, While};
 
 /// Everything a run said, in memory.
@@ -13,6 +16,10 @@ pub struct Recording {
     pub events: Vec<Event>,
     pub impacts: Impacts,
     pub outcome: Outcome,
+    /// What the run is judged by.
+    pub judged: Option<Judged>,
+    /// Of pairs of discs: the force of the spring of the contact at its largest depth, N.
+    pub spring_n: Vec<f64>,
 }
 
 impl Sink for Recording {
@@ -54,8 +61,45 @@ pub fn record(model: Model, scene: &Scene) -> Result<Recording, RunError> {
 /// Runs the scene as long as it may and keeps all of it.
 pub fn record_while(model: Model, scene: &Scene, go_on: GoOn) -> Result<Recording, RunError> {
     let mut recording = Recording::default();
-    recording.outcome = run(model, scene, &mut While { sink: &mut recording, go_on })?;
+    let mut heard = Heard { recording: &mut recording, judge: Judge::of(scene) };
+    let outcome = run(model, scene, &mut While { sink: &mut heard, go_on })?;
+    let judged = heard.judge.judged(true);
+    recording.judged = Some(judged);
+    if scene.kind() == SceneKind::Bodies {
+        let contacts = scene.system.touching().into_iter().zip(&outcome.contacts);
+        recording.spring_n = contacts.map(|(touching, contact)| spring_n(&scene.system, touching, contact)).collect();
+    }
+    recording.outcome = outcome;
     Ok(recording)
+}
+
+/// Force of the spring of a contact of discs at its largest depth, N.
+fn spring_n(system: &System, touching: Touching, contact: &ContactSummary) -> f64 {
+    let law = match touching {
+        Touching::Discs(..) => system.between_discs,
+        Touching::Palm(_) => system.palm.and_then(|palm| palm.contact),
+        Touching::Table(_) => system.table.and_then(|table| table.contact),
+        Touching::Phalanx(..) | Touching::Stop(_) => None,
+    };
+    law.map_or(0.0, |law| spring_force(&law.normal, contact.max_penetration_m))
+}
+
+/// A recording that is judged as it is made.
+struct Heard<'a> {
+    recording: &'a mut Recording,
+    judge: Judge,
+}
+
+impl Sink for Heard<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.judge.sample(sample)?;
+        self.recording.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.judge.event(event)?;
+        self.recording.event(event)
+    }
 }
 
 #[cfg(test)]

@@ -1,16 +1,34 @@
-//! The whole validation of a scene: references, the scene's own engine run, the ladder.
+//! The validation of a scene: the verdict first, then, where it is wanted, the ladder of other settings.
+
+use std::time::Instant;
 
 use super::ensemble::member;
 use super::subject::with;
 use super::{
-    Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Verdict, compare, compared, cost, invariants,
-    ladder, own, path_bound, record_while, reference, sampled, statistics, verdicts,
+    Comparison, Cost, Criterion, Differences, LONGEST_STEPS, Recording, Rung, Statistics, Verdict, compare, compared,
+    cost, criteria, invariants, ladder, members, own, path_bound, record_while, reference, sampled, statistics,
+    verdicts,
 };
 use crate::check;
 use crate::invariants::Finding;
 use crate::scene::Scene;
 use crate::scene::words::SceneKind;
-use crate::trace::{GoOn, Model, RunError, While, run};
+use crate::trace::{Model, RunError, While, run};
+
+/// Whether the validation is still wanted, asked from several threads.
+pub type Wanted<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Time that a ladder takes, s, unless another is given: enough for every setting of a finger but the shortest fixed steps.
+pub const LADDER_TIME_S: f64 = 10.0;
+
+/// Which settings a ladder takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Climb {
+    /// Leaves out settings that take long, whatever the time.
+    pub quick: bool,
+    /// Settings are begun while the time of all of them is expected to stay below this, s.
+    pub time_s: f64,
+}
 
 /// A setting and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +52,8 @@ pub enum Tried {
     TooLong {
         steps: f64,
     },
+    /// Left out, for the ladder's time was over, or would have been.
+    NoTime,
 }
 
 /// Everything that is known after a validation.
@@ -47,13 +67,20 @@ pub struct Validation {
     /// member of the ensemble: the scene itself.
     pub reference: Recording,
     pub engine: Recording,
+    /// The other members of the ensemble with their references.
+    others: Vec<(Scene, Recording)>,
     /// Of the engine as the scene says: worst of the ensemble.
     pub differences: Differences,
+    /// What both runs are judged by.
+    pub criteria: Vec<Criterion>,
+    /// Why the criteria are not judged; `None` where they are.
+    pub unjudged: Option<&'static str>,
     /// How near the two runs above came to breaking an invariant.
     pub reference_invariants: Vec<Finding>,
     pub engine_invariants: Vec<Finding>,
     /// Where the scene compares trajectories only up to some time: means over many runs beyond it.
     pub statistics: Option<Statistics>,
+    /// The ladder, as far as it was climbed.
     pub rows: Vec<Row>,
     pub verdict: Verdict,
 }
@@ -67,7 +94,7 @@ pub struct StudyError {
     pub error: RunError,
 }
 
-/// How far a validation has come.
+/// How far a ladder has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress<'a> {
     pub done: usize,
@@ -76,58 +103,46 @@ pub struct Progress<'a> {
     pub next: &'a str,
 }
 
-/// Validates a scene; `quick` leaves out the settings that take long.
+/// One member of the ensemble: its scene, its reference, and the engine's run as it is compared, the whole of it for the first.
+struct Member {
+    scene: Scene,
+    reference: Recording,
+    engine: Option<Recording>,
+    differences: Differences,
+}
+
+/// The verdict on a scene: the engine as the scene says against the reference. Members of the ensemble run on threads of their own.
 ///
-/// # Errors A reference, or the engine at the scene's own settings, could not be completed. Other settings may fail:
-/// their row says so. When `go_on` says no, the run at hand ends as stopped, and the validation with it.
-pub fn validate(
-    whole: &Scene,
-    quick: bool,
-    tell: &mut dyn FnMut(Progress),
-    go_on: GoOn,
-) -> Result<Validation, StudyError> {
+/// # Errors A reference, or the engine at the scene's own settings, could not be completed. When `go_on` says no, the runs at hand
+/// end as stopped, and the validation with them.
+pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> {
     let scene = &compared(whole);
     let (until_s, path_bound) = (whole.bounds.until_s, path_bound(whole));
-    let rungs = ladder(scene, quick);
-    let total = rungs.len() + 1;
-    tell(Progress { done: 0, total, next: "references" });
-    let broken = |model: Model| move |error: RunError| StudyError { model, error };
-    let scenes: Vec<Scene> = (0..MEMBERS).map(|index| member(scene, index)).collect();
-    let references: Vec<Recording> = scenes
-        .iter()
-        .map(|scene| record_while(Model::Analytic, &reference(scene), go_on))
-        .collect::<Result<_, _>>()
-        .map_err(broken(Model::Analytic))?;
-    let engine = record_while(Model::Engine, &sampled(Model::Engine, scene), go_on).map_err(broken(Model::Engine))?;
-    let own = own(scene);
-    let rest = against(&own, &scenes[1..], &references[1..], go_on).map_err(broken(Model::Engine))?;
-    let first = compare(&engine, &references[0], until_s);
-    let differences = match rest {
-        Some(rest) => first.worst(&rest),
-        None => first,
-    };
+    let (all, checked) = std::thread::scope(|scope| {
+        let checked = scope.spawn(|| check_reference(scene, until_s, go_on));
+        let runs = (0..members(scene)).map(|index| scope.spawn(move || run_member(scene, index, go_on)));
+        let runs: Vec<_> = runs.collect();
+        let all: Result<Vec<Member>, StudyError> = runs.into_iter().map(joined).collect();
+        (all, joined(checked))
+    });
+    let all = all?;
+    let differences = all[1..].iter().fold(all[0].differences.clone(), |worst, found| worst.worst(&found.differences));
+    let mut all = all.into_iter();
+    let (reference_run, engine) =
+        all.next().map(|first| (first.reference, first.engine.unwrap_or_default())).unwrap_or_default();
+    let others = all.map(|member| (member.scene, member.reference)).collect();
 
-    let own_steps = engine.outcome.work.steps;
-    let mut rows = Vec::with_capacity(rungs.len());
-    for (index, rung) in rungs.into_iter().enumerate() {
-        tell(Progress { done: index + 1, total, next: rung.family.name() });
-        let tried = match rung.own {
-            true => {
-                let cost = cost(Model::Engine, scene, quick, go_on).map_err(broken(Model::Engine))?;
-                Tried::Done { differences: Some(Box::new(differences.clone())), cost }
-            }
-            false => attempt(&rung, &scenes, &references, own_steps, quick, go_on)?,
-        };
-        rows.push(Row { rung, tried });
-    }
-    let statistics = sensitive(scene, go_on).map_err(broken(Model::Engine))?;
-    let checked = check_reference(scene, until_s, go_on);
-    let reference_invariants = invariants(&reference(scene), Model::Analytic, &references[0]);
+    let broken = |error: RunError| StudyError { model: Model::Engine, error };
+    let statistics = sensitive(scene, go_on).map_err(broken)?;
+    let reference_invariants = invariants(&reference(scene), Model::Analytic, &reference_run);
     let engine_invariants = invariants(scene, Model::Engine, &engine);
+    let criteria = criteria::criteria(scene, &reference_run, &engine);
+    let unjudged = criteria::unjudged(scene, &checked);
     Ok(Validation {
         until_s,
         path_bound,
         verdict: verdicts(&differences, &scene.bounds)
+            .and_criteria(if unjudged.is_none() { criteria::checks(&criteria) } else { Vec::new() })
             .and_reference(&checked, path_bound)
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
@@ -135,65 +150,137 @@ pub fn validate(
         statistics,
         reference_invariants,
         engine_invariants,
-        reference: references.into_iter().next().unwrap_or_default(),
+        reference: reference_run,
         engine,
+        others,
         differences,
-        rows,
+        criteria,
+        unjudged,
+        rows: Vec::new(),
     })
 }
 
+/// What a thread found; a panic of it goes on.
+fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+fn run_member(scene: &Scene, index: usize, go_on: Wanted) -> Result<Member, StudyError> {
+    let broken = |model: Model| move |error: RunError| StudyError { model, error };
+    let scene = member(scene, index);
+    let expected = record_while(Model::Analytic, &reference(&scene), go_on).map_err(broken(Model::Analytic))?;
+    let until_s = scene.bounds.until_s;
+    if index > 0 {
+        let differences = against(&own(&scene), &scene, &expected, go_on).map_err(broken(Model::Engine))?;
+        return Ok(Member { scene, reference: expected, engine: None, differences });
+    }
+    let engine = record_while(Model::Engine, &sampled(Model::Engine, &scene), go_on).map_err(broken(Model::Engine))?;
+    let differences = compare(&engine, &expected, until_s);
+    Ok(Member { scene, reference: expected, engine: Some(engine), differences })
+}
+
+/// Adds the ladder to a validation: other settings of both models, compared with the same references and timed, not judged. They run one
+/// after the other, those expected to be short first, for their times are measured.
+///
+/// # Errors
+/// When `go_on` says no, the run at hand ends as stopped, and the ladder with it. Other settings may fail: their row says so.
+pub fn climb(
+    found: &mut Validation,
+    whole: &Scene,
+    plan: Climb,
+    tell: &mut dyn FnMut(Progress),
+    go_on: Wanted,
+) -> Result<(), StudyError> {
+    let scene = &compared(whole);
+    let rungs = ladder(scene, plan.quick);
+    let (total, start) = (rungs.len(), Instant::now());
+    let own_steps = found.engine.outcome.work.steps;
+    let mut order: Vec<usize> = (0..total).collect();
+    let steps = |rung: &Rung| match rung.own || rung.is_reference() {
+        // The two that are judged come first: their times are always wanted.
+        true => -1.0,
+        false => rung.predicted_steps(scene, own_steps).map_or(0.0, |steps| steps * rung.members as f64),
+    };
+    order.sort_by(|a, b| steps(&rungs[*a]).total_cmp(&steps(&rungs[*b])));
+    let mut rows: Vec<Option<Tried>> = vec![None; total];
+    // Wall time of a step of the engine as the scene says.
+    let mut step_wall_s = 0.0;
+    for (done, index) in order.into_iter().enumerate() {
+        let rung = &rungs[index];
+        tell(Progress { done, total, next: rung.family.name() });
+        let left_s = plan.time_s - start.elapsed().as_secs_f64();
+        let wanted = rung.own || rung.is_reference() || (left_s > 0.0 && steps(rung) * step_wall_s < left_s);
+        let tried = match wanted {
+            true => attempt(rung, scene, found, plan.quick, go_on)?,
+            false => Tried::NoTime,
+        };
+        if let (true, Tried::Done { cost, .. }) = (rung.own, &tried) {
+            step_wall_s = cost.wall_s / cost.steps.max(1) as f64;
+        }
+        rows[index] = Some(tried);
+    }
+    let rows = rungs.into_iter().zip(rows);
+    found.rows = rows.filter_map(|(rung, tried)| Some(Row { rung, tried: tried? })).collect();
+    Ok(())
+}
+
 /// Means over many runs beyond the time up to which trajectories are compared, if there is such a time.
-fn sensitive(scene: &Scene, go_on: GoOn) -> Result<Option<Statistics>, RunError> {
+fn sensitive(scene: &Scene, go_on: Wanted) -> Result<Option<Statistics>, RunError> {
     let is_cut = scene.kind() == SceneKind::Finger && scene.bounds.until_s < scene.duration_s;
     is_cut.then(|| statistics(scene, go_on)).transpose()
 }
 
 /// What a check of the reference says, as far as trajectories are compared.
-fn check_reference(scene: &Scene, until_s: f64, go_on: GoOn) -> check::Check {
+fn check_reference(scene: &Scene, until_s: f64, go_on: Wanted) -> check::Check {
     let compared = with(scene, |scene| scene.duration_s = until_s.min(scene.duration_s));
     check::check(Model::Analytic, &reference(&compared), go_on)
 }
 
 /// Compares and times one setting.
-fn attempt(
-    rung: &Rung,
-    scenes: &[Scene],
-    references: &[Recording],
-    own_steps: u64,
-    quick: bool,
-    go_on: GoOn,
-) -> Result<Tried, StudyError> {
-    let predicted = rung.predicted_steps(&scenes[0], own_steps);
-    if let Some(steps) = predicted.filter(|&steps| steps > super::LONGEST_STEPS) {
+fn attempt(rung: &Rung, scene: &Scene, found: &Validation, quick: bool, go_on: Wanted) -> Result<Tried, StudyError> {
+    let broken = |error: RunError| StudyError { model: rung.model(), error };
+    if rung.own {
+        let cost = cost(Model::Engine, scene, quick, go_on).map_err(broken)?;
+        return Ok(Tried::Done { differences: Some(Box::new(found.differences.clone())), cost });
+    }
+    let predicted = rung.predicted_steps(scene, found.engine.outcome.work.steps);
+    if let Some(steps) = predicted.filter(|&steps| steps > LONGEST_STEPS) {
         return Ok(Tried::TooLong { steps });
     }
-    let members = if rung.is_reference() { 0 } else { rung.members };
-    let compared = against(rung, &scenes[..members], &references[..members], go_on);
-    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(&scenes[0]), quick, go_on)?)));
+    let members = std::iter::once((scene, &found.reference)).chain(found.others.iter().map(|(a, b)| (a, b)));
+    let compared = match rung.is_reference() {
+        true => Ok(None),
+        false => worst(rung, members, go_on).map(Some),
+    };
+    let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(scene), quick, go_on)?)));
     match timed {
         Ok((differences, cost)) => Ok(Tried::Done { differences: differences.map(Box::new), cost }),
-        Err(error) if error.is_stop() => Err(StudyError { model: rung.model(), error }),
+        Err(error) if error.is_stop() => Err(broken(error)),
         Err(error) => Ok(Tried::Failed { reason: error.to_string() }),
     }
 }
 
-/// Worst differences of a setting over some members; `None` without members.
-fn against(
+/// Worst differences of a setting over its members.
+fn worst<'a>(
     rung: &Rung,
-    scenes: &[Scene],
-    references: &[Recording],
-    go_on: GoOn,
-) -> Result<Option<Differences>, RunError> {
+    members: impl Iterator<Item = (&'a Scene, &'a Recording)>,
+    go_on: Wanted,
+) -> Result<Differences, RunError> {
     let mut worst: Option<Differences> = None;
-    for (scene, reference) in scenes.iter().zip(references) {
-        let mut comparison = Comparison::new(reference, scene.bounds.until_s);
-        let sampled = sampled(rung.model(), &rung.apply(scene));
-        let outcome = run(rung.model(), &sampled, &mut While { sink: &mut comparison, go_on })?;
-        let found = comparison.finish(&outcome);
+    for (scene, reference) in members.take(rung.members) {
+        let found = against(rung, scene, reference, go_on)?;
         worst = Some(match worst {
             Some(worst) => worst.worst(&found),
             None => found,
         });
     }
-    Ok(worst)
+    Ok(worst.unwrap_or_default())
+}
+
+/// Differences of a setting from the reference of one member.
+fn against(rung: &Rung, scene: &Scene, reference: &Recording, go_on: Wanted) -> Result<Differences, RunError> {
+    let mut comparison = Comparison::new(reference, scene.bounds.until_s);
+    let sampled = sampled(rung.model(), &rung.apply(scene));
+    let outcome = run(rung.model(), &sampled, &mut While { sink: &mut comparison, go_on })?;
+    Ok(comparison.finish(&outcome))
 }

@@ -51,6 +51,12 @@ impl Verdict {
         self
     }
 
+    /// With the criteria of both runs judged too.
+    pub fn and_criteria(mut self, checks: Vec<Check>) -> Self {
+        self.checks.extend(checks);
+        self
+    }
+
     /// With the invariants of a run judged too: the worst of them, as a part of what is allowed.
     pub fn and_invariants(mut self, bound: &'static str, found: &[Finding]) -> Self {
         let worst = found.iter().map(Finding::share).fold(0.0, f64::max);

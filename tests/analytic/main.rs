@@ -7,6 +7,7 @@ mod support;
 
 mod anchor;
 mod carried;
+mod contact_definition;
 mod contact_geometry;
 mod dynamics_independent;
 mod energy;

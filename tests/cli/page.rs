@@ -174,8 +174,9 @@ fn a_picture_of_ours_escapes_the_name_of_its_scene() {
     let hostile = "</svg><script>alert(1)</script>";
     let mut scene = load_discs("laws/spring");
     scene.name = hostile.to_string();
-    let found =
-        phalanx::validate::validate(&scene, true, &mut |_| {}, &|| true).expect("a validation of a scene of discs");
+    let mut found = phalanx::validate::validate(&scene, &|| true).expect("a validation of a scene of discs");
+    let plan = phalanx::validate::Climb { quick: true, time_s: 1.0 };
+    phalanx::validate::climb(&mut found, &scene, plan, &mut |_| {}, &|| true).expect("its ladder");
     let svg = phalanx::plot::speed_error(&scene.name, &found);
     assert!(!svg.contains("<script") && svg.contains("&lt;script&gt;"));
 }

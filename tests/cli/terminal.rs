@@ -77,8 +77,8 @@ fn reports_with_wall_times_fit_the_terminal() {
     fits(&["volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.2,0.4,0.6,0.8", "--resolution", "3"], &widths);
     fits(&["study", "stability", ANCHOR, "--quick"], &[80]);
     fits(&["study", "step-size", "--quick"], &[80]);
-    fits(&["validate", "scenes/laws/step-size.toml", "--quick", "--set", "duration=2 ms"], &[80]);
-    let validated = fits(&["validate", "scenes/free-swing.toml", "--quick"], &[80]);
+    fits(&["validate", "scenes/laws/step-size.toml", "--ladder", "--quick", "--set", "duration=2 ms"], &[80]);
+    let validated = fits(&["validate", "scenes/free-swing.toml", "--ladder", "--quick"], &[80]);
     assert!(validated.screen.contains("speed against error"), "{}", validated.screen);
 }
 

@@ -18,5 +18,6 @@ mod hard_grippers;
 mod hard_scenes;
 mod random_scenes;
 mod validate_command;
+mod validate_criteria;
 mod validate_measures;
 mod validate_scenes;

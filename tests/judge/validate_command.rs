@@ -37,6 +37,8 @@ fn the_anchor_case_is_within_its_bounds() {
         "final_force",
         "impulse",
         "loop_gap_m",
+        "class",
+        "stability_time_s",
         "reference",
         "analytic_invariants",
         "engine_invariants",
@@ -57,11 +59,54 @@ fn the_anchor_case_is_within_its_bounds() {
     }
     assert_eq!(report["impacts"].as_array().expect("a list").len(), 2);
     assert_eq!(report["files"], Value::Null);
+    // The verdict alone: no other setting was tried, and nothing was timed.
+    assert_eq!((&report["settings"], &report["ladder_time_s"]), (&Value::Array(Vec::new()), &Value::Null));
+    assert!(
+        report["engine"]["steps"].as_u64().is_some_and(|steps| steps > 500) && report["engine"]["wall_s"].is_null()
+    );
+    let [class, time] = [0, 1].map(|k| &report["criteria"][k]);
+    assert_eq!(
+        (&class["criterion"], &class["analytic"], &class["engine"]),
+        (&"class".into(), &"stable".into(), &"stable".into())
+    );
+    assert_eq!((&time["criterion"], &time["limit"]), (&"stability_time_s".into(), &1e-5.into()));
+    assert!((time["analytic"].as_f64().expect("a time") - 6.883746e-3).abs() < 1e-8, "{time}");
+}
+
+#[test]
+fn the_verdict_is_printed_before_the_ladder_and_the_same_without() {
+    let plain = validate(ANCHOR, &[]);
+    let ladder = validate(ANCHOR, &["--ladder"]);
+    let (plain, ladder) = (stdout(&plain), stdout(&ladder));
+    assert!(plain.starts_with("experiment-95: engine against analytic model: within all bounds\n"), "{plain}");
+    assert!(plain.contains("time to stability, ms  6.8837463") && !plain.contains("speed against error"), "{plain}");
+    let rest = ladder.strip_prefix(plain).unwrap_or_else(|| panic!("{plain}\n{ladder}"));
+    assert!(rest.starts_with("\nspeed against error"), "{rest}");
+}
+
+#[test]
+fn a_ladder_takes_no_more_settings_than_its_time_allows_and_names_the_others() {
+    let report = json(&validate(ANCHOR, &["--json", "--ladder-time", "1 us"]));
+    assert_eq!((&report["ladder_time_s"], &report["passed"]), (&1e-6.into(), &true.into()));
+    for setting in report["settings"].as_array().expect("a list") {
+        // The two that are compared are timed in any case.
+        let judged = setting["own"] == true || setting["reference"] == true;
+        assert_eq!(setting["status"], if judged { "done" } else { "no_time" }, "{setting}");
+        assert_eq!(setting["reason"].is_null(), judged, "{setting}");
+    }
+    let text = validate(ANCHOR, &["--ladder-time", "1 us"]);
+    assert!(
+        stdout(&text).contains("engine, fixed steps, dt 1e-4 s: left out, beyond the time of the ladder"),
+        "{}",
+        stdout(&text)
+    );
+    let wrong = validate(ANCHOR, &["--ladder-time", "0 s"]);
+    assert_eq!(wrong.status.code(), Some(2), "{}", stdout(&wrong));
 }
 
 #[test]
 fn speed_against_error_of_every_setting() {
-    let report = json(&validate(ANCHOR, &["--json"]));
+    let report = json(&validate(ANCHOR, &["--json", "--ladder-time", "600 s"]));
     let settings = report["settings"].as_array().expect("a list");
     let family = |name: &str| settings.iter().filter(|setting| setting["family"] == name).count();
     assert_eq!(family("engine, adaptive steps"), 4);
@@ -92,7 +137,7 @@ fn speed_against_error_of_every_setting() {
 fn bounds_decide_the_exit_status() {
     // Tighter than the engine is, and not than the reference can be told to be.
     let scene = variant(&directory("validate_bounds"), "tight.toml", "[validate]\nangle = \"1e-9 rad\"\n");
-    let output = validate(&scene, &[]);
+    let output = validate(&scene, &["--ladder"]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let text = stdout(&output);
     assert!(text.contains("OUT OF BOUNDS"), "{text}");

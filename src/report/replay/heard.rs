@@ -88,7 +88,7 @@ pub fn attached(head: &Reading) -> Option<Result<Scene, SceneError>> {
 
 impl LogSink for Heard {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.summary = Summary::new(layout.clone());
+        self.summary = Summary::new(layout.clone(), self.moved.as_ref());
         // The scene may be of another kind than the log.
         self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == 1);
         self.gripper = self.gripper.take().filter(|_| layout.fingers.len() == 2);

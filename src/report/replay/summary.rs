@@ -1,6 +1,7 @@
 //! What the samples and events of a run say in sum.
 
 use crate::criteria::{Rebound, Rebounds};
+use crate::scene::Scene;
 use crate::trace::{ContactSummary, Event, EventKind, Layout, Outcome, Sample, Sink, SinkError};
 
 /// A [`Sink`] that keeps of a run what its samples and events say in sum.
@@ -15,9 +16,12 @@ pub struct Summary {
 
 impl Summary {
     /// Of samples of this layout.
-    pub fn new(layout: Layout) -> Self {
+    /// `scene`: of a log of bodies, where it is known, for their masses.
+    pub fn new(layout: Layout, scene: Option<&Scene>) -> Self {
         let contacts = vec![ContactSummary::default(); layout.contacts.len()];
-        let rebounds = layout.fingers.is_empty().then(|| Rebounds::new(contacts.len()));
+        let of_scene =
+            scene.map(|scene| Rebounds::of(&scene.system)).filter(|found| found.pairs().len() == contacts.len());
+        let rebounds = layout.fingers.is_empty().then(|| of_scene.unwrap_or_else(|| Rebounds::new(contacts.len())));
         Summary { layout, outcome: Outcome { contacts, ..Outcome::default() }, rebounds, any: false }
     }
 

@@ -15,7 +15,10 @@ use crate::invariants::Finding;
 use crate::scene::words::SceneKind;
 use crate::scene::{Scene, Words};
 use crate::trace::{Energy, Layout};
-use crate::validate::{Check, IMPACT_S, MEMBERS, Recording, Row, TORQUE_STEP, Tried, Validation, name};
+use crate::validate::{
+    Check, Climb, Criterion, IMPACT_S, Recording, Row, Rung, TORQUE_STEP, Tried, Validation, Value, members, name,
+    of_reference, own,
+};
 
 /// One validation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,6 +40,9 @@ pub struct ValidationReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ensemble_speed_step: Option<f64>,
     pub verdict: Vec<CheckReport>,
+    /// Criteria of both models, and why they are not judged; null where they are.
+    pub criteria: Vec<CriterionReport>,
+    pub criteria_unjudged: Option<&'static str>,
     pub analytic: ModelReport,
     pub engine: ModelReport,
     /// Means over many runs beyond `until_s`, where trajectories are not compared; null if they are to the end.
@@ -47,9 +53,10 @@ pub struct ValidationReport {
     pub impacts: Option<Vec<ImpactReport>>,
     /// Of the engine at the scene's settings: worst of the ensemble.
     pub differences: DifferencesReport,
-    /// Whether settings that take long were left out.
+    /// Whether settings that take long were left out of the ladder, and the time that it had; null without one.
     pub quick: bool,
-    /// Speed against error: all settings that were tried.
+    pub ladder_time_s: Option<f64>,
+    /// Speed against error: all settings that were tried; empty without a ladder.
     pub settings: Vec<SettingReport>,
     /// Directory of the results as given, and the files in it; null if none were asked for.
     pub directory: Option<String>,
@@ -67,13 +74,52 @@ pub struct CheckReport {
     pub passed: bool,
 }
 
+/// One criterion in both models.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CriterionReport {
+    /// Key of its bound, with its unit.
+    pub criterion: &'static str,
+    /// The pair or contact it is of; null where there is one.
+    pub of: Option<String>,
+    pub analytic: ValueReport,
+    pub engine: ValueReport,
+    /// What the bound is compared with; null where one model has none.
+    pub difference: f64,
+    pub limit: f64,
+}
+
+/// A word, or a figure in SI, or null.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ValueReport {
+    Word(&'static str),
+    Figure(Option<f64>),
+}
+
+impl From<&Criterion> for CriterionReport {
+    fn from(found: &Criterion) -> Self {
+        let value = |value: &Value| match value {
+            Value::Word(word) => ValueReport::Word(word),
+            Value::Figure(figure) => ValueReport::Figure(*figure),
+        };
+        CriterionReport {
+            criterion: found.bound,
+            of: Some(found.of.clone()).filter(|of| !of.is_empty()),
+            analytic: value(&found.analytic),
+            engine: value(&found.engine),
+            difference: found.difference,
+            limit: found.limit,
+        }
+    }
+}
+
 /// One of the two models, of the scene itself: the analytic one at its reference preset, the engine as the scene
 /// says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
     pub setting: String,
-    pub steps: Option<u64>,
-    /// Median wall time with nothing listening.
+    pub steps: u64,
+    /// Median wall time with nothing listening; null without a ladder, which measures it.
     pub wall_s: Option<f64>,
     /// What moves, at the end of what is compared.
     #[serde(flatten)]
@@ -105,6 +151,7 @@ pub enum Status {
     Done,
     Failed,
     TooLong,
+    NoTime,
 }
 
 /// One setting: its cost and its differences from the reference.
@@ -145,28 +192,33 @@ impl From<&Check> for CheckReport {
 }
 
 impl ValidationReport {
-    pub fn new(scene: &Scene, found: &Validation, quick: bool) -> Self {
+    /// `ladder`: how the ladder of `found` was climbed, if it was.
+    pub fn new(scene: &Scene, found: &Validation, ladder: Option<Climb>) -> Self {
         let layout = Layout::of(&scene.system);
         let (finger, gripper) = (scene.kind() == SceneKind::Finger, scene.kind() == SceneKind::Gripper);
         let fingers = finger || gripper;
         let row = |wanted: fn(&Row) -> bool| found.rows.iter().find(|row| wanted(row));
-        let analytic = row(|row| row.rung.is_reference());
+        let analytic = (of_reference(scene), row(|row| row.rung.is_reference()));
+        let engine = (own(scene), row(|row| row.rung.own));
         ValidationReport {
             scene: scene.name.clone(),
             kind: scene.kind().word(),
             passed: found.verdict.passed(),
             duration_s: scene.duration_s,
             until_s: found.until_s,
-            ensemble_runs: MEMBERS,
+            ensemble_runs: members(scene),
             ensemble_torque_step: fingers.then_some(TORQUE_STEP),
             ensemble_speed_step: (!fingers).then_some(TORQUE_STEP),
             verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
+            criteria: found.criteria.iter().map(CriterionReport::from).collect(),
+            criteria_unjudged: found.unjudged.filter(|_| !found.criteria.is_empty()),
             analytic: ModelReport::new(scene, analytic, &found.reference, &found.reference_invariants),
-            engine: ModelReport::new(scene, row(|row| row.rung.own), &found.engine, &found.engine_invariants),
+            engine: ModelReport::new(scene, engine, &found.engine, &found.engine_invariants),
             statistics: finger.then(|| found.statistics.as_ref().map(StatisticsReport::from)),
             impacts: fingers.then(|| impacts(&layout, &found.reference, &found.engine)),
             differences: DifferencesReport::new(&layout, &found.differences),
-            quick,
+            quick: ladder.is_some_and(|ladder| ladder.quick),
+            ladder_time_s: ladder.map(|ladder| ladder.time_s),
             settings: found.rows.iter().map(|row| SettingReport::new(&layout, row)).collect(),
             directory: None,
             files: None,
@@ -184,16 +236,16 @@ impl ValidationReport {
 }
 
 impl ModelReport {
-    fn new(scene: &Scene, row: Option<&Row>, recording: &Recording, invariants: &[Finding]) -> Self {
+    fn new(scene: &Scene, (rung, row): (Rung, Option<&Row>), recording: &Recording, invariants: &[Finding]) -> Self {
         let (layout, outcome) = (Layout::of(&scene.system), &recording.outcome);
-        let cost = row.and_then(|row| match row.tried {
-            Tried::Done { cost, .. } => Some(cost),
+        let wall_s = row.and_then(|row| match row.tried {
+            Tried::Done { cost, .. } => Some(cost.wall_s),
             _ => None,
         });
         ModelReport {
-            setting: row.map(|row| name(&row.rung)).unwrap_or_default(),
-            steps: cost.map(|cost| cost.steps),
-            wall_s: cost.map(|cost| cost.wall_s),
+            setting: name(&rung),
+            steps: outcome.work.steps,
+            wall_s,
             states: States::new(&layout, Some(outcome), Some(scene)),
             contacts: Contacts::new(&layout, outcome, &[]),
             energy: outcome.last.energy,
@@ -233,6 +285,7 @@ impl SettingReport {
             Tried::Done { .. } => (Status::Done, None),
             Tried::Failed { reason } => (Status::Failed, Some(reason.clone())),
             Tried::TooLong { steps } => (Status::TooLong, Some(format!("would take {steps:.1e} steps"))),
+            Tried::NoTime => (Status::NoTime, Some("beyond the time of the ladder".to_string())),
         };
         let (found, cost) = match &row.tried {
             Tried::Done { differences, cost } => (differences.as_deref(), Some(cost)),

@@ -90,8 +90,8 @@ fn contacts(report: &ValidationReport, [ours, theirs]: [&Contacts; 2]) -> Vec<Ve
         }
         rows.extend(touches(&name, ours, theirs, if report.is_of_discs() { 6 } else { 4 }));
         if report.is_of_discs() {
-            let [own, other] = [ours, theirs].map(|of| of.max_penetration_m * 1e6);
-            rows.push(line(&format!("{name} depth, µm"), own, other, 6));
+            let depths = ours.max_penetration_m.zip(theirs.max_penetration_m);
+            rows.extend(depths.map(|(own, other)| line(&format!("{name} depth, µm"), own * 1e6, other * 1e6, 6)));
         }
     }
     rows

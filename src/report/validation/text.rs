@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use super::document::{CheckReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport};
+use super::document::{
+    CheckReport, CriterionReport, ImpactReport, ModelReport, SettingReport, Status, ValidationReport, ValueReport,
+};
 use super::figures::number;
 use super::invariants::FindingReport;
 use super::side_by_side::{differences, side_by_side};
@@ -14,7 +16,15 @@ use crate::wording::report::{Report, Reported, Table, table};
 /// The whole report, with a line end.
 impl Reported for ValidationReport {
     fn report(&self) -> Report {
+        Report::join(std::iter::once(self.of_verdict()).chain(self.of_ladder()))
+    }
+}
+
+impl ValidationReport {
+    /// The verdict and what it is made of.
+    pub fn of_verdict(&self) -> Report {
         let mut sections = vec![Report::from(heading(self)), checks(&self.verdict)];
+        sections.extend(criteria(&self.criteria, self.criteria_unjudged));
         let broken = broken([("analytic", &self.analytic.invariants), ("engine", &self.engine.invariants)]);
         if !broken.is_empty() {
             sections.push(Report::from(broken));
@@ -23,20 +33,58 @@ impl Reported for ValidationReport {
         sections.extend(self.impacts.as_deref().filter(|all| !all.is_empty()).map(impacts));
         sections.extend(self.statistics.iter().flatten().map(statistics_text));
         sections.push(differences(&self.differences));
+        Report::join(sections)
+    }
+
+    /// What follows: the ladder, and where the files are; `None` without either.
+    pub fn of_ladder(&self) -> Option<Report> {
         let left_out = match self.has_coordinates() {
             true => "fixed steps below 1e-5 s, reduced coordinates",
             false => "fixed steps below 1e-5 s",
         };
-        sections.push(settings(self, self.quick.then_some(left_out)));
-        Report::join(sections)
+        let mut sections = Vec::new();
+        sections.extend(self.ladder_time_s.map(|time_s| settings(self, time_s, self.quick.then_some(left_out))));
+        if let (Some(directory), Some(files)) = (&self.directory, &self.files) {
+            sections.push(Report::from(format!("in {directory}: {}\n", files.join(", "))));
+        }
+        (!sections.is_empty()).then(|| Report::join(sections))
     }
 }
 
-/// A model's setting, steps and wall time.
+/// Both models' criteria side by side; `None` where there are none.
+fn criteria(criteria: &[CriterionReport], unjudged: Option<&str>) -> Option<Report> {
+    let mut rows = vec![row(["criterion", "analytic", "engine"])];
+    for found in criteria {
+        let (meaning, scale, digits) = match found.criterion {
+            "stability_time_s" => ("time to stability, ms", 1e3, 8),
+            "lost_time" => ("lost for, ms", 1e3, 5),
+            "contacts_lost" => ("contacts lost", 1.0, 6),
+            "form_closed" => ("form-closed", 1.0, 1),
+            other => (other, 1.0, 5),
+        };
+        let name = match &found.of {
+            Some(of) => format!("{} {meaning}", of.replace('_', " ")),
+            None => meaning.to_string(),
+        };
+        let cell = |value: ValueReport| match value {
+            ValueReport::Word(word) => word.to_string(),
+            ValueReport::Figure(value) => number(value.map(|value| value * scale), digits),
+        };
+        rows.push(row([&name, &cell(found.analytic), &cell(found.engine)]));
+    }
+    if rows.len() < 2 {
+        return None;
+    }
+    let mut text = table(&rows);
+    if let Some(why) = unjudged {
+        text.push_str(&format!("criteria are not judged: {why}\n"));
+    }
+    Some(text)
+}
+
+/// A model's setting and steps.
 fn cost_of(model: &ModelReport) -> String {
-    let steps = model.steps.map(|steps| format!(", {steps} steps")).unwrap_or_default();
-    let wall = model.wall_s.map(|wall_s| format!(", {} of wall time", duration(wall_s))).unwrap_or_default();
-    format!("{}{steps}{wall}", model.setting)
+    format!("{}, {} steps", model.setting, model.steps)
 }
 
 fn heading(report: &ValidationReport) -> String {
@@ -60,9 +108,6 @@ fn heading(report: &ValidationReport) -> String {
         duration(report.duration_s),
         report.ensemble_runs,
     );
-    if let (Some(directory), Some(files)) = (&report.directory, &report.files) {
-        let _ = writeln!(text, "in {directory}: {}", files.join(", "));
-    }
     text
 }
 
@@ -127,7 +172,7 @@ fn impacts(impacts: &[ImpactReport]) -> Report {
     text
 }
 
-fn settings(report: &ValidationReport, left_out: Option<&str>) -> Report {
+fn settings(report: &ValidationReport, time_s: f64, left_out: Option<&str>) -> Report {
     let settings = &report.settings;
     let mut text = Report::default();
     let mut rows = vec![
@@ -149,7 +194,7 @@ fn settings(report: &ValidationReport, left_out: Option<&str>) -> Report {
         match (setting.status, &setting.reason) {
             (Status::Done, _) | (_, None) => {}
             (Status::Failed, Some(reason)) => notes.push(format!("{}, {}: {reason}", family, setting.setting)),
-            (Status::TooLong, Some(reason)) => {
+            (Status::TooLong | Status::NoTime, Some(reason)) => {
                 notes.push(format!("{}, {}: left out, {reason}", family, setting.setting))
             }
         }
@@ -161,6 +206,9 @@ fn settings(report: &ValidationReport, left_out: Option<&str>) -> Report {
     if let Some(left_out) = left_out {
         let _ = writeln!(text, "left out by --quick: {left_out}");
     }
+    if settings.iter().any(|setting| setting.status == Status::NoTime) {
+        let _ = writeln!(text, "the ladder took as many settings as {} allow (--ladder-time)", duration(time_s));
+    }
     for note in notes {
         let _ = writeln!(text, "{note}");
     }
@@ -171,7 +219,7 @@ fn cells(setting: &SettingReport) -> Vec<String> {
     let mark = if setting.own { " *" } else { "" };
     let name = format!("  {}{mark}", setting.setting);
     let (Some(steps), Some(wall_s)) = (setting.steps, setting.wall_s) else {
-        let word = if setting.status == Status::TooLong { "left out" } else { "failed" };
+        let word = if setting.status == Status::Failed { "failed" } else { "left out" };
         return row([&name, "–", "–", word]);
     };
     let runs = if setting.reference { "–".to_string() } else { setting.ensemble_runs.to_string() };

@@ -65,7 +65,7 @@ struct Any {
 impl LogSink for Any {
     fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
         self.layout = layout.clone();
-        self.summary = Summary::new(layout.clone());
+        self.summary = Summary::new(layout.clone(), None);
         Ok(())
     }
 

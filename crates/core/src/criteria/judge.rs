@@ -38,7 +38,7 @@ impl Judge {
                 let rest = scene.object().and_then(|object| at_rest(scene, object).ok());
                 judge.finger = rest.map(|rest| (Tracker::new(rest.angles()), rest));
             }
-            SceneKind::Bodies => judge.rebounds = Some(Rebounds::new(scene.system.pairs().len())),
+            SceneKind::Bodies => judge.rebounds = Some(Rebounds::of(&scene.system)),
             SceneKind::Gripper => judge.gripper = Some(GraspTracker::of(scene)),
         }
         judge

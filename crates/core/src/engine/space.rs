@@ -144,5 +144,5 @@ pub fn respond(rows: &[Row], linkage: &mut Linkage, bodies: usize, response: &mu
 /// A touch is taken in when its gap is below this many times what it closes freely in a step.
 const SAFETY: f64 = 1.5;
 /// Rates below this are rounding, m/s (stop: rad/s): the analytic model reads the start of a run by the same.
-const RESTING: f64 = 1e-12;
+pub const RESTING: f64 = 1e-12;
 const SHORTEST_LOOK_S: f64 = 1e-7;

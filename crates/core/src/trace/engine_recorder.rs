@@ -4,9 +4,10 @@ use super::engine_reading::{self as reading, contact, stored};
 use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
+use super::sample::OVERLAP_ROUNDING;
 use super::tracked::{Told, Tracked};
 use super::{ContactSample, Energy, Event, Outcome, Reach, Sample, Sink, SinkError, Work};
-use crate::engine::{Change, ChangeKind, Motion, Site};
+use crate::engine::{Change, ChangeKind, Motion, RESTING, Site};
 use crate::scene::System;
 
 pub(super) struct EngineRecorder<'a> {
@@ -65,7 +66,12 @@ impl<'a> EngineRecorder<'a> {
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for touch in motion.touches.iter().filter(|touch| touch.gap < 0.0 && touch.has_gap()) {
             let Some(place) = motion.plan.place(touch.index) else { continue };
-            self.change(place, ChangeKind::Meets, 0.0, 0.0, 0.0)?;
+            let contact = self.last.contacts[place];
+            // Surfaces that just touch and recede overlap by rounding only.
+            if contact.gap_m >= -OVERLAP_ROUNDING && contact.gap_rate_m_s > RESTING {
+                continue;
+            }
+            self.change(place, ChangeKind::Meets, 0.0, contact.approach_at_start(), 0.0)?;
             self.places[place].summary.take(self.last.contacts[place].pressed());
         }
         self.sink.sample(&self.last)
@@ -189,11 +195,11 @@ impl<'a> EngineRecorder<'a> {
     fn close_step(&mut self, motion: &Motion, place: usize, end_s: f64) -> Result<(), SinkError> {
         let Some(index) = motion.plan.index(place) else { return Ok(()) };
         let force = motion.forces(index).0;
-        if let Some(native) = motion.native.iter().find(|native| native.index == index)
-            && force > 0.0
-            && !self.places[place].touching
-        {
-            self.change(place, ChangeKind::Meets, end_s - motion.last_dt_s, native.closing, 0.0)?;
+        if force > 0.0 && !self.places[place].touching {
+            // rapier's own contact tells of no touch-down, and a step that began with an overlap has passed it.
+            let native = motion.native.iter().find(|native| native.index == index);
+            let closing = native.map_or(0.0, |native| native.closing);
+            self.change(place, ChangeKind::Meets, end_s - motion.last_dt_s, closing, 0.0)?;
         }
         let tracked = &mut self.places[place];
         if let Some(touch) = motion.touches.iter().find(|touch| touch.index == index) {

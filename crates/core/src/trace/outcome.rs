@@ -7,12 +7,13 @@ use super::{Sample, Site};
 /// The history of one contact in a few figures. For the limit of a joint, read rad for m and N·m for N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Time of the first touch-down; `None` if contact never happened. A run that starts in contact has `Some(0.0)`.
+    /// Time of the first touch-down, when the depth δ crosses 0 upward; `None` if contact never happened. A run that starts with an
+    /// overlap, with a force or without, or with a gap of 0 that closes, has `Some(0.0)`.
     pub first_s: Option<f64>,
     pub touchdowns: u32,
     /// Largest normal force, searched on the dense output.
     pub peak_normal_n: f64,
-    /// Largest penetration δ; 0 if contact never happened.
+    /// Largest overlap δ, with or without a force; 0 if there never was one. [`ContactSummary::depth_m`] says whether it was a contact.
     pub max_penetration_m: f64,
     /// ∫ F_n dt over the run.
     pub impulse_n_s: f64,
@@ -20,7 +21,21 @@ pub struct ContactSummary {
     pub slips: u32,
 }
 
+/// An overlap without a touch-down that is deeper than this is no rounding, m (limit: rad): 1 nm, what the analytic model lands on.
+const PASSED: f64 = 1e-9;
+
 impl ContactSummary {
+    /// Whether the surfaces overlapped although no touch-down was found: steps too long for a fast body let it pass through another
+    /// one. There was no contact then, and the overlap is no depth of one.
+    pub fn passed_through(&self) -> bool {
+        self.touchdowns == 0 && self.max_penetration_m > PASSED
+    }
+
+    /// Largest depth δ of the contact, with or without a force; `None` where the surfaces passed through each other unnoticed.
+    pub fn depth_m(&self) -> Option<f64> {
+        (!self.passed_through()).then_some(self.max_penetration_m)
+    }
+
     /// Takes a penetration; true if it is the largest so far.
     pub(super) fn deepen(&mut self, delta_m: f64) -> bool {
         let deeper = delta_m > self.max_penetration_m;

@@ -79,16 +79,22 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     /// Contacts that are there from the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
         for (index, place) in self.places.iter_mut().enumerate() {
-            if self.mode[index] == SiteState::Active {
-                (place.summary.first_s, place.summary.touchdowns) = (Some(0.0), 1);
-                self.sink.event(&Event {
-                    time_s: 0.0,
-                    contact: index,
-                    kind: EventKind::TouchDown,
-                    approach_speed: 0.0,
-                    impulse: 0.0,
-                })?;
+            // An overlap is a contact whether there is a force or not; a gap of zero is one only where it closes.
+            if self.mode[index] == SiteState::Free {
+                continue;
             }
+            let contact = &self.last.contacts[index];
+            (place.summary.first_s, place.summary.touchdowns) = (Some(0.0), 1);
+            if self.mode[index] == SiteState::Released {
+                place.summary.take(contact.pressed());
+            }
+            self.sink.event(&Event {
+                time_s: 0.0,
+                contact: index,
+                kind: EventKind::TouchDown,
+                approach_speed: contact.approach_at_start(),
+                impulse: 0.0,
+            })?;
         }
         // A start beyond the reach of a loop has no passive angles; the run then ends before its first step.
         if self.last.energy.kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
@@ -248,8 +254,11 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     /// Largest force and penetration within the step from the last sample to its end, and where.
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.marks.clear();
+        let length_s = self.end.time_s - self.last.time_s;
         for (index, place) in self.places.iter_mut().enumerate() {
-            if !mode[index].presses() {
+            // A released contact can still get deeper, without a force.
+            let presses = mode[index].presses();
+            if !presses && mode[index] != SiteState::Released {
                 continue;
             }
             let (start, end) = (&self.last.contacts[index], &self.end.contacts[index]);
@@ -265,8 +274,12 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                     self.marks.push(deepest);
                 }
             }
-            let highest = start.normal_n.max(end.normal_n);
-            if highest > SEARCH_FROM * summary.peak_normal_n {
+            let mut highest = start.normal_n.max(end.normal_n);
+            if highest == 0.0 {
+                // A force that comes and goes within the step has a mean.
+                highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
+            }
+            if presses && highest > SEARCH_FROM * summary.peak_normal_n {
                 let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
                 let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
                 if summary.press(peak) {

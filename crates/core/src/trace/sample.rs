@@ -29,6 +29,9 @@ pub struct ContactSample {
     pub normal: [f64; 2],
 }
 
+/// An overlap below this is rounding of the places of two surfaces that touch exactly, m (limit: rad).
+pub(super) const OVERLAP_ROUNDING: f64 = 1e-12;
+
 impl ContactSample {
     /// Unit tangent: the normal turned counter-clockwise by 90°. On the face of a phalanx of a finger that closes
     /// counter-clockwise it points along the phalanx to its end.
@@ -39,6 +42,13 @@ impl ContactSample {
     /// Force (N; limit: N·m) and penetration (m; rad).
     pub fn pressed(&self) -> (f64, f64) {
         (self.normal_n, -self.gap_m)
+    }
+
+    /// Closing speed of the touch-down of a contact that is there when the run starts, m/s (limit: rad/s). Where the surfaces overlap
+    /// by more than [`OVERLAP_ROUNDING`] they met before the start, and that speed is unknown: 0.
+    pub(super) fn approach_at_start(&self) -> f64 {
+        // The sum has no negative zero.
+        if self.gap_m < -OVERLAP_ROUNDING { 0.0 } else { (-self.gap_rate_m_s).max(0.0) + 0.0 }
     }
 
     /// At a touch elsewhere within a step: forces and rates are those before it, for the touch has changed nothing yet. With a

@@ -31,7 +31,11 @@ pub struct SurfaceReport {
     pub final_normal_n: f64,
     pub final_tangential_n: f64,
     pub peak_normal_n: f64,
-    pub max_penetration_m: f64,
+    /// Null where the surfaces passed through each other unnoticed.
+    pub max_penetration_m: Option<f64>,
+    /// Whether they did, in steps too long for a fast body; left out where they did not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub passed_through: bool,
     pub impulse_n_s: f64,
     /// How often friction that holds began to slip; left out where it never did.
     #[serde(skip_serializing_if = "is_none")]
@@ -41,8 +45,8 @@ pub struct SurfaceReport {
     pub rebound: Option<ReboundReport>,
 }
 
-/// The first impact of two surfaces: closing speed at the touch-down, parting speed at the lift-off, and their ratio; null where there was
-/// none.
+/// The first impact of two surfaces: closing speed at the touch-down, parting speed at the lift-off, and their ratio. Null where there was
+/// none; the ratio also where it says nothing of the impact ([`Rebound::restitution`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ReboundReport {
     pub approach_m_s: Option<f64>,
@@ -127,7 +131,8 @@ impl SurfaceReport {
             final_normal_n: last.normal_n,
             final_tangential_n: last.tangential_n,
             peak_normal_n: site.peak_normal_n,
-            max_penetration_m: site.max_penetration_m,
+            max_penetration_m: site.depth_m(),
+            passed_through: site.passed_through(),
             impulse_n_s: site.impulse_n_s,
             slips: site.slips,
             rebound: None,

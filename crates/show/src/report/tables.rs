@@ -80,7 +80,7 @@ pub fn contacts(contacts: &Contacts) -> Option<Report> {
             &figure(of.final_normal_n, 6),
             &figure(of.final_tangential_n, 6),
             &figure(of.peak_normal_n, 5),
-            &figure(of.max_penetration_m * 1e6, 5),
+            &of.max_penetration_m.map_or("–".to_string(), |depth_m| figure(depth_m * 1e6, 5)),
             &figure(of.impulse_n_s * 1e3, 5),
         ]);
         let restitution = |ratio: Option<f64>| ratio.map_or("–".to_string(), |ratio| figure(ratio, 5));
@@ -101,7 +101,16 @@ pub fn contacts(contacts: &Contacts) -> Option<Report> {
     }));
     let tables = [surfaces, limits].into_iter().filter(|rows| rows.len() > 1);
     let tables: Vec<Report> = tables.map(|rows| table(&rows)).collect();
-    if tables.is_empty() { None } else { Some(Report::join(tables)) }
+    if tables.is_empty() {
+        return None;
+    }
+    let mut text = Report::join(tables);
+    for (name, _) in contacts.surfaces().filter(|(_, of)| of.passed_through) {
+        text.push_str(&format!(
+            "WARNING: {name}: the bodies passed through each other, for the steps were too long to find their contact; take shorter steps.\n"
+        ));
+    }
+    Some(text)
 }
 
 const SURFACES: [&str; 8] =

@@ -22,6 +22,10 @@ pub struct Bounds {
     pub peak_force: f64,
     /// Largest opening of a joint of the engine model.
     pub loop_gap_m: f64,
+    /// Largest difference of the time to stability.
+    pub stability_time_s: f64,
+    /// Largest difference of a coefficient of restitution.
+    pub restitution: f64,
     /// Trajectories are compared up to here (rebounds beyond may be chaotic); the run's duration unless said.
     pub until_s: f64,
 }
@@ -37,11 +41,13 @@ impl Bounds {
             impulse: 5e-3,
             peak_force: 1e-2,
             loop_gap_m: 1e-7,
+            stability_time_s: 1e-5,
+            restitution: 1e-2,
             until_s: duration_s,
         };
         match kind {
             SceneKind::Finger | SceneKind::Bodies => finger,
-            SceneKind::Gripper => Self { angle_rad: 1e-4, final_force: 5e-3, ..finger },
+            SceneKind::Gripper => Self { angle_rad: 1e-4, final_force: 5e-3, stability_time_s: 1e-4, ..finger },
         }
     }
 }
@@ -75,6 +81,12 @@ lines! {
     "peak_force": Number = Some(&mut b.peak_force), allowed(POSITIVE), of(NO_FINGER);
     /// Opening of a joint of the engine model.
     "loop_gap": Length = Some(&mut b.loop_gap_m), allowed(POSITIVE), said("1e-4 mm"), of(FINGERS);
+    /// Difference of the time to stability.
+    "stability_time": Time = Some(&mut b.stability_time_s), allowed(POSITIVE), said("10 us"), of(ONE_FINGER);
+    /// Difference of the time to stability of the whole grasp.
+    "stability_time": Time = Some(&mut b.stability_time_s), allowed(POSITIVE), said("0.1 ms"), of(TWO_FINGERS);
+    /// Difference of the coefficient of restitution of a pair.
+    "restitution": Number = Some(&mut b.restitution), allowed(POSITIVE), of(NO_FINGER);
     /// End of the comparison of trajectories, at most the duration: rebounds beyond may be chaotic. Default: the
     /// duration.
     "until": Time = Some(&mut b.until_s), allowed(POSITIVE), of(FINGERS);
