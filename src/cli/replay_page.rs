@@ -48,7 +48,7 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
 pub(super) fn undrawable(path: &Path, reading: &Reading) -> Result<(), Failure> {
     let Some(missing) = reading.missing.iter().find(|missing| missing.concerns != Concerns::Run) else { return Ok(()) };
     let (topic, what) = (&missing.topic, &missing.what);
-    let message = format!("error: {}: no page can be made: {topic} is missing: {what}", path.display());
+    let message = format!("error: {}: no page can be made: missing topic: {topic} {what}", path.display());
     Err(Failure { message, status: Status::CheckFailed })
 }
 

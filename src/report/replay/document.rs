@@ -110,7 +110,7 @@ pub struct Lost {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MissingReport {
     pub topic: String,
-    /// In words.
+    /// In words that follow the topic.
     pub what: String,
     /// Whether no class, and nothing of a grasp, is told because of it.
     pub withholds_criteria: bool,
@@ -177,7 +177,7 @@ impl ReplayReport {
             .map(|MissingReport { topic, what, withholds_criteria }| {
                 let withheld =
                     withheld.filter(|_| *withholds_criteria).map_or(String::new(), |words| format!("; {words}"));
-                format!("error: {}: {topic} is missing: {what}{withheld}", self.log)
+                format!("error: {}: missing topic: {topic} {what}{withheld}", self.log)
             })
             .collect();
         let reason = self.error.as_ref().filter(|_| self.contradicts_itself);

@@ -94,7 +94,7 @@ impl Reported for RecoveryReport {
                 writeln!(text, "{} messages are left out, for what their channels are is lost", self.nameless_messages);
         }
         for MissingReport { topic, what, .. } in &self.missing {
-            let _ = writeln!(text, "MISSING: {topic}: {what}");
+            let _ = writeln!(text, "MISSING: {topic} {what}");
         }
         if self.whole {
             text.push_str("nothing of the log was lost\n");

@@ -78,10 +78,10 @@ fn heading(report: &ReplayReport) -> String {
         let _ = writeln!(text, "LOST: {}", lost.what);
     }
     for MissingReport { topic, what, .. } in &report.missing {
-        let _ = writeln!(text, "MISSING: {topic}: {what}");
+        let _ = writeln!(text, "MISSING: {topic} {what}");
     }
     if let Some(withheld) = report.withheld() {
-        let _ = writeln!(text, "{withheld}: the log lacks a topic that they need");
+        let _ = writeln!(text, "{withheld}, for they need what is missing");
     }
     text
 }

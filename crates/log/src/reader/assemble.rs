@@ -1,6 +1,6 @@
 //! From messages back to samples and events.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use foxglove::Decode;
 use foxglove::messages::Log;
@@ -49,6 +49,8 @@ pub struct Assembler {
     log_time_ns: u64,
     held: Vec<Held>,
     data: Vec<u8>,
+    /// Of a log in which messages come more than once: those of the log time at hand, by channel, number and payload.
+    seen: Option<HashSet<(u16, u32, Vec<u8>)>>,
     latest_s: f64,
     lacking: Lacking,
 }
@@ -67,8 +69,8 @@ pub fn part(layout: &Layout, carries: Carries) -> Option<usize> {
 
 impl Assembler {
     /// Of the log of a model. `parts` are those of a sample of which the log has messages, in their order; `wanted` those that it should
-    /// have besides.
-    pub fn new(channels: Channels, of_engine: bool, parts: Vec<usize>, wanted: &[usize]) -> Self {
+    /// have besides; `repeats`: some messages come more than once.
+    pub fn new(channels: Channels, of_engine: bool, parts: Vec<usize>, wanted: &[usize], repeats: bool) -> Self {
         let Layout { fingers, bodies, contacts } = channels.layout();
         let first = fingers.len() + bodies.len();
         let nothing = |index: usize| parts.contains(&(first + index)) || wanted.contains(&(first + index));
@@ -89,6 +91,7 @@ impl Assembler {
             log_time_ns: 0,
             held: Vec::new(),
             data: Vec::new(),
+            seen: repeats.then(HashSet::new),
             latest_s: 0.0,
             lacking,
         }
@@ -122,7 +125,17 @@ impl Assembler {
             if let Err(malformed) = self.release(message.log_time_ns != self.log_time_ns, take)? {
                 return Ok(Err(malformed));
             }
+            if message.log_time_ns != self.log_time_ns {
+                self.seen.iter_mut().for_each(HashSet::clear);
+            }
             self.log_time_ns = message.log_time_ns;
+        }
+        if let Some(seen) = &mut self.seen
+            && carries != Carries::Picture
+            && !seen.insert((message.channel, message.sequence, message.data.to_vec()))
+        {
+            self.lacking.again(message.channel);
+            return Ok(Ok(()));
         }
         let kind = match carries {
             Carries::Picture => return Ok(Ok(())),

@@ -167,6 +167,10 @@ fn events(held: &[Held]) -> Vec<usize> {
     }
     let mut lines: Vec<&Held> = held.iter().filter(|message| matches!(message.kind, Kind::Line { .. })).collect();
     lines.sort_by_key(|line| line.sequence);
+    // Lines without numbers of their own are in no order.
+    if lines.windows(2).any(|pair| pair[0].sequence == pair[1].sequence) {
+        lines.clear();
+    }
     for line in lines {
         if let Kind::Line { contact, of_friction } = line.kind {
             found.extend(waiting.get_mut(&(contact, of_friction)).and_then(VecDeque::pop_front));

@@ -59,6 +59,8 @@ pub struct Lacking {
     /// Of each contact: events and lines that tell of one, of its force and of its friction.
     events: Vec<[u64; 2]>,
     lines: Vec<[u64; 2]>,
+    /// Of each channel: messages that came before, number and all.
+    repeated: BTreeMap<u16, u64>,
 }
 
 impl Lacking {
@@ -69,6 +71,7 @@ impl Lacking {
             came: vec![(0, None); parts],
             events: vec![[0; 2]; contacts],
             lines: vec![[0; 2]; contacts],
+            repeated: BTreeMap::new(),
         }
     }
 
@@ -94,6 +97,11 @@ impl Lacking {
 
     pub fn line(&mut self, contact: usize, of_friction: bool) {
         self.lines[contact][usize::from(of_friction)] += 1;
+    }
+
+    /// A message of this channel comes again.
+    pub fn again(&mut self, channel: u16) {
+        *self.repeated.entry(channel).or_default() += 1;
     }
 
     /// The latest sample is over.
@@ -145,6 +153,7 @@ pub fn missing(
     lacking: &mut Lacking,
 ) -> Vec<Missing> {
     lacking.close();
+    let lacking = &*lacking;
     let layout = channels.layout();
     let mut topics = expected.to_vec();
     for (_, topic, carries) in channels.topics() {
@@ -152,8 +161,14 @@ pub fn missing(
             topics.push((topic.clone(), *carries));
         }
     }
-    let messages = |topic: &str| -> Vec<&Numbers> {
-        channels.topics().iter().filter(|(_, known, _)| known == topic).filter_map(|(id, ..)| numbers.get(id)).collect()
+    // Messages that are the same to the last byte are one.
+    let once = |id: &u16| {
+        let numbers = numbers.get(id)?;
+        let repeated = lacking.repeated.get(id).copied().unwrap_or(0);
+        Some(Numbers { messages: numbers.messages - repeated, ..*numbers })
+    };
+    let messages = |topic: &str| -> Vec<Numbers> {
+        channels.topics().iter().filter(|(_, known, _)| known == topic).filter_map(|(id, ..)| once(id)).collect()
     };
     let are_numbered = are_numbered(channels, numbers) && reading.recovered.is_none();
     // A run that stopped before its first sample has none, and of one that is cut off there may be none.
@@ -172,7 +187,8 @@ pub fn missing(
             Carries::Slip(index) => events(lacking, *index, true),
             _ => lines(reading, lacking, of.is_empty()),
         };
-        let what = what.or_else(|| of.iter().filter(|_| are_numbered).find_map(|numbers| by_number(numbers)));
+        let is_counted = are_numbered && *carries != Carries::Picture;
+        let what = what.or_else(|| of.iter().filter(|_| is_counted).find_map(by_number));
         found.extend(what.map(|what| Missing {
             topic: topic.clone(),
             what,
@@ -204,10 +220,10 @@ fn is_judged_by(layout: &Layout, carries: Carries) -> bool {
 /// Of a topic that every sample has a message on.
 fn sample_part(came: u64, samples: u64, first_s: Option<f64>, is_empty: bool, may_be_empty: bool) -> Option<String> {
     match first_s {
-        _ if is_empty && !may_be_empty => Some("no message".to_string()),
+        _ if is_empty && !may_be_empty => Some("has no message".to_string()),
         Some(first_s) if came < samples => {
             let from = format!("the first at {:.6} ms", first_s * 1e3);
-            Some(format!("{} of {samples} messages are missing, {from}", samples - came))
+            Some(format!("lacks {} of {samples} messages, {from}", samples - came))
         }
         _ => None,
     }
@@ -217,13 +233,13 @@ fn sample_part(came: u64, samples: u64, first_s: Option<f64>, is_empty: bool, ma
 fn events(lacking: &Lacking, contact: usize, of_friction: bool) -> Option<String> {
     let [lines, events] = [&lacking.lines, &lacking.events].map(|all| all[contact][usize::from(of_friction)]);
     let missing = lines.saturating_sub(events);
-    (missing > 0).then(|| format!("{missing} of {lines} events are missing of which /events tells"))
+    (missing > 0).then(|| format!("lacks {missing} of {lines} events that /events names"))
 }
 
 /// The lines of events, and the one that says how the run ended.
 fn lines(reading: &Reading, lacking: &Lacking, is_empty: bool) -> Option<String> {
     if is_empty {
-        return reading.is_whole().then(|| "no message".to_string());
+        return reading.is_whole().then(|| "has no message".to_string());
     }
     let sum = |all: &[[u64; 2]]| all.iter().flatten().sum::<u64>();
     let untold: u64 = lacking
@@ -234,13 +250,15 @@ fn lines(reading: &Reading, lacking: &Lacking, is_empty: bool) -> Option<String>
         .map(|(events, lines)| events.saturating_sub(*lines))
         .sum();
     if untold > 0 {
-        return Some(format!(
-            "{untold} of {} events are missing that have messages of their own",
-            sum(&lacking.events)
-        ));
+        return Some(format!("lacks {untold} of {} events that have messages of their own", sum(&lacking.events)));
     }
     let should_end = reading.is_whole() && reading.recovered.is_none();
-    (should_end && reading.ended.is_none()).then(|| "no line says how the run ended".to_string())
+    (should_end && reading.ended.is_none()).then(|| "does not say how the run ended".to_string())
+}
+
+/// Whether some messages must come more than once.
+pub fn repeats(numbers: &BTreeMap<u16, Numbers>) -> bool {
+    numbers.values().any(|numbers| numbers.messages > u64::from(numbers.largest) + 1 && numbers.largest > 0)
 }
 
 /// Whether the messages of every channel are numbered by themselves, from 0: who writes a log anew may number otherwise, or not at all.
@@ -256,11 +274,12 @@ fn by_number(numbers: &Numbers) -> Option<String> {
         // Not numbered.
         _ if numbers.largest == 0 && numbers.messages > 1 => None,
         count if count < expected => {
-            Some(format!("{} of {expected} messages are missing, by their numbers", expected - count))
+            Some(format!("lacks {} of {expected} messages, by their numbers", expected - count))
         }
-        count if count > expected => {
-            Some(format!("{} messages come more than once, by their numbers", count - expected))
-        }
+        count if count > expected => Some(format!(
+            "has {} messages more than their numbers say: other messages were merged into it",
+            count - expected
+        )),
         _ => None,
     }
 }
@@ -270,14 +289,14 @@ fn ends(reading: &Reading) -> Vec<String> {
     let mut found = Vec::new();
     let ms = |time_s: f64| format!("{:.6} ms", time_s * 1e3);
     if let Some(first_s) = reading.first_s.filter(|first_s| *first_s > 0.0 && reading.recovered.is_none()) {
-        found.push(format!("no sample before {}", ms(first_s)));
+        found.push(format!("has no message before {}", ms(first_s)));
     }
     let completed = reading.ended.as_ref().filter(|ended| ended.stopped.is_none());
     // Log times are whole nanoseconds.
     if let Some((ended, last_s)) = completed.zip(reading.last_s)
         && ended.time_s - last_s > 1e-9 + 1e-12 * last_s
     {
-        found.push(format!("no sample between {} and the end of the run at {}", ms(last_s), ms(ended.time_s)));
+        found.push(format!("has no message between {} and the end of the run at {}", ms(last_s), ms(ended.time_s)));
     }
     found
 }

@@ -53,8 +53,8 @@ use self::bytes::Malformed;
 pub(super) use self::bytes::{channel, message, metadata, schema};
 use self::channels::Channels;
 use self::merge::{Taken, merge};
-use self::missing::expected;
 pub use self::missing::{Concerns, Missing};
+use self::missing::{expected, repeats};
 use self::reading::kind;
 pub use self::reading::{Ended, Loss, ReadError, Reading};
 use self::record::Fingers;
@@ -262,7 +262,7 @@ impl<'a, S: LogSink> Reader<'a, S> {
         parts.dedup();
         let wanted: Vec<usize> = expected.iter().filter_map(|(_, carries)| part(channels.layout(), *carries)).collect();
         let of_engine = reading.metadata.get("model").is_some_and(|model| model == "engine");
-        let assembler = Assembler::new(channels, of_engine, parts, &wanted);
+        let assembler = Assembler::new(channels, of_engine, parts, &wanted, repeats(&survey.numbers));
         Ok(Reader { sink, assembler, expected, named: false, piece_of: Some(0), reading })
     }
 
