@@ -7,7 +7,7 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, losses, refuse_the_log};
+use super::replay_args::{ReplayArgs, defects, refuse_the_log};
 use super::replay_read::{Listeners, read, tabulate};
 use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
 use crate::files::replace;
@@ -40,7 +40,7 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
 fn summarise(args: &ReplayArgs, reading: &Reading, listeners: &Listeners<'_>) -> Result<Status, Failure> {
     let report = listeners.report(args.log.display().to_string(), reading);
     answer(&report, args.json)?;
-    Ok(losses(&args.log, reading))
+    Ok(defects(&args.log, reading, &report))
 }
 
 /// Writes the samples, and the summary unless they go to where it would.
@@ -59,7 +59,10 @@ fn csv(args: &ReplayArgs, path: &Path, interrupt: &Interrupt) -> Result<Status, 
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
                 Err(Failure::incomplete(format!("cannot write to standard output: {error}")))
             }
-            _ => Ok(losses(&args.log, &reading)),
+            _ => {
+                let report = listeners.report(args.log.display().to_string(), &reading);
+                Ok(defects(&args.log, &reading, &report))
+            }
         };
     }
     refuse_the_log(&args.log, path, "--csv")?;

@@ -6,8 +6,8 @@ use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, losses, refuse_the_log};
-use super::replay_page::Reels;
+use super::replay_args::{ReplayArgs, defects, refuse_the_log};
+use super::replay_page::{Reels, undrawable};
 use super::replay_pair::{common, notes};
 use super::replay_read::head;
 use super::replay_side::Side;
@@ -62,6 +62,13 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         Some([first, second]) => [Side::read(paths[0], interrupt, first)?, Side::read(paths[1], interrupt, second)?],
         None => [Side::read(paths[0], interrupt, &mut ())?, Side::read(paths[1], interrupt, &mut ())?],
     };
+    let drawable = [0, 1].map(|k| undrawable(paths[k], &sides[k].reading));
+    if let Some(missing) = drawable.into_iter().find_map(Result::err) {
+        films = match &args.html {
+            Some(_) => return Err(missing),
+            None => None,
+        };
+    }
     let logs = [0, 1].map(|k| sides[k].listeners.report(paths[k].display().to_string(), &sides[k].reading));
     let labels = labels(paths, &logs);
     let mut notes = notes(&sides, &labels);
@@ -105,7 +112,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
         report.page = Some(target.display().to_string());
     }
     answer(&report, args.json)?;
-    let statuses = [0, 1].map(|k| losses(paths[k], &sides[k].reading));
+    let statuses = [0, 1].map(|k| defects(paths[k], &sides[k].reading, &report.logs[k]));
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
 
@@ -156,7 +163,9 @@ fn apart(
     });
     let quantities = angles.chain(layout.bodies.iter().map(|name| format!("{name}_centre_m")));
     let found = compare(run, dense, until_s);
-    let apart = quantities.zip(&found.path).map(|(quantity, off)| ApartReport {
+    // Where a topic is missing there is nothing to compare, and the difference is infinite.
+    let finite = quantities.zip(&found.path).filter(|(_, off)| off.max.is_finite());
+    let apart = finite.map(|(quantity, off)| ApartReport {
         quantity,
         max: off.max,
         max_at_s: off.max_at_s,

@@ -7,14 +7,16 @@ use clap::Args;
 use super::output::complain;
 use super::{Failure, Status};
 use crate::log::Reading;
+use crate::report::replay::ReplayReport;
 
 /// Summarise the run of a log, check it by simulating again, compare it with another, or take its samples out.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
                   run.csv\n  phalanx replay analytic.mcap --against engine.mcap --html both.html\n  phalanx replay run.mcap.partial --recover run.mcap\n\nA log that is truncated or damaged is read \
-                  up to there. Exit status: 0 the log is whole (with --verify: and the same again); 1 a part of it is lost, or \
-                  it differs; 2 bad input; 3 interrupted, or a file could not be written."
+                  up to there. The order of messages in the file does not matter. Exit status: 0 the log is whole (with --verify: and the \
+                  same again); 1 a part of it is lost, a topic is missing, or it differs; 2 bad input; 3 interrupted, or a file could not \
+                  be written."
 )]
 pub struct ReplayArgs {
     /// Log of a run (MCAP), or what a run that was killed has left of one
@@ -55,12 +57,20 @@ pub struct ReplayArgs {
     pub(super) recover: Option<PathBuf>,
 }
 
-/// Says what is lost, and what that means for the exit status.
+/// Prints what is lost, and returns what that means for the exit status.
 pub(super) fn losses(log: &Path, reading: &Reading) -> Status {
     for loss in &reading.losses {
         complain(&format!("error: {}: {loss}", log.display()));
     }
     if reading.is_whole() { Status::Done } else { Status::CheckFailed }
+}
+
+/// Prints what is lost, missing or contradictory, and returns what that means for the exit status.
+pub(super) fn defects(log: &Path, reading: &Reading, report: &ReplayReport) -> Status {
+    let status = losses(log, reading);
+    let lines = report.complaints();
+    lines.iter().for_each(|line| complain(line));
+    if lines.is_empty() { status } else { Status::CheckFailed }
 }
 
 /// A slip of the hand must not cost the log.

@@ -5,12 +5,12 @@ use std::path::Path;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, losses, refuse_the_log};
+use super::replay_args::{ReplayArgs, defects, refuse_the_log};
 use super::replay_read::{Listeners, attached, bad_log, head};
 use super::saved::save;
 use super::{Failure, Status};
 
-use crate::log::{self, LogSink, Reading};
+use crate::log::{self, Concerns, LogSink, Reading};
 use crate::page::{Film, Page, Reel, page};
 use crate::scene::Scene;
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
@@ -34,13 +34,22 @@ pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Re
     let reading = log::read_any_file(path, &mut Tee(&mut listeners, &mut reels));
     listeners.done();
     let reading = reading.map_err(|error| bad_log(path, &error))?;
+    undrawable(path, &reading)?;
     let mut report = listeners.report(path.display().to_string(), &reading);
     let (title, description) = reels.about();
     let film = reels.film(path, report.model.as_deref().unwrap_or("run"), report.report())?;
     save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
     report.page = Some(target.display().to_string());
     answer(&report, args.json)?;
-    Ok(losses(path, &reading))
+    Ok(defects(path, &reading, &report))
+}
+
+/// A page shows every part of a sample: without one of them there is none.
+pub(super) fn undrawable(path: &Path, reading: &Reading) -> Result<(), Failure> {
+    let Some(missing) = reading.missing.iter().find(|missing| missing.concerns != Concerns::Run) else { return Ok(()) };
+    let (topic, what) = (&missing.topic, &missing.what);
+    let message = format!("error: {}: no page can be made: missing topic: {topic} {what}", path.display());
+    Err(Failure { message, status: Status::CheckFailed })
 }
 
 impl Reels {

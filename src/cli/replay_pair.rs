@@ -33,6 +33,9 @@ pub(super) fn notes(sides: &[Side<'_>; 2], labels: &[String; 2]) -> Vec<String> 
             Some(ended) if ended.stopped.is_some() => notes.push(format!("the run of {label} was not completed")),
             Some(_) => {}
         }
+        notes.extend(
+            reading.missing.iter().map(|missing| format!("missing in {label}: {} {}", missing.topic, missing.what)),
+        );
         if reading.recovered.is_some() {
             notes.push(format!("{label} is a recovered log: where messages are missing it is interpolated"));
         }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::interrupt::Interrupt;
 use super::output::{answer, complain};
-use super::replay_args::{ReplayArgs, losses};
+use super::replay_args::{ReplayArgs, defects};
 use super::replay_read::{Listeners, Watch, attached, bad_log, head, read};
 use super::simulate::{Broken, Checking, Finished, Limits, simulate};
 use super::{Failure, Status};
@@ -27,7 +27,8 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     let reading = read(path, &mut listeners)?;
 
     let start = Instant::now();
-    let expected = expected(&reading);
+    let mut report = listeners.report(path.display().to_string(), &reading);
+    let expected = expected(&reading, report.contradicts_itself);
     // A run that is known in part only is simulated only that far.
     let until_s =
         if expected.ends && expected.before_ns.is_none() { f64::INFINITY } else { reading.last_s.unwrap_or(0.0) };
@@ -42,13 +43,12 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     compared.map_err(|error| bad_log(path, &error))?;
     let found = lockstep.finish().map_err(unreadable)?;
 
-    let mut report = listeners.report(path.display().to_string(), &reading);
-    let verification = VerificationReport::new(&found, &reading, wall_s);
+    let verification = VerificationReport::new(&found, &reading, &report, wall_s);
     let (same, complete) = (verification.same, verification.complete);
     let lines = verification.complaints(path);
     report.verification = Some(verification);
     answer(&report, args.json)?;
-    let status = losses(path, &reading);
+    let status = defects(path, &reading, &report);
     lines.iter().for_each(|line| complain(line));
     Ok(if same && complete { status } else { Status::CheckFailed })
 }
@@ -81,12 +81,13 @@ fn again_from(path: &Path, head: &Reading) -> Result<(Scene, Settings), Failure>
 }
 
 /// What is to be compared of a log, by how it ended.
-fn expected(reading: &Reading) -> Expected {
+fn expected(reading: &Reading, contradicts_itself: bool) -> Expected {
     let stopped = reading.ended.as_ref().and_then(|ended| ended.stopped.as_deref());
     // When a signal came is nothing that a simulation knows.
     let interrupted = stopped.is_some_and(|reason| reason.starts_with("interrupted by "));
+    // A log whose run is shorter than its settings is compared as far as it goes.
     Expected {
-        before_ns: reading.last_s.filter(|_| interrupted).map(stamp_ns),
+        before_ns: reading.last_s.filter(|_| interrupted || contradicts_itself).map(stamp_ns),
         ends: reading.ended.is_some(),
         gaps: reading.recovered.as_ref().map(gaps).unwrap_or_default(),
     }

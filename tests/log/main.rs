@@ -10,6 +10,7 @@ mod examples;
 mod faults_log;
 mod faults_process;
 mod live_origin;
+mod order;
 mod pictures;
 mod provenance;
 mod reader;

@@ -20,6 +20,12 @@ pub fn log(scene: &str, model: Model, numeric_hz: f64) -> Vec<u8> {
     let directory = tempfile::tempdir().expect("a directory");
     let file = directory.path().join(scene.rsplit('/').next().expect("a name"));
     let text = fs::read_to_string(scene).expect("a scene");
+    if text.contains("extends = ") {
+        let beside = fs::read_dir(std::path::Path::new(scene).parent().expect("a directory")).expect("readable");
+        for other in beside.map(|entry| entry.expect("readable").path()).filter(|path| path.is_file()) {
+            fs::copy(&other, directory.path().join(other.file_name().expect("a name"))).expect("copied");
+        }
+    }
     fs::write(&file, format!("{text}\n[log]\nnumeric_rate = \"{numeric_hz} Hz\"\n")).expect("written");
     let log = directory.path().join("run.mcap");
     let mut command = Command::new(env!("CARGO_BIN_EXE_phalanx"));
@@ -180,4 +186,133 @@ pub fn one_ulp_up(payload: &[u8], field: u8) -> Vec<u8> {
             other => panic!("wire type {other}"),
         }
     }
+}
+
+/// A message of a log with its topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    pub topic: String,
+    pub channel: u16,
+    pub sequence: u32,
+    pub log_time_ns: u64,
+    pub data: Vec<u8>,
+}
+
+/// A log taken apart, so that its messages can be written in another way.
+#[derive(Default)]
+pub struct Pieces {
+    metadata: Vec<mcap::write::Metadata>,
+    attachments: Vec<mcap::Attachment<'static>>,
+    schemas: Vec<(u16, String, String, Vec<u8>)>,
+    channels: Vec<(u16, u16, String, String)>,
+    pub messages: Vec<Message>,
+}
+
+impl LogSink for Pieces {
+    fn record(&mut self, record: &Record<'_>) -> Result<(), SinkError> {
+        match record {
+            Record::Metadata { name, entries } => {
+                self.metadata.push(mcap::write::Metadata { name: name.to_string(), metadata: (*entries).clone() });
+            }
+            Record::Attachment(found) => self.attachments.push(mcap::Attachment {
+                log_time: found.log_time_ns,
+                create_time: found.create_time_ns,
+                name: found.name.to_string(),
+                media_type: found.media_type.to_string(),
+                data: Cow::Owned(found.data.to_vec()),
+            }),
+            Record::Schema(found) => {
+                let (name, encoding) = (found.name.to_string(), found.encoding.to_string());
+                self.schemas.push((found.id, name, encoding, found.data.to_vec()));
+            }
+            Record::Channel(found) => {
+                self.channels.push((found.id, found.schema, found.topic.to_string(), found.encoding.to_string()));
+            }
+            Record::Message(found) => {
+                let topic =
+                    self.channels.iter().find(|channel| channel.0 == found.channel).expect("announced").2.clone();
+                self.messages.push(Message {
+                    topic,
+                    channel: found.channel,
+                    sequence: found.sequence,
+                    log_time_ns: found.log_time_ns,
+                    data: found.data.to_vec(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Takes a log apart.
+pub fn taken_apart(bytes: &[u8]) -> Pieces {
+    let mut pieces = Pieces::default();
+    read_any(Cursor::new(bytes), &mut pieces).expect("a log");
+    pieces
+}
+
+impl Pieces {
+    /// The log with these messages in this order, and channels only where there are messages, as a tool that filters or merges writes it.
+    pub fn log(&self, messages: &[Message], options: mcap::WriteOptions) -> Vec<u8> {
+        let mut out = options.create(Cursor::new(Vec::new())).expect("started");
+        for metadata in &self.metadata {
+            out.write_metadata(metadata).expect("written");
+        }
+        for attachment in &self.attachments {
+            out.attach(attachment).expect("written");
+        }
+        for (id, name, encoding, data) in &self.schemas {
+            out.add_schema_with_id(*id, name, encoding, data).expect("added");
+        }
+        for message in messages {
+            let channel = self.channels.iter().find(|channel| channel.0 == message.channel).expect("known");
+            let (id, schema, topic, encoding) = channel;
+            out.add_channel_with_id(*id, *schema, topic, encoding, &BTreeMap::new()).expect("added");
+            let header = MessageHeader {
+                channel_id: *id,
+                sequence: message.sequence,
+                log_time: message.log_time_ns,
+                publish_time: message.log_time_ns,
+            };
+            out.write_to_known_channel(&header, &message.data).expect("written");
+        }
+        out.finish().expect("finished");
+        out.into_inner().into_inner()
+    }
+}
+
+/// A log whose chunks are not compressed, with chunks that say they are compressed in this way; without an index.
+pub fn recompressed(bytes: &[u8], compression: &str, compress: &dyn Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+    let mut out = bytes[..mcap::MAGIC.len()].to_vec();
+    let mut put = |opcode: u8, body: &[u8]| {
+        out.push(opcode);
+        out.extend((body.len() as u64).to_le_bytes());
+        out.extend(body);
+    };
+    let mut at = mcap::MAGIC.len();
+    loop {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().expect("eight")) as usize;
+        let (opcode, body) = (bytes[at], &bytes[at + 9..at + 9 + length]);
+        match opcode {
+            mcap::records::op::CHUNK => {
+                // Two times, size and checksum, then the compression, which is none, and the length of the records.
+                assert_eq!(body[28..32], [0; 4], "not compressed");
+                let mut chunk = body[..28].to_vec();
+                let data = compress(&body[40..]);
+                chunk.extend((compression.len() as u32).to_le_bytes());
+                chunk.extend(compression.as_bytes());
+                chunk.extend((data.len() as u64).to_le_bytes());
+                chunk.extend(data);
+                put(opcode, &chunk);
+            }
+            mcap::records::op::DATA_END => break,
+            mcap::records::op::MESSAGE_INDEX => {}
+            _ => put(opcode, body),
+        }
+        at += 9 + length;
+    }
+    put(mcap::records::op::DATA_END, &[0; 4]);
+    put(mcap::records::op::FOOTER, &[0; 20]);
+    out.extend(mcap::MAGIC);
+    out
 }

@@ -49,20 +49,9 @@ impl Channels {
     pub fn register<W: Write>(core: &mut Core<W>, scene: &Scene) -> Result<Self, McapError> {
         let system = &scene.system;
         let alone = system.fingers.len() == 1;
-        let mut fingers = Vec::new();
-        for (side, _) in system.sided() {
-            fingers.push(match alone {
-                true => core.channel::<State>("/state")?,
-                false => core.channel::<State>(&format!("/state/{}", side.word()))?,
-            });
-        }
-        let mut bodies = Vec::new();
-        for disc in system.told_discs() {
-            bodies.push(match system.fingers.is_empty() {
-                true => core.channel::<Disc>(&format!("/disc/{}", disc.name))?,
-                false => core.channel::<Disc>(&format!("/{}", disc.name))?,
-            });
-        }
+        let topics = topics(system);
+        let fingers = topics.fingers.iter().map(|topic| core.channel::<State>(topic)).collect::<Result<_, _>>()?;
+        let bodies = topics.bodies.iter().map(|topic| core.channel::<Disc>(topic)).collect::<Result<_, _>>()?;
         let surfaces = surfaces(system);
         let mut contacts = Vec::with_capacity(surfaces.len());
         // Of one finger all samples and the energy come first.
@@ -165,6 +154,39 @@ struct Surface {
 impl Surface {
     fn samples<W: Write>(&self, core: &mut Core<W>) -> Result<ChannelId, McapError> {
         if self.angular { core.channel::<Limit>(&self.topic) } else { core.channel::<Contact>(&self.topic) }
+    }
+}
+
+/// The topics of a log by what they carry, in the order of a sample.
+pub struct Topics {
+    pub fingers: Vec<String>,
+    pub bodies: Vec<String>,
+    /// `None` where there is nothing to touch.
+    pub contacts: Vec<Option<ContactTopics>>,
+}
+
+/// The topics of one contact.
+pub struct ContactTopics {
+    pub samples: String,
+    pub impact: String,
+    /// Where friction holds.
+    pub slip: Option<String>,
+}
+
+/// The topics that the log of a system has.
+pub fn topics(system: &System) -> Topics {
+    let alone = system.fingers.len() == 1;
+    let finger = |side: Side| if alone { "/state".to_string() } else { format!("/state/{}", side.word()) };
+    let folder = if system.fingers.is_empty() { "/disc/" } else { "/" };
+    let contact = |surface: Surface| ContactTopics {
+        impact: format!("/impact/{}", surface.name),
+        slip: surface.bristle.map(|_| format!("/slip/{}", surface.name)),
+        samples: surface.topic,
+    };
+    Topics {
+        fingers: system.sided().map(|(side, _)| finger(side)).collect(),
+        bodies: system.told_discs().iter().map(|disc| format!("{folder}{}", disc.name)).collect(),
+        contacts: surfaces(system).into_iter().map(|surface| surface.map(contact)).collect(),
     }
 }
 

@@ -86,8 +86,9 @@ pub use metadata::{
     method_name, preset_name, scene_text, stepping_name,
 };
 pub use reader::{
-    AttachmentRecord, Behind, ChannelRecord, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, ReadError, Reading,
-    Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head, read_pieces,
+    AttachmentRecord, Behind, ChannelRecord, Concerns, Ended, LARGEST_RECORD, LogSink, Loss, MessageRecord, Missing,
+    ReadError, Reading, Record, SchemaRecord, open_log, read, read_any, read_any_file, read_file, read_head,
+    read_pieces,
 };
 pub use recovered::{Gap, Recovery, gaps, recover};
 pub use run::{LoggedRun, LoggedRunError, run_into, run_to};

@@ -42,7 +42,15 @@ pub fn change(event: &Event, place: &str, angular: bool) -> String {
             format!("{place}: lift-off at {time_ms:.6} ms, impulse {impulse:.6e} {impulse_unit} since touch-down")
         }
         EventKind::Reload => format!("{place}: pressed again at {time_ms:.6} ms, before it had parted"),
-        EventKind::Slips => format!("{place}: begins to slip at {time_ms:.6} ms"),
-        EventKind::Sticks => format!("{place}: sticks again at {time_ms:.6} ms"),
+        EventKind::Slips => format!("{place}: {SLIPS} {time_ms:.6} ms"),
+        EventKind::Sticks => format!("{place}: {STICKS} {time_ms:.6} ms"),
     }
+}
+
+const SLIPS: &str = "begins to slip at";
+const STICKS: &str = "sticks again at";
+
+/// Whether a line of a contact is one of friction.
+pub fn is_of_friction(line: &str) -> bool {
+    [SLIPS, STICKS].iter().any(|words| line.contains(words))
 }

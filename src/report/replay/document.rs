@@ -10,11 +10,12 @@ use super::super::grasp::GraspReport;
 use super::super::states::States;
 use super::summary::Summary;
 use super::verify::VerificationReport;
-use crate::criteria::{Criteria, GraspCriteria};
-use crate::log::{Loss, Reading, Solver, settings};
+use crate::criteria::{Criteria, Fate, GraspCriteria};
+use crate::log::{Concerns, Loss, Missing, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
 use crate::scene::{Engine, Integrator, Scene, Words};
-use crate::trace::Energy;
+use crate::trace::{Energy, Layout, Outcome};
+use crate::wording::duration;
 
 /// One log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,6 +29,8 @@ pub struct ReplayReport {
     pub whole: bool,
     /// What is lost, one sentence each.
     pub losses: Vec<Lost>,
+    /// Topics that the log of such a run has and this one has not, or not all of. Figures that need them are left out.
+    pub missing: Vec<MissingReport>,
     /// Name of the scene; null where the log does not say.
     pub scene: Option<String>,
     /// `finger`, `bodies` or `gripper`; null where the log does not say.
@@ -63,12 +66,15 @@ pub struct ReplayReport {
     pub states: Last,
     /// Peaks are those of the samples, among which the run's own are.
     pub contacts: Option<Contacts>,
-    /// Null without an object or a scene, or if the log does not reach the end of a completed run.
+    /// Null without an object or a scene, if the log does not reach the end of a completed run, or if a topic that it needs is missing.
     pub criteria: Option<Criteria>,
-    /// Of a log of a gripper.
+    /// Of a log of a gripper; left out under the same conditions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<GraspReport>,
     pub energy: Option<Energy>,
+    /// Whether the log calls a run completed that is shorter than its settings.
+    #[serde(skip)]
+    pub contradicts_itself: bool,
     /// Whether simulating again gives the same; null unless that was asked for.
     pub verification: Option<VerificationReport>,
 }
@@ -100,11 +106,30 @@ pub struct Lost {
     pub readable_behind: u64,
 }
 
+/// A topic that is missing, or a part of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissingReport {
+    pub topic: String,
+    /// In words that follow the topic.
+    pub what: String,
+    /// Whether no class, and nothing of a grasp, is told because of it.
+    pub withholds_criteria: bool,
+}
+
+impl From<&Missing> for MissingReport {
+    fn from(missing: &Missing) -> Self {
+        let Missing { topic, what, is_judged_by, .. } = missing;
+        MissingReport { topic: topic.clone(), what: what.clone(), withholds_criteria: *is_judged_by }
+    }
+}
+
 impl From<&Loss> for Lost {
     fn from(loss: &Loss) -> Self {
         let (at_byte, readable_behind) = match loss {
             Loss::Truncated { at_byte, .. } | Loss::Scene { at_byte, .. } => (*at_byte, 0),
-            Loss::Damaged { at_byte, behind, .. } => (*at_byte, behind.messages),
+            Loss::Damaged { at_byte, behind, .. } | Loss::Compressed { at_byte, behind, .. } => {
+                (*at_byte, behind.messages)
+            }
         };
         Lost { at_byte, what: loss.to_string(), readable_behind }
     }
@@ -121,14 +146,50 @@ impl ReplayReport {
         scene: Option<&Scene>,
     ) -> Self {
         let (layout, outcome) = (&summary.layout, summary.outcome());
-        ReplayReport {
-            states: Last(outcome.map(|outcome| States::new(layout, Some(outcome), scene))),
-            contacts: outcome.map(|outcome| Contacts::new(layout, outcome, summary.rebounds())),
+        let grasp = grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, scene, &of.last));
+        // Of a gripper an ejection ends the run; without its fate nothing is known of that.
+        let may_end_early =
+            reading.kind() == SceneKind::Gripper && grasp.as_ref().is_none_or(|grasp| grasp.fate == Fate::NAMES[2]);
+        let mut report = ReplayReport {
+            states: Last(outcome.map(|outcome| states(layout, outcome, scene))),
+            contacts: outcome.map(|outcome| contacts(layout, outcome, summary, reading)),
             criteria,
-            grasp: grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, scene, &of.last)),
-            energy: outcome.map(|outcome| outcome.last.energy),
+            grasp,
+            energy: outcome.map(|outcome| outcome.last.energy).filter(|energy| !energy.kinetic_j.is_nan()),
             ..ReplayReport::of_log(log, reading)
+        };
+        if let Some(time_s) = ends_early(reading).filter(|_| !may_end_early) {
+            let of = report.duration_s.map_or("an unknown time".to_string(), duration);
+            let reason = format!("the log calls its run completed, but {of} were requested: it contradicts itself");
+            (report.completed, report.error, report.contradicts_itself) =
+                (Some(false), Some(Failure { time_s, reason }), true);
+            (report.criteria, report.grasp) = (None, None);
         }
+        report
+    }
+
+    /// What to print on stderr of what the log lacks, or contradicts.
+    pub fn complaints(&self) -> Vec<String> {
+        let withheld = self.withheld();
+        let mut lines: Vec<String> = self
+            .missing
+            .iter()
+            .map(|MissingReport { topic, what, withholds_criteria }| {
+                let withheld =
+                    withheld.filter(|_| *withholds_criteria).map_or(String::new(), |words| format!("; {words}"));
+                format!("error: {}: missing topic: {topic} {what}{withheld}", self.log)
+            })
+            .collect();
+        let reason = self.error.as_ref().filter(|_| self.contradicts_itself);
+        lines.extend(reason.map(|error| format!("error: {}: {}", self.log, error.reason)));
+        lines
+    }
+
+    /// What is not said because a topic is missing.
+    pub(super) fn withheld(&self) -> Option<&'static str> {
+        let withholds = self.missing.iter().any(|missing| missing.withholds_criteria);
+        let kind = self.kind.as_deref().filter(|_| withholds)?;
+        (kind != SceneKind::Bodies.word()).then_some("no class and no criterion is given")
     }
 
     /// Whether the scene has joints to speak of.
@@ -152,6 +213,7 @@ impl ReplayReport {
             bytes: reading.bytes,
             whole: reading.is_whole(),
             losses: reading.losses.iter().map(Lost::from).collect(),
+            missing: reading.missing.iter().map(MissingReport::from).collect(),
             scene: entry("scene"),
             kind: entry("kind"),
             model: entry("model"),
@@ -176,7 +238,37 @@ impl ReplayReport {
             criteria: None,
             grasp: None,
             energy: None,
+            contradicts_itself: false,
             verification: None,
         }
     }
+}
+
+/// What moves, as far as the last sample has it.
+fn states(layout: &Layout, outcome: &Outcome, scene: Option<&Scene>) -> States {
+    let mut states = States::new(layout, Some(outcome), scene);
+    states.fingers.0.retain(|(_, finger)| !finger.q11_rad.is_nan());
+    states.bodies.0.retain(|(_, body)| !body.x_m.is_nan());
+    states
+}
+
+/// The contacts of which no topic is missing.
+fn contacts(layout: &Layout, outcome: &Outcome, summary: &Summary, reading: &Reading) -> Contacts {
+    let mut contacts = Contacts::new(layout, outcome, summary.rebounds());
+    for missing in &reading.missing {
+        if let Concerns::Contact(index) = missing.concerns
+            && let Some(place) = layout.contacts.get(index)
+        {
+            contacts.all.0.retain(|(name, _)| *name != place.name);
+        }
+    }
+    contacts
+}
+
+/// When a run ended that is called completed, if that is before the time that was requested.
+fn ends_early(reading: &Reading) -> Option<f64> {
+    let ended = reading.ended.as_ref().filter(|ended| ended.stopped.is_none())?;
+    let duration_s: f64 = reading.metadata.get("duration_s")?.parse().ok()?;
+    // Log times are whole nanoseconds.
+    (duration_s - ended.time_s > 1e-9 + 1e-12 * ended.time_s).then_some(ended.time_s)
 }

@@ -74,10 +74,10 @@ impl Heard {
     }
 }
 
-/// Whether a run was completed and nothing of its log is missing.
+/// Whether a run was completed, and nothing is missing in its log by which it is judged.
 fn is_of_whole_run(reading: &Reading) -> bool {
     let completed = reading.ended.as_ref().is_some_and(|ended| ended.stopped.is_none());
-    completed && reading.losses.is_empty() && reading.recovered.is_none()
+    completed && reading.can_be_judged() && reading.recovered.is_none()
 }
 
 /// The scene of a log, if it has one of a size that scenes have.

@@ -9,7 +9,7 @@ mod text;
 mod verify;
 
 pub use against::{AgainstReport, ApartReport, side_by_side};
-pub use document::ReplayReport;
+pub use document::{MissingReport, ReplayReport};
 pub use heard::{Heard, attached};
 pub use recover::RecoveryReport;
 pub use summary::Summary;

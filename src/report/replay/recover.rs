@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::document::Lost;
+use super::document::{Lost, MissingReport};
 use crate::log::{Gap, Recovery};
 use crate::wording::{Report, Reported, duration};
 
@@ -18,6 +18,8 @@ pub struct RecoveryReport {
     /// Whether nothing of the log is lost.
     pub whole: bool,
     pub losses: Vec<Lost>,
+    /// Topics that the log of such a run has and this one has not, or not all of.
+    pub missing: Vec<MissingReport>,
     /// Length that was asked for.
     pub duration_s: Option<f64>,
     pub messages: u64,
@@ -55,6 +57,7 @@ impl RecoveryReport {
             bytes: reading.bytes,
             whole: reading.is_whole(),
             losses: reading.losses.iter().map(Lost::from).collect(),
+            missing: reading.missing.iter().map(MissingReport::from).collect(),
             duration_s: reading.metadata.get("duration_s").and_then(|text| text.parse().ok()),
             messages: found.messages,
             samples: reading.samples,
@@ -89,6 +92,9 @@ impl Reported for RecoveryReport {
         if self.nameless_messages > 0 {
             let _ =
                 writeln!(text, "{} messages are left out, for what their channels are is lost", self.nameless_messages);
+        }
+        for MissingReport { topic, what, .. } in &self.missing {
+            let _ = writeln!(text, "MISSING: {topic} {what}");
         }
         if self.whole {
             text.push_str("nothing of the log was lost\n");

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::super::tables::{contacts, dynamics, energies, grasp, states};
 use super::super::text::{engine, integrator};
-use super::document::ReplayReport;
+use super::document::{MissingReport, ReplayReport};
 use super::verify::verification_text;
 use crate::wording::duration;
 use crate::wording::{Report, Reported};
@@ -76,6 +76,12 @@ fn heading(report: &ReplayReport) -> String {
     }
     for lost in &report.losses {
         let _ = writeln!(text, "LOST: {}", lost.what);
+    }
+    for MissingReport { topic, what, .. } in &report.missing {
+        let _ = writeln!(text, "MISSING: {topic} {what}");
+    }
+    if let Some(withheld) = report.withheld() {
+        let _ = writeln!(text, "{withheld}, for they need what is missing");
     }
     text
 }

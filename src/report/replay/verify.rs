@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::document::ReplayReport;
 use crate::log::{Difference, FieldTally, Leaf, Reading, Verification};
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
@@ -33,6 +34,10 @@ pub struct VerificationReport {
     pub messages_differing: u64,
     pub messages_only_in_log: u64,
     pub messages_only_in_new_run: u64,
+    /// Messages that are the same and come in another order within their log time; the order is not compared.
+    pub messages_reordered: u64,
+    /// Messages to which the log gives no sequence number: the number is not compared.
+    pub messages_unnumbered: u64,
     /// Of a run that was interrupted: what the interrupt left at the end.
     pub messages_not_compared: u64,
     /// Of a recovered log: what the new run has in its gaps.
@@ -79,8 +84,9 @@ pub struct EntryReport {
 }
 
 impl VerificationReport {
-    pub fn new(found: &Verification, reading: &Reading, wall_s: f64) -> Self {
-        let incomplete_because = incomplete(found, reading);
+    /// Of a log of which this is reported.
+    pub fn new(found: &Verification, reading: &Reading, report: &ReplayReport, wall_s: f64) -> Self {
+        let incomplete_because = incomplete(found, reading, report);
         VerificationReport {
             same: found.is_same(),
             complete: incomplete_because.is_none(),
@@ -93,6 +99,8 @@ impl VerificationReport {
             messages_differing: found.differing,
             messages_only_in_log: found.only_in_log,
             messages_only_in_new_run: found.only_again,
+            messages_reordered: found.reordered,
+            messages_unnumbered: found.unnumbered,
             messages_not_compared: found.not_compared,
             messages_in_gaps: found.in_gaps,
             compared_to_s: found.up_to_s,
@@ -125,10 +133,17 @@ impl VerificationReport {
 }
 
 /// Why not all of a run was compared. A run that a signal ended is all there is of it.
-fn incomplete(found: &Verification, reading: &Reading) -> Option<String> {
+fn incomplete(found: &Verification, reading: &Reading, report: &ReplayReport) -> Option<String> {
     let reach = reading.last_s.map_or("no sample".to_string(), |last_s| format!("samples up to {}", time(last_s)));
     if !reading.is_whole() {
         return Some(format!("a part of the log is lost; it has {reach}"));
+    }
+    if let Some(error) = report.error.as_ref().filter(|_| report.contradicts_itself) {
+        return Some(format!("{}; it has {reach}", error.reason));
+    }
+    if !report.missing.is_empty() {
+        let topics: Vec<&str> = report.missing.iter().map(|missing| missing.topic.as_str()).collect();
+        return Some(format!("missing in the log: {}", topics.join(", ")));
     }
     if reading.ended.is_none() {
         return Some(format!("the log does not say how its run ended; it has {reach}"));
@@ -188,10 +203,11 @@ pub(super) fn verification_text(report: &VerificationReport) -> Report {
         true if report.messages_compared == 0 => writeln!(text, "NOTHING COMPARED: there is no message in the log"),
         true => writeln!(
             text,
-            "VERIFIED: simulated again in {}, {} messages on {} channels are the same bit for bit, {reach}",
+            "VERIFIED: simulated again in {}, {} messages on {} channels are the same bit for bit, {reach}; compared are {}",
             duration(report.wall_s),
             report.messages_compared,
-            report.channels
+            report.channels,
+            compared(report)
         ),
         false => writeln!(
             text,
@@ -207,10 +223,24 @@ pub(super) fn verification_text(report: &VerificationReport) -> Report {
         let log = report.phalanx_version_log.as_deref().unwrap_or("unknown");
         let _ = writeln!(text, "the log is of phalanx {log}, this is phalanx {}", report.phalanx_version);
     }
+    if report.messages_reordered > 0 {
+        let _ = writeln!(
+            text,
+            "not compared: the order of messages of one log time, in which {} messages differ",
+            report.messages_reordered
+        );
+    }
+    if report.messages_unnumbered > 0 {
+        let _ = writeln!(
+            text,
+            "not compared: sequence numbers, which {} messages of the log lack",
+            report.messages_unnumbered
+        );
+    }
     if report.messages_not_compared > 0 {
         let _ = writeln!(
             text,
-            "not compared: the last {} messages, for when a run is interrupted is nothing that simulating again could know",
+            "not compared: the last {} messages, for simulating again cannot tell when this run was ended",
             report.messages_not_compared
         );
     }
@@ -232,6 +262,14 @@ pub(super) fn verification_text(report: &VerificationReport) -> Report {
         text.push(fields(&report.fields));
     }
     text
+}
+
+/// What of every message was compared.
+fn compared(report: &VerificationReport) -> &'static str {
+    match report.messages_unnumbered {
+        0 => "topic, schema, log and publish time, sequence number and payload",
+        _ => "topic, schema, log and publish time, payload, and the sequence number where the log has one",
+    }
 }
 
 fn first_difference(first: &DifferenceReport) -> String {

@@ -1,204 +1,296 @@
 //! From messages back to samples and events.
 
+use std::collections::{BTreeMap, HashSet};
+
 use foxglove::Decode;
 use foxglove::messages::Log;
 
-use super::Ended;
 use super::bytes::Malformed;
 use super::channels::{Carries, Channels};
-use super::record::{ChannelRecord, MessageRecord, SchemaRecord};
+use super::group::{Habits, Held, Item, Kind, in_order, put_in_order, written};
+use super::missing::{Lacking, Missing, missing};
+use super::reading::{Ended, Reading};
+use super::record::MessageRecord;
+use super::survey::Numbers;
 use super::wire::numbers;
-use phalanx_core::scene::words::SceneKind;
-use phalanx_core::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample};
+use crate::lines::is_of_friction;
+use phalanx_core::trace::{self, BodyState, ContactSample, Event, EventKind, FingerState, Layout, Sample, SinkError};
 
-const UNTIMED: Malformed = Malformed("the time of an event is not a number");
-const BACK: Malformed = Malformed("the time of a sample is not a number, or goes back");
+const UNTIMED: Malformed = Malformed("the time of a message is not a number");
+const BACK: Malformed = Malformed("the time of a sample goes back although its log time does not");
 
-/// What a message, with those before it, came to.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Found {
-    /// Part of something, or nothing of interest.
-    Nothing,
+/// Messages of one log time that are put in order at once.
+const MOST_HELD: usize = 200_000;
+
+/// What messages come to.
+pub enum Found<'a> {
     /// A message of a channel that phalanx does not know.
     Unknown,
-    /// A sample is whole: [`Assembler::sample`].
-    Sample,
+    Sample(&'a Sample),
     Event(Event),
     Ended(Ended),
 }
 
-/// What messages have said so far.
+/// Takes what is found; an error of its own ends the reading.
+pub trait Take: FnMut(Found<'_>) -> Result<(), SinkError> {}
+
+impl<F: FnMut(Found<'_>) -> Result<(), SinkError>> Take for F {}
+
+/// Puts messages together. They come in the order of their log times.
 pub struct Assembler {
     channels: Channels,
-    /// The sample as it comes together, and what of it has come since the last one was whole.
+    of_engine: bool,
+    /// The parts of a sample of which the log has messages, in the order in which they are written.
+    parts: Vec<usize>,
+    /// A sample of which nothing has come: what must come is no number.
+    blank: Sample,
     sample: Sample,
-    there: Parts,
+    /// The messages of the log time at hand.
+    log_time_ns: u64,
+    held: Vec<Held>,
+    data: Vec<u8>,
+    /// Of a log in which messages come more than once: those of the log time at hand, by channel, number and payload.
+    seen: Option<HashSet<(u16, u32, Vec<u8>)>>,
     latest_s: f64,
+    lacking: Lacking,
 }
 
-/// Fingers, bodies and contacts that have come.
-#[derive(Default)]
-struct Parts {
-    fingers: Vec<bool>,
-    bodies: Vec<bool>,
-    contacts: Vec<bool>,
-    /// How many.
-    count: usize,
-}
-
-impl Parts {
-    fn forget(&mut self) {
-        let Parts { fingers, bodies, contacts, count } = self;
-        [fingers, bodies, contacts].into_iter().for_each(|parts| parts.fill(false));
-        *count = 0;
-    }
-
-    /// Beside fingers there can be nothing to touch, and their messages come first, then those of bodies; where there are bodies alone
-    /// everything has to come.
-    fn are_whole(&self) -> bool {
-        match self.fingers.is_empty() {
-            false => self.fingers.iter().chain(&self.bodies).all(|there| *there),
-            true => self.count > 0 && self.count == self.bodies.len() + self.contacts.len(),
-        }
+/// The places of the parts of a sample: fingers, bodies, contacts, energies.
+pub fn part(layout: &Layout, carries: Carries) -> Option<usize> {
+    let (fingers, bodies) = (layout.fingers.len(), layout.bodies.len());
+    match carries {
+        Carries::Finger(index) => Some(index),
+        Carries::Body(index) => Some(fingers + index),
+        Carries::Contact(index) | Carries::Stop(index) => Some(fingers + bodies + index),
+        Carries::Energy => Some(fingers + bodies + layout.contacts.len()),
+        Carries::Impact(_) | Carries::Slip(_) | Carries::Lines | Carries::Picture => None,
     }
 }
 
 impl Assembler {
-    /// Of the log of a scene of this kind.
-    pub fn new(kind: SceneKind) -> Self {
-        let (sample, there) = (Sample::default(), Parts::default());
-        Assembler { channels: Channels::new(kind), sample, there, latest_s: 0.0 }
-    }
-
-    pub fn schema(&mut self, schema: &SchemaRecord<'_>) {
-        self.channels.schema(schema);
-    }
-
-    /// Takes note of a channel; true if it is new and unknown.
-    pub fn channel(&mut self, channel: &ChannelRecord<'_>) -> bool {
-        self.channels.channel(channel)
-    }
-
-    /// What the samples consist of; it stays the same from here on.
-    pub fn layout(&mut self) -> &Layout {
-        self.channels.close()
-    }
-
-    /// The sample that was made whole last, until the next message.
-    pub fn sample(&self) -> &Sample {
-        &self.sample
-    }
-
-    /// Forgets samples of which not all has come.
-    pub fn forget_parts(&mut self) {
-        self.there.forget();
-    }
-
-    /// Takes a message.
-    pub fn message(&mut self, message: &MessageRecord<'_>) -> Result<Found, Malformed> {
-        let data = message.data;
-        let Some(carries) = self.channels.carries(message.channel) else {
-            return Ok(Found::Unknown);
+    /// Of the log of a model. `parts` are those of a sample of which the log has messages, in their order; `wanted` those that it should
+    /// have besides; `repeats`: some messages come more than once.
+    pub fn new(channels: Channels, of_engine: bool, parts: Vec<usize>, wanted: &[usize], repeats: bool) -> Self {
+        let Layout { fingers, bodies, contacts } = channels.layout();
+        let first = fingers.len() + bodies.len();
+        let nothing = |index: usize| parts.contains(&(first + index)) || wanted.contains(&(first + index));
+        let blank = Sample {
+            time_s: f64::NAN,
+            fingers: vec![NO_FINGER; fingers.len()],
+            bodies: vec![NO_BODY; bodies.len()],
+            contacts: (0..contacts.len()).map(|k| if nothing(k) { NO_CONTACT } else { ContactSample::NONE }).collect(),
+            energy: NO_ENERGY,
         };
-        match carries {
-            Carries::Finger(index) => {
-                let (time_s, finger) = finger(data)?;
-                self.begin(time_s)?;
-                if index == 0 {
-                    // It comes first: what came before it belongs to no sample.
-                    self.there.forget();
-                    self.sample.contacts.fill(ContactSample::NONE);
-                }
-                self.sample.fingers[index] = finger;
-                self.there.fingers[index] = true;
-            }
-            Carries::Body(index) => {
-                let (time_s, body) = body(data)?;
-                self.begin(time_s)?;
-                self.sample.bodies[index] = body;
-                self.there.count += usize::from(!std::mem::replace(&mut self.there.bodies[index], true));
-            }
-            Carries::Contact(index) => {
-                let [time_s] = numbers(data)?;
-                self.put_contact(index, time_s, contact(data)?)?;
-            }
-            Carries::Stop(index) => {
-                let [time_s, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = numbers(data)?;
-                let stop = ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() };
-                self.put_contact(index, time_s, stop)?;
-            }
-            Carries::Energy => {
-                let energy = energy(data)?;
-                // Energies come last: the sample is whole if all else has come.
-                if self.there.are_whole() {
-                    self.there.forget();
-                    self.sample.energy = energy;
-                    self.latest_s = self.sample.time_s;
-                    return Ok(Found::Sample);
-                }
-            }
-            Carries::Impact(contact) => {
-                let (time_s, kind, [approach_speed, impulse]) = change(data)?;
-                return Ok(Found::Event(Event { time_s, contact, kind, approach_speed, impulse }));
-            }
-            Carries::Slip(contact) => {
-                let [time_s, slips] = numbers(data)?;
-                if !time_s.is_finite() {
-                    return Err(UNTIMED);
-                }
-                let kind = if slips != 0.0 { EventKind::Slips } else { EventKind::Sticks };
-                return Ok(Found::Event(Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 }));
-            }
-            Carries::Lines => {
-                let line = Log::decode(data).map_err(|_| Malformed("a line of the log is not protobuf"))?;
-                if line.name == "run" {
-                    return Ok(Found::Ended(Ended::new(message.log_time_ns as f64 * 1e-9, line.message)));
-                }
-            }
-            Carries::Picture => {}
+        let lacking = Lacking::new(first + contacts.len() + 1, contacts.len());
+        Assembler {
+            channels,
+            of_engine,
+            parts,
+            sample: blank.clone(),
+            blank,
+            log_time_ns: 0,
+            held: Vec::new(),
+            data: Vec::new(),
+            seen: repeats.then(HashSet::new),
+            latest_s: 0.0,
+            lacking,
         }
-        Ok(Found::Nothing)
     }
 
-    /// A part of a sample of this time has come: makes room for all of it.
-    fn begin(&mut self, time_s: f64) -> Result<(), Malformed> {
-        if !time_s.is_finite() || time_s < self.latest_s {
+    /// What the samples consist of.
+    pub fn layout(&self) -> &Layout {
+        self.channels.layout()
+    }
+
+    /// What the log lacks, once it was gone through.
+    pub fn missing(
+        &mut self,
+        reading: &Reading,
+        expected: &[(String, Carries)],
+        numbers: &BTreeMap<u16, Numbers>,
+    ) -> Vec<Missing> {
+        missing(reading, expected, &self.channels, numbers, &mut self.lacking)
+    }
+
+    /// Takes a message; what is whole now goes to `take`.
+    pub fn message(
+        &mut self,
+        message: &MessageRecord<'_>,
+        take: &mut impl Take,
+    ) -> Result<Result<(), Malformed>, SinkError> {
+        let Some(carries) = self.channels.carries(message.channel) else {
+            return take(Found::Unknown).map(Ok);
+        };
+        if message.log_time_ns != self.log_time_ns || self.held.len() >= MOST_HELD {
+            if let Err(malformed) = self.release(message.log_time_ns != self.log_time_ns, take)? {
+                return Ok(Err(malformed));
+            }
+            if message.log_time_ns != self.log_time_ns {
+                self.seen.iter_mut().for_each(HashSet::clear);
+            }
+            self.log_time_ns = message.log_time_ns;
+        }
+        if let Some(seen) = &mut self.seen
+            && carries != Carries::Picture
+            && !seen.insert((message.channel, message.sequence, message.data.to_vec()))
+        {
+            self.lacking.again(message.channel);
+            return Ok(Ok(()));
+        }
+        let kind = match carries {
+            Carries::Picture => return Ok(Ok(())),
+            Carries::Lines => match Log::decode(message.data) {
+                Err(_) => return Ok(Err(Malformed("a line of the log is not protobuf"))),
+                Ok(line) if line.name == "run" => {
+                    return take(Found::Ended(Ended::new(message.log_time_ns as f64 * 1e-9, line.message))).map(Ok);
+                }
+                Ok(line) => {
+                    let place = self.layout().contacts.iter().position(|place| place.name == line.name);
+                    let Some(contact) = place else { return Ok(Ok(())) };
+                    let of_friction = is_of_friction(&line.message);
+                    self.lacking.line(contact, of_friction);
+                    Ok(Kind::Line { contact, of_friction })
+                }
+            },
+            Carries::Impact(contact) => change_kind(message.data).map(|kind| Kind::Event { contact, kind }),
+            Carries::Slip(contact) => slip_kind(message.data).map(|kind| Kind::Event { contact, kind }),
+            other => Ok(Kind::Part(part(self.layout(), other).unwrap_or(usize::MAX))),
+        };
+        let time_s = match kind {
+            Ok(Kind::Line { .. }) => Ok([0.0]),
+            _ => numbers::<1>(message.data),
+        };
+        match kind.and_then(|kind| time_s.map(|[time_s]| (kind, time_s))) {
+            Ok((_, time_s)) if !time_s.is_finite() => Ok(Err(UNTIMED)),
+            Ok((kind, time_s)) => {
+                let start = self.data.len();
+                self.data.extend_from_slice(message.data);
+                self.held.push(Held { kind, sequence: message.sequence, time_s, data: start..self.data.len() });
+                Ok(Ok(()))
+            }
+            Err(malformed) => Ok(Err(malformed)),
+        }
+    }
+
+    /// Once all messages have come.
+    pub fn end(&mut self, take: &mut impl Take) -> Result<Result<(), Malformed>, SinkError> {
+        self.release(true, take)
+    }
+
+    /// Hands on what the messages at hand come to; those of a sample that may become whole yet stay, unless that was `all` of their log time.
+    fn release(&mut self, all: bool, take: &mut impl Take) -> Result<Result<(), Malformed>, SinkError> {
+        let whole =
+            written(&self.held, &self.parts).filter(|whole| if all { *whole == self.held.len() } else { *whole > 0 });
+        let habits = Habits { of_engine: self.of_engine, at_start: self.lacking.samples() == 0 };
+        let (items, used) = match whole {
+            Some(whole) => (in_order(&self.held[..whole]), whole),
+            None => (put_in_order(&self.held, habits), self.held.len()),
+        };
+        let held = std::mem::take(&mut self.held);
+        for item in items {
+            let outcome = match item {
+                Item::Sample(of) => match self.put_together(&held, &of) {
+                    Ok(()) => take(Found::Sample(&self.sample)).map(Ok)?,
+                    Err(malformed) => Err(malformed),
+                },
+                Item::Event(index) => match self.event(&held[index]) {
+                    Ok(event) => {
+                        self.lacking.event(event.contact, event.kind.is_of_friction());
+                        take(Found::Event(event)).map(Ok)?
+                    }
+                    Err(malformed) => Err(malformed),
+                },
+            };
+            if outcome.is_err() {
+                return Ok(outcome);
+            }
+        }
+        self.held = held;
+        self.held.drain(..used);
+        let gone = self.held.first().map_or(self.data.len(), |first| first.data.start);
+        self.data.drain(..gone);
+        for message in &mut self.held {
+            message.data = message.data.start - gone..message.data.end - gone;
+        }
+        Ok(Ok(()))
+    }
+
+    fn put_together(&mut self, held: &[Held], of: &[usize]) -> Result<(), Malformed> {
+        let layout = self.channels.layout();
+        let (fingers, bodies) = (layout.fingers.len(), layout.bodies.len());
+        self.sample.clone_from(&self.blank);
+        let Some(first) = of.first() else { return Ok(()) };
+        self.sample.time_s = held[*first].time_s;
+        if self.sample.time_s < self.latest_s {
             return Err(BACK);
         }
-        let Layout { fingers, bodies, contacts } = self.channels.close();
-        let (sample, there) = (&mut self.sample, &mut self.there);
-        if (sample.fingers.len(), sample.bodies.len(), sample.contacts.len())
-            != (fingers.len(), bodies.len(), contacts.len())
-        {
-            sample.fingers = vec![FingerState::default(); fingers.len()];
-            sample.bodies = vec![BodyState::default(); bodies.len()];
-            sample.contacts = vec![ContactSample::NONE; contacts.len()];
-            there.fingers = vec![false; fingers.len()];
-            there.bodies = vec![false; bodies.len()];
-            there.contacts = vec![false; contacts.len()];
+        self.latest_s = self.sample.time_s;
+        self.lacking.sample(self.sample.time_s);
+        for &index in of {
+            let Kind::Part(part) = held[index].kind else { continue };
+            let data = &self.data[held[index].data.clone()];
+            self.lacking.part(part);
+            if part < fingers {
+                self.sample.fingers[part] = finger(data)?;
+            } else if part < fingers + bodies {
+                self.sample.bodies[part - fingers] = body(data)?;
+            } else if let Some(place) = layout.contacts.get(part - fingers - bodies) {
+                self.sample.contacts[part - fingers - bodies] = if place.angular { stop(data) } else { contact(data) }?;
+            } else {
+                self.sample.energy = energy(data)?;
+            }
         }
-        sample.time_s = time_s;
         Ok(())
     }
 
-    fn put_contact(&mut self, index: usize, time_s: f64, contact: ContactSample) -> Result<(), Malformed> {
-        if self.channels.begin_with_fingers() {
-            // Of a sample of which the finger is lost.
-            if self.there.fingers.is_empty() || !self.there.are_whole() {
-                return Ok(());
-            }
-        } else {
-            self.begin(time_s)?;
+    fn event(&self, held: &Held) -> Result<Event, Malformed> {
+        let Kind::Event { contact, kind } = held.kind else { return Err(UNTIMED) };
+        let time_s = held.time_s;
+        if kind.is_of_friction() {
+            return Ok(Event { time_s, contact, kind, approach_speed: 0.0, impulse: 0.0 });
         }
-        self.sample.contacts[index] = contact;
-        self.there.count += usize::from(!std::mem::replace(&mut self.there.contacts[index], true));
-        Ok(())
+        let [.., approach_speed, impulse] = numbers::<5>(&self.data[held.data.clone()])?;
+        Ok(Event { time_s, contact, kind, approach_speed, impulse })
     }
 }
 
-fn finger(data: &[u8]) -> Result<(f64, FingerState), Malformed> {
+const NO_FINGER: FingerState = FingerState {
+    q11_rad: f64::NAN,
+    q21_rad: f64::NAN,
+    q12_rad: f64::NAN,
+    q22_rad: f64::NAN,
+    q13_rad: f64::NAN,
+    qd11_rad_s: f64::NAN,
+    qd21_rad_s: f64::NAN,
+    qd12_rad_s: f64::NAN,
+    qd22_rad_s: f64::NAN,
+    motor_torque_n_m: f64::NAN,
+};
+const NO_BODY: BodyState =
+    BodyState { centre_m: [f64::NAN; 2], angle_rad: f64::NAN, velocity_m_s: [f64::NAN; 2], spin_rad_s: f64::NAN };
+const NO_CONTACT: ContactSample = ContactSample {
+    gap_m: f64::NAN,
+    gap_rate_m_s: f64::NAN,
+    slip_m_s: f64::NAN,
+    normal_n: f64::NAN,
+    tangential_n: f64::NAN,
+    impulse_n_s: f64::NAN,
+    point_m: [f64::NAN; 2],
+    normal: [f64::NAN; 2],
+};
+const NO_ENERGY: trace::Energy = trace::Energy {
+    kinetic_j: f64::NAN,
+    gravity_j: f64::NAN,
+    spring_j: f64::NAN,
+    elastic_j: f64::NAN,
+    dissipated_j: f64::NAN,
+    motor_work_j: f64::NAN,
+    balance_j: f64::NAN,
+};
+
+fn finger(data: &[u8]) -> Result<FingerState, Malformed> {
     let [
-        time_s,
+        _,
         q11_rad,
         q21_rad,
         q12_rad,
@@ -210,7 +302,7 @@ fn finger(data: &[u8]) -> Result<(f64, FingerState), Malformed> {
         qd22_rad_s,
         motor_torque_n_m,
     ] = numbers(data)?;
-    let finger = FingerState {
+    Ok(FingerState {
         q11_rad,
         q21_rad,
         q12_rad,
@@ -221,13 +313,12 @@ fn finger(data: &[u8]) -> Result<(f64, FingerState), Malformed> {
         qd12_rad_s,
         qd22_rad_s,
         motor_torque_n_m,
-    };
-    Ok((time_s, finger))
+    })
 }
 
-fn body(data: &[u8]) -> Result<(f64, BodyState), Malformed> {
-    let [time_s, x, y, angle_rad, vx, vy, spin_rad_s] = numbers(data)?;
-    Ok((time_s, BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }))
+fn body(data: &[u8]) -> Result<BodyState, Malformed> {
+    let [_, x, y, angle_rad, vx, vy, spin_rad_s] = numbers(data)?;
+    Ok(BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s })
 }
 
 fn contact(data: &[u8]) -> Result<ContactSample, Malformed> {
@@ -245,21 +336,26 @@ fn contact(data: &[u8]) -> Result<ContactSample, Malformed> {
     })
 }
 
+fn stop(data: &[u8]) -> Result<ContactSample, Malformed> {
+    let [_, gap_m, gap_rate_m_s, normal_n, impulse_n_s] = numbers(data)?;
+    Ok(ContactSample { gap_m, gap_rate_m_s, normal_n, impulse_n_s, ..ContactSample::default() })
+}
+
 fn energy(data: &[u8]) -> Result<trace::Energy, Malformed> {
     let [_, kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = numbers(data)?;
     Ok(trace::Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j })
 }
 
-/// A change of contact: its time, its kind, approach speed and impulse.
-fn change(data: &[u8]) -> Result<(f64, EventKind, [f64; 2]), Malformed> {
-    let [time_s, pressed, touch_down, approach_speed, impulse] = numbers(data)?;
-    if !time_s.is_finite() {
-        return Err(UNTIMED);
-    }
-    let kind = match (pressed != 0.0, touch_down != 0.0) {
+fn change_kind(data: &[u8]) -> Result<EventKind, Malformed> {
+    let [_, pressed, touch_down] = numbers(data)?;
+    Ok(match (pressed != 0.0, touch_down != 0.0) {
         (false, _) => EventKind::LiftOff,
         (true, true) => EventKind::TouchDown,
         (true, false) => EventKind::Reload,
-    };
-    Ok((time_s, kind, [approach_speed, impulse]))
+    })
+}
+
+fn slip_kind(data: &[u8]) -> Result<EventKind, Malformed> {
+    let [_, slips] = numbers(data)?;
+    Ok(if slips != 0.0 { EventKind::Slips } else { EventKind::Sticks })
 }

@@ -33,13 +33,16 @@ impl fmt::Display for Behind {
     }
 }
 
-/// How the compression of a chunk of phalanx is written: a text of four bytes. It tells chunks from other bytes.
-const MARK: &[u8] = b"\x04\0\0\0zstd";
+/// How the compression of a chunk is written: a text with its length. It tells chunks from other bytes.
+const MARKS: [&[u8]; 2] = [b"\x04\0\0\0zstd", b"\x03\0\0\0lz4"];
+/// Length of the longer one.
+const LONGEST_MARK: usize = 8;
 /// Bytes of a chunk record before its mark: opcode, length, two times, size and checksum.
 const BEFORE_MARK: usize = 1 + 8 + 8 + 8 + 8 + 4;
 const WINDOW: usize = 1 << 16;
 
-/// Looks for whole chunks from byte `from` on, and shows each to `take`, which says whether it has a use for it.
+/// Looks for whole chunks from byte `from` on, and shows each to `take`, with the byte where it begins; that says whether it has a use
+/// for it.
 ///
 /// Bytes can be laid out so that every one of them begins a chunk that fails only after much work: no more work is done
 /// than is in proportion to the size of the file.
@@ -47,7 +50,7 @@ pub fn search<E: From<io::Error>>(
     source: &mut (impl Read + Seek),
     from: u64,
     bytes: u64,
-    mut take: impl FnMut(&Chunk<'_>, &[u8]) -> Result<bool, E>,
+    mut take: impl FnMut(u64, &Chunk<'_>, &[u8]) -> Result<bool, E>,
 ) -> Result<Behind, E> {
     let mut found = Behind::default();
     let mut work = bytes.saturating_mul(20).saturating_add(4 * LARGEST_RECORD as u64);
@@ -58,11 +61,12 @@ pub fn search<E: From<io::Error>>(
         source.seek(SeekFrom::Start(at))?;
         window.clear();
         source.by_ref().take(WINDOW as u64).read_to_end(&mut window)?;
-        let Some(place) = window.windows(MARK.len()).position(|bytes| bytes == MARK) else {
+        let is_mark = |at: &usize| MARKS.iter().any(|mark| window[*at..].starts_with(mark));
+        let Some(place) = (0..window.len()).find(is_mark) else {
             if window.len() < WINDOW {
                 break;
             }
-            at += (WINDOW - MARK.len()) as u64;
+            at += (WINDOW - LONGEST_MARK) as u64;
             continue;
         };
         let mark = at + place as u64;
@@ -85,7 +89,7 @@ pub fn search<E: From<io::Error>>(
         }
         work -= cost;
         let Ok(records) = chunk.records(LARGEST_RECORD, &mut room) else { continue };
-        if !take(&chunk, records)? {
+        if !take(start, &chunk, records)? {
             continue;
         }
         let (start_s, end_s) = (chunk.start_ns as f64 * 1e-9, chunk.end_ns as f64 * 1e-9);

@@ -2,6 +2,9 @@
 //! nothing is allocated for a length that is only claimed.
 
 use std::collections::BTreeMap;
+use std::io::Read;
+
+use lz4_flex::frame::FrameDecoder;
 
 use super::record::{AttachmentRecord, ChannelRecord, MessageRecord, SchemaRecord};
 
@@ -146,6 +149,15 @@ pub struct Chunk<'a> {
 }
 
 impl<'a> Chunk<'a> {
+    /// How it is compressed, if that is none of the ways that are read here.
+    pub fn unknown_compression(&self) -> Option<&'a str> {
+        (!["", "zstd", "lz4"].contains(&self.compression)).then_some(self.compression)
+    }
+
+    pub fn is_compressed(&self) -> bool {
+        !self.compression.is_empty()
+    }
+
     /// Whether there is a checksum that says what was written.
     pub fn is_sealed(&self) -> bool {
         self.crc != 0
@@ -178,7 +190,15 @@ impl<'a> Chunk<'a> {
                     .map_err(|_| Malformed("a chunk cannot be decompressed"))?;
                 out
             }
-            _ => return Err(Malformed("a chunk is compressed in a way that phalanx does not use")),
+            "lz4" => {
+                out.clear();
+                FrameDecoder::new(self.data)
+                    .take(size as u64 + 1)
+                    .read_to_end(out)
+                    .map_err(|_| Malformed("a chunk cannot be decompressed"))?;
+                out
+            }
+            _ => return Err(Malformed("a chunk is compressed in a way that phalanx does not read")),
         };
         if records.len() != size {
             return Err(Malformed("a chunk is not of the size that it claims"));

@@ -50,13 +50,14 @@ pub struct Channels {
     known: Vec<(String, Schema)>,
     schemas: HashMap<u16, Schema>,
     carried: HashMap<u16, Option<Carries>>,
+    /// Topic of every channel that is known, in the order in which they were announced.
+    topics: Vec<(u16, String, Carries)>,
     layout: Layout,
-    /// Samples have begun: what comes later is no part of them.
-    closed: bool,
 }
 
 impl Channels {
-    pub fn new(kind: SceneKind) -> Self {
+    /// Of a log of this kind; `layout` is what its samples consist of as far as that is known.
+    pub fn new(kind: SceneKind, layout: Layout) -> Self {
         let known = [
             (State::get_schema(), Schema::State),
             (Contact::get_schema(), Schema::Contact),
@@ -78,8 +79,8 @@ impl Channels {
                 .collect(),
             schemas: HashMap::new(),
             carried: HashMap::new(),
-            layout: Layout::of_kind(kind),
-            closed: false,
+            topics: Vec::new(),
+            layout,
         }
     }
 
@@ -100,36 +101,36 @@ impl Channels {
             SceneKind::Bodies => self.of_discs(schema, channel.topic),
             SceneKind::Gripper => of_gripper(schema, channel.topic),
         });
+        let topic = channel.topic.to_string();
+        self.topics.extend(carries.map(|carries| (channel.id, topic, carries)));
         self.carried.insert(channel.id, carries).is_none() && carries.is_none()
+    }
+
+    /// Channels that are known, with their topics.
+    pub fn topics(&self) -> &[(u16, String, Carries)] {
+        &self.topics
     }
 
     pub fn carries(&self, channel: u16) -> Option<Carries> {
         self.carried.get(&channel).copied().flatten()
     }
 
-    /// Whether the messages of a sample begin with those of its fingers.
-    pub fn begin_with_fingers(&self) -> bool {
-        self.kind != SceneKind::Bodies
-    }
-
-    /// What samples consist of, which stays the same from here on.
-    pub fn close(&mut self) -> &Layout {
-        self.closed = true;
+    /// What samples consist of.
+    pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
     fn of_discs(&mut self, schema: Schema, topic: &str) -> Option<Carries> {
         let Layout { bodies, contacts, .. } = &mut self.layout;
-        let closed = self.closed;
         let mut pair = |topic: &str, prefix: &str| {
             let name = topic.strip_prefix(prefix).filter(|name| is_pair(name))?;
             let place = || Place { name: name.to_string(), angular: false };
-            index(contacts, |known| known.name == name, place, closed)
+            Some(index(contacts, |known| known.name == name, place))
         };
         match schema {
             Schema::Disc => {
                 let name = topic.strip_prefix("/disc/").filter(|name| is_name(name))?;
-                index(bodies, |known| known == name, || name.to_string(), closed).map(Carries::Body)
+                Some(Carries::Body(index(bodies, |known| known == name, || name.to_string())))
             }
             Schema::Contact => pair(topic, "/contact/").map(Carries::Contact),
             Schema::Impact => pair(topic, "/impact/").map(Carries::Impact),
@@ -139,14 +140,11 @@ impl Channels {
     }
 }
 
-/// The place of one among those that are known; one that is new goes behind them, unless they are closed.
-fn index<T>(all: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl Fn() -> T, closed: bool) -> Option<usize> {
-    let found = all.iter().position(is_it);
-    found.or_else(|| {
-        (!closed).then(|| {
-            all.push(new());
-            all.len() - 1
-        })
+/// The place of one among those that are known; one that is new goes behind them.
+fn index<T>(all: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl Fn() -> T) -> usize {
+    all.iter().position(is_it).unwrap_or_else(|| {
+        all.push(new());
+        all.len() - 1
     })
 }
 

@@ -1,11 +1,15 @@
 //! Reading a log back, as far as it goes, whatever has happened to it.
 //!
-//! A [`Sink`] gets the samples and events of the log in its order, up to the first byte that is missing or wrong: what it
-//! gets is always a prefix of what was written. What was lost is said, and what lies behind the damage is counted.
+//! A [`Sink`] gets the samples and events of the log in order of time, up to the first byte that is missing or wrong: of a log in the
+//! order in which it was written, that is always a prefix of what was written. What was lost is said, and what lies behind the damage is
+//! counted; so is what the log of such a run has besides ([`Missing`]).
+//!
+//! The order of messages in the file says nothing (the specification of MCAP leaves it open): a first pass finds where messages are, the
+//! second takes them in order of log time, and puts together those of one log time whatever their order.
 //!
 //! Nothing in the file is trusted: chunks and attachments must match their checksums before anything of them is used,
-//! lengths are compared with what is there, and nothing larger than [`LARGEST_RECORD`] is ever held. So a log of any
-//! length needs no more memory than a chunk.
+//! lengths are compared with what is there, and nothing larger than [`LARGEST_RECORD`] is held at once, unless chunks overlap in
+//! time. So a log of any length needs no more memory than a chunk, and a few bytes for each chunk.
 //!
 //! | file | job |
 //! |---|---|
@@ -13,8 +17,12 @@
 //! | `reading` | what was found, what is lost |
 //! | `record` | those records, and who takes them |
 //! | `wire` | messages of protobuf |
+//! | `survey` | the first pass: what is announced, where messages are |
+//! | `merge` | messages in order of log time |
 //! | `channels` | what a channel carries |
+//! | `group` | samples and events of the messages of one log time |
 //! | `assemble` | messages → samples and events |
+//! | `missing` | what the log lacks |
 //! | `behind` | chunks that can still be read behind a damage |
 //!
 //! The framing of the file, its end, and the checksums of its sections are left to the `mcap` crate; its parser of single
@@ -24,32 +32,39 @@ mod assemble;
 mod behind;
 mod bytes;
 mod channels;
+mod group;
+mod merge;
+mod missing;
 mod reading;
 mod record;
+mod survey;
 mod wire;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use mcap::McapError;
 use mcap::records::op;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use self::assemble::{Assembler, Found};
+use self::assemble::{Assembler, Found, part};
 pub use self::behind::Behind;
 pub use self::bytes::LARGEST_RECORD;
-use self::bytes::{Chunk, Cursor, Malformed};
+use self::bytes::Malformed;
 pub(super) use self::bytes::{channel, message, metadata, schema};
+use self::channels::Channels;
+use self::merge::{Taken, merge};
+pub use self::missing::{Concerns, Missing};
+use self::missing::{expected, repeats};
 use self::reading::kind;
 pub use self::reading::{Ended, Loss, ReadError, Reading};
 use self::record::Fingers;
 pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Record, SchemaRecord};
+use self::survey::{End, Segment, Survey, listed};
+use super::channels::{Topics, topics};
 use super::file::partial_name;
-use super::metadata::RECOVERED_NAME;
-use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
 use phalanx_core::scene::words::SceneKind;
-use phalanx_core::trace::{Sink, SinkError};
+use phalanx_core::scene::{System, parse_any};
+use phalanx_core::trace::{Layout, Sink, SinkError};
 
 /// Reads the log file of a finger into a sink.
 ///
@@ -87,7 +102,7 @@ pub fn open_log(path: &Path) -> Result<BufReader<File>, ReadError> {
     Ok(BufReader::with_capacity(1 << 16, File::open(path)?))
 }
 
-/// Reads of a log file only what comes before its first chunk: metadata and scene. Nothing is said of losses.
+/// Reads of a log file only metadata and scene. Nothing is said of losses.
 ///
 /// # Errors
 /// As [`read_file`].
@@ -114,7 +129,7 @@ pub fn read_pieces(source: impl Read + Seek, sink: &mut impl LogSink) -> Result<
 /// How much of a log is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Extent {
-    /// What comes before the first chunk.
+    /// Metadata and scene.
     Head,
     /// Up to the first thing that is missing or wrong.
     Prefix,
@@ -131,276 +146,204 @@ fn go_through(mut source: impl Read + Seek, sink: &mut impl LogSink, extent: Ext
         return Err(ReadError::NotMcap);
     }
     source.rewind()?;
-    let mut reader = Reader {
-        sink,
-        assembler: Assembler::new(SceneKind::Finger),
-        room: Vec::new(),
-        identified: false,
-        named: false,
-        head_only: extent == Extent::Head,
-        latest_ns: 0,
-        reading: Reading { bytes, ..Reading::default() },
-    };
-    let (at_byte, end) = reader.records(&mut source)?;
-    if !reader.identified {
+    let mut survey = Survey::new(bytes);
+    let (at_byte, end) = survey.records(&mut source, sink, extent == Extent::Head)?;
+    if !survey.identified {
         return Err(if matches!(end, End::Cut) { ReadError::Empty { bytes } } else { ReadError::NotPhalanx });
     }
-    if extent == Extent::Head || matches!(end, End::Whole) {
-        return Ok(reader.reading);
+    if extent == Extent::Head {
+        return Ok(survey.reading);
+    }
+    let mut lost = match end {
+        End::Whole => None,
+        end => Some((at_byte, end, pieces(&mut source, &mut survey, at_byte, extent)?)),
+    };
+    let mut reader = Reader::new(sink, &mut survey)?;
+    let mut left = None;
+    merge(&mut source, &survey.segments, |segment, body| {
+        reader.enter(segment)?;
+        Ok(match reader.message(body)? {
+            Ok(()) => Taken::Next,
+            Err(malformed) => {
+                left.get_or_insert((segment.at, malformed));
+                reader.piece_of = None;
+                if extent == Extent::Pieces { Taken::LeaveSegment } else { Taken::Stop }
+            }
+        })
+    })?;
+    if left.is_none()
+        && let Err(malformed) = reader.end()?
+    {
+        left = survey.segments.last().map(|segment| (segment.at, malformed));
+    }
+    if let Some((at_byte, malformed)) = left {
+        let behind = behind::search(&mut source, at_byte + 1, bytes, |_, _, _| Ok::<_, ReadError>(true))?;
+        let used = extent == Extent::Pieces && behind.chunks > 0;
+        lost = Some((at_byte, End::Wrong(malformed.to_string()), Behind { used, ..behind }));
     }
     let last_s = reader.reading.last_s;
-    if extent == Extent::Pieces && reader.reading.chunks == 0 {
-        reader.names_from_index(&mut source)?;
-    }
-    let behind = behind::search(&mut source, at_byte + 1, bytes, |chunk, records| match extent {
-        Extent::Pieces => reader.piece(chunk, records),
-        Extent::Head | Extent::Prefix => Ok(true),
-    })?;
-    let behind = Behind { used: extent == Extent::Pieces && behind.chunks > 0, ..behind };
-    let mut reading = reader.reading;
-    reading.losses.push(match end {
-        // A record that reaches beyond the end is a cut, unless there is more behind its beginning.
-        End::Cut if behind.chunks == 0 => Loss::Truncated { at_byte, bytes, last_s },
-        End::Cut => {
-            let reason = "a record claims more bytes than the file has".to_string();
-            Loss::Damaged { at_byte, bytes, reason, last_s, behind }
-        }
-        End::Wrong(reason) => Loss::Damaged { at_byte, bytes, reason, last_s, behind },
-        End::Whole => return Ok(reading),
+    let loss = lost.and_then(|(at_byte, end, behind)| {
+        Some(match end {
+            // A record that reaches beyond the end is a cut, unless there is more behind its beginning.
+            End::Cut if behind.chunks == 0 => Loss::Truncated { at_byte, bytes, last_s },
+            End::Cut => {
+                let reason = "a record claims more bytes than the file has".to_string();
+                Loss::Damaged { at_byte, bytes, reason, last_s, behind }
+            }
+            End::Wrong(reason) => Loss::Damaged { at_byte, bytes, reason, last_s, behind },
+            End::Compressed(compression) => Loss::Compressed { at_byte, bytes, compression, last_s, behind },
+            End::Whole => return None,
+        })
     });
-    Ok(reading)
+    reader.reading.losses.extend(loss);
+    Ok(reader.finish(&survey))
 }
 
-/// How far the records of a file go.
-enum End {
-    Whole,
-    Cut,
-    Wrong(String),
+/// What lies behind a damage; where pieces are read, the survey takes them up.
+fn pieces(
+    source: &mut (impl Read + Seek),
+    survey: &mut Survey,
+    at_byte: u64,
+    extent: Extent,
+) -> Result<Behind, ReadError> {
+    let bytes = survey.reading.bytes;
+    if extent != Extent::Pieces {
+        return behind::search(source, at_byte + 1, bytes, |_, _, _| Ok(true));
+    }
+    if survey.reading.chunks == 0 {
+        survey.names_from_index(source)?;
+    }
+    let listed = listed(source, bytes)?;
+    let behind = behind::search(source, at_byte + 1, bytes, |at, chunk, records| {
+        Ok::<_, ReadError>(survey.piece(at, chunk, records, &listed))
+    })?;
+    Ok(Behind { used: behind.chunks > 0, ..behind })
 }
 
+/// The second pass.
 struct Reader<'a, S> {
     sink: &'a mut S,
     assembler: Assembler,
-    /// Room for the records of a chunk, reused.
-    room: Vec<u8>,
-    /// The metadata record has been seen.
-    identified: bool,
+    expected: Vec<(String, channels::Carries)>,
     /// The sink knows what samples consist of.
     named: bool,
-    /// Stop before the first chunk.
-    head_only: bool,
-    /// Latest log time.
-    latest_ns: u64,
+    /// Where the segment begins whose messages follow those before without a gap, as far as is known.
+    piece_of: Option<u64>,
     reading: Reading,
 }
 
-impl<S: LogSink> Reader<'_, S> {
-    /// Goes through the records of the file; returns where it ends, or where the first one begins that could not be used.
-    fn records(&mut self, source: &mut impl Read) -> Result<(u64, End), ReadError> {
-        let options = LinearReaderOptions::default()
-            .with_emit_chunks(true)
-            .with_validate_data_section_crc(true)
-            .with_validate_summary_section_crc(true)
-            .with_record_length_limit(LARGEST_RECORD);
-        let mut framing = LinearReader::new_with_options(options);
-        let (mut at, mut left) = (mcap::MAGIC.len() as u64, self.reading.bytes);
-        let mut in_data = true;
-        while let Some(event) = framing.next_event() {
-            match event {
-                Ok(LinearReadEvent::ReadRequest(need)) => {
-                    // No room is made for what the file does not have.
-                    if need as u64 > left {
-                        return Ok((at, End::Cut));
-                    }
-                    source.read_exact(framing.insert(need))?;
-                    framing.notify_read(need);
-                    left -= need as u64;
-                }
-                Ok(LinearReadEvent::Record { opcode: op::CHUNK, .. }) if self.head_only => {
-                    return Ok((at, End::Whole));
-                }
-                Ok(LinearReadEvent::Record { opcode, data }) => {
-                    in_data &= opcode != op::DATA_END;
-                    if in_data && let Err(malformed) = self.record(at, opcode, data)? {
-                        return Ok((at, End::Wrong(malformed.to_string())));
-                    }
-                    at += 9 + data.len() as u64;
-                }
-                Err(error) => return Ok((at, End::Wrong(reason(&error)))),
+impl<'a, S: LogSink> Reader<'a, S> {
+    /// Takes what the survey has read, and announces schemas and channels to the sink.
+    fn new(sink: &'a mut S, survey: &mut Survey) -> Result<Self, ReadError> {
+        let mut reading = std::mem::take(&mut survey.reading);
+        let kind = kind(&reading.metadata);
+        let scene = reading.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD);
+        let scene = scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.kind() == kind);
+        let system = scene.as_ref().map(|scene| &scene.system);
+        let mut channels = Channels::new(kind, layout(kind, system));
+        for (opcode, data) in &survey.announced {
+            if *opcode == op::SCHEMA
+                && let Ok(schema) = bytes::schema(data)
+            {
+                channels.schema(&schema);
+                sink.record(&Record::Schema(schema))?;
+            } else if let Ok(channel) = bytes::channel(data) {
+                reading.unknown_channels += u64::from(channels.channel(&channel));
+                sink.record(&Record::Channel(channel))?;
             }
         }
-        if left > 0 {
-            return Ok((self.reading.bytes - left, End::Wrong(format!("{left} more bytes follow the end of the log"))));
-        }
-        Ok((self.reading.bytes, End::Whole))
+        let topics = system.map(|system| in_layout(topics(system), kind, channels.layout()));
+        let expected = expected(kind, topics.as_ref());
+        let has_messages = |(id, ..): &&(u16, String, channels::Carries)| survey.numbers.contains_key(id);
+        let with_messages = channels.topics().iter().filter(has_messages);
+        let mut parts: Vec<usize> =
+            with_messages.filter_map(|(.., carries)| part(channels.layout(), *carries)).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        let wanted: Vec<usize> = expected.iter().filter_map(|(_, carries)| part(channels.layout(), *carries)).collect();
+        let of_engine = reading.metadata.get("model").is_some_and(|model| model == "engine");
+        let assembler = Assembler::new(channels, of_engine, parts, &wanted, repeats(&survey.numbers));
+        Ok(Reader { sink, assembler, expected, named: false, piece_of: Some(0), reading })
     }
 
-    /// One record of the data section.
-    fn record(&mut self, at_byte: u64, opcode: u8, data: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
-        match opcode {
-            op::METADATA => match bytes::metadata(data) {
-                Ok((name, entries)) => {
-                    self.sink.record(&Record::Metadata { name, entries: &entries })?;
-                    match name {
-                        METADATA_NAME if !self.identified => {
-                            self.identified = true;
-                            self.assembler = Assembler::new(kind(&entries));
-                            self.reading.metadata = entries;
-                        }
-                        RECOVERED_NAME => self.reading.recovered = Some(entries),
-                        _ => {}
-                    }
-                }
-                Err(malformed) => return Ok(Err(malformed)),
-            },
-            op::ATTACHMENT => match bytes::attachment(data) {
-                Ok(attachment) => {
-                    self.sink.record(&Record::Attachment(attachment))?;
-                    if attachment.media_type == ATTACHMENT_MEDIA_TYPE && self.reading.scene.is_none() {
-                        let text = String::from_utf8_lossy(attachment.data).into_owned();
-                        self.reading.scene = Some((attachment.name.to_string(), text));
-                    }
-                }
-                // The samples do not need it.
-                Err(malformed) => {
-                    let reason = malformed.to_string();
-                    self.reading.losses.push(Loss::Scene { at_byte, reason });
-                }
-            },
-            op::CHUNK => {
-                let mut room = std::mem::take(&mut self.room);
-                let result = match Chunk::parse(data).and_then(|chunk| chunk.records(LARGEST_RECORD, &mut room)) {
-                    Ok(records) => self.chunk(records),
-                    Err(malformed) => Ok(Err(malformed)),
-                };
-                self.room = room;
-                return result;
-            }
-            _ => return self.small(opcode, data),
-        }
-        Ok(Ok(()))
+    /// A message of this segment follows: behind a damage something may be missing before it.
+    fn enter(&mut self, segment: &Segment) -> Result<(), SinkError> {
+        let goes_on = self.piece_of.is_some_and(|at| at == segment.at || !segment.behind);
+        self.piece_of = Some(segment.at);
+        if goes_on { Ok(()) } else { self.sink.piece() }
     }
 
-    /// Schemas and channels from the index, where the first chunk, which has them too, is lost.
-    fn names_from_index(&mut self, source: &mut (impl Read + Seek)) -> Result<(), ReadError> {
-        let Some(index) = behind::index(source, self.reading.bytes)? else { return Ok(()) };
-        let mut found = Vec::new();
-        let mut cursor = Cursor::new(&index);
-        while let Ok((opcode, data)) = cursor.record() {
-            let id = data.first_chunk().map_or(0, |id| u16::from_le_bytes(*id));
-            if matches!(opcode, op::SCHEMA | op::CHANNEL) {
-                found.push((opcode, id, data));
-            }
-        }
-        // In the order in which they were announced: schemas first, by their ids.
-        found.sort_by_key(|&(opcode, id, _)| (opcode, id));
-        for (opcode, _, data) in found {
-            if self.small(opcode, data)?.is_err() {
-                break;
-            }
-        }
-        Ok(())
+    /// The body of a message.
+    fn message(&mut self, body: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
+        let message = match bytes::message(body) {
+            Ok(message) => message,
+            Err(malformed) => return Ok(Err(malformed)),
+        };
+        self.reading.messages += 1;
+        self.sink.record(&Record::Message(message))?;
+        self.name()?;
+        let Reader { sink, assembler, reading, .. } = self;
+        Ok(assembler.message(&message, &mut |found: Found<'_>| take(*sink, reading, found))?)
     }
 
-    /// A whole chunk behind a damage; false if it is of no use here.
-    fn piece(&mut self, chunk: &Chunk<'_>, records: &[u8]) -> Result<bool, ReadError> {
-        // What goes back in time, or has nothing to vouch for it, is no part of this log.
-        if !chunk.is_sealed() || chunk.start_ns < self.latest_ns {
-            return Ok(false);
-        }
-        self.assembler.forget_parts();
-        self.sink.piece()?;
-        Ok(self.chunk(records)?.is_ok())
+    /// Once all messages have come.
+    fn end(&mut self) -> Result<Result<(), Malformed>, ReadError> {
+        let Reader { sink, assembler, reading, .. } = self;
+        Ok(assembler.end(&mut |found: Found<'_>| take(*sink, reading, found))?)
     }
 
-    fn chunk(&mut self, records: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
-        let mut cursor = Cursor::new(records);
-        while !cursor.is_empty() {
-            let outcome = match cursor.record() {
-                Ok((opcode, data)) => self.small(opcode, data)?,
-                Err(malformed) => Err(malformed),
-            };
-            if outcome.is_err() {
-                return Ok(outcome);
-            }
+    /// The sink hears what samples consist of, once.
+    fn name(&mut self) -> Result<(), SinkError> {
+        match std::mem::replace(&mut self.named, true) {
+            true => Ok(()),
+            false => self.sink.layout(self.assembler.layout()),
         }
-        self.reading.chunks += 1;
-        Ok(Ok(()))
     }
 
-    /// A schema, a channel or a message, in a chunk or outside.
-    fn small(&mut self, opcode: u8, data: &[u8]) -> Result<Result<(), Malformed>, ReadError> {
-        match opcode {
-            op::SCHEMA => match bytes::schema(data) {
-                Ok(schema) => {
-                    self.assembler.schema(&schema);
-                    self.sink.record(&Record::Schema(schema))?;
-                }
-                Err(malformed) => return Ok(Err(malformed)),
-            },
-            op::CHANNEL => match bytes::channel(data) {
-                Ok(channel) => {
-                    self.reading.unknown_channels += u64::from(self.assembler.channel(&channel));
-                    self.sink.record(&Record::Channel(channel))?;
-                }
-                Err(malformed) => return Ok(Err(malformed)),
-            },
-            op::MESSAGE if !self.identified => return Err(ReadError::NotPhalanx),
-            op::MESSAGE => {
-                let understood = bytes::message(data)
-                    .and_then(|message| self.assembler.message(&message).map(|found| (message, found)));
-                match understood {
-                    Ok((message, found)) => {
-                        self.reading.messages += 1;
-                        self.latest_ns = self.latest_ns.max(message.log_time_ns);
-                        self.sink.record(&Record::Message(message))?;
-                        self.found(found)?;
-                    }
-                    Err(malformed) => return Ok(Err(malformed)),
-                }
-            }
-            _ => {}
-        }
-        Ok(Ok(()))
-    }
-
-    fn found(&mut self, found: Found) -> Result<(), SinkError> {
-        if matches!(found, Found::Sample | Found::Event(_)) && !self.named {
-            self.named = true;
-            self.sink.layout(self.assembler.layout())?;
-        }
-        match found {
-            Found::Nothing => {}
-            Found::Unknown => self.reading.unknown_messages += 1,
-            Found::Ended(ended) => self.reading.ended = Some(ended),
-            Found::Event(event) => {
-                self.reading.events += 1;
-                self.sink.event(&event)?;
-            }
-            Found::Sample => {
-                let sample = self.assembler.sample();
-                self.sink.sample(sample)?;
-                self.reading.samples += 1;
-                self.reading.first_s.get_or_insert(sample.time_s);
-                self.reading.last_s = Some(sample.time_s);
-            }
-        }
-        Ok(())
+    /// What was read, with what is missing in it.
+    fn finish(self, survey: &Survey) -> Reading {
+        let Reader { mut assembler, expected, mut reading, .. } = self;
+        reading.missing = assembler.missing(&reading, &expected, &survey.numbers);
+        reading
     }
 }
 
-/// What the reader of the framing found wrong, in words that say what it means for the log.
-fn reason(error: &McapError) -> String {
-    match error {
-        McapError::BadDataCrc { .. } => {
-            "the checksum of all data does not match, though that of every chunk does: what has changed is outside the \
-             chunks, such as the metadata"
-                .to_string()
+/// What is found goes to the sink, and is counted.
+fn take(sink: &mut impl LogSink, reading: &mut Reading, found: Found<'_>) -> Result<(), SinkError> {
+    match found {
+        Found::Unknown => reading.unknown_messages += 1,
+        Found::Ended(ended) => reading.ended = Some(ended),
+        Found::Event(event) => {
+            reading.events += 1;
+            sink.event(&event)?;
         }
-        McapError::BadSummaryCrc { .. } => "the checksum of the index does not match".to_string(),
-        McapError::BadMagic => "it does not end as an MCAP file does".to_string(),
-        McapError::RecordTooLarge { len, .. } => format!("a record claims {len} bytes"),
-        McapError::ChunkTooLarge(len) => format!("a chunk claims {len} bytes"),
-        other => other.to_string(),
+        Found::Sample(sample) => {
+            sink.sample(sample)?;
+            reading.samples += 1;
+            reading.first_s.get_or_insert(sample.time_s);
+            reading.last_s = Some(sample.time_s);
+        }
     }
+    Ok(())
+}
+
+/// What the samples of a scene consist of in its log, which names no contact that nothing can touch. What discs there are only a scene
+/// says, or else the channels.
+fn layout(kind: SceneKind, system: Option<&System>) -> Layout {
+    let Some(system) = system.filter(|_| kind == SceneKind::Bodies) else { return Layout::of_kind(kind) };
+    let all = Layout::of(system);
+    let touched = topics(system).contacts.into_iter().map(|of| of.is_some());
+    let contacts = all.contacts.into_iter().zip(touched).filter(|(_, touched)| *touched).map(|(place, _)| place);
+    Layout { contacts: contacts.collect(), ..all }
+}
+
+/// The topics of a scene in the order of that layout.
+fn in_layout(mut topics: Topics, kind: SceneKind, layout: &Layout) -> Topics {
+    if kind == SceneKind::Bodies {
+        topics.contacts.retain(Option::is_some);
+    }
+    topics.fingers.truncate(layout.fingers.len());
+    topics.bodies.truncate(layout.bodies.len());
+    topics.contacts.truncate(layout.contacts.len());
+    topics
 }

@@ -5,6 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::Behind;
+use super::Missing;
 use crate::METADATA_NAME;
 use phalanx_core::scene::Words;
 use phalanx_core::scene::words::SceneKind;
@@ -35,11 +36,18 @@ pub struct Reading {
     pub ended: Option<Ended>,
     /// Empty if the log is whole.
     pub losses: Vec<Loss>,
+    /// What the log of such a run has besides.
+    pub missing: Vec<Missing>,
 }
 
 impl Reading {
     pub fn is_whole(&self) -> bool {
         self.losses.is_empty()
+    }
+
+    /// Whether all is there by which the run is judged: its class, and what became of what it grasps.
+    pub fn can_be_judged(&self) -> bool {
+        self.samples > 0 && self.is_whole() && !self.missing.iter().any(|missing| missing.is_judged_by)
     }
 
     /// Of which kind the scene of the log is.
@@ -82,6 +90,13 @@ pub enum Loss {
     /// Something is wrong; nothing behind it was used.
     #[error("the log is damaged at byte {at_byte} of {bytes}: {reason}{}; {behind}", up_to(.last_s))]
     Damaged { at_byte: u64, bytes: u64, reason: String, last_s: Option<f64>, behind: Behind },
+    /// A chunk is compressed in a way that is not read; nothing behind it was used.
+    #[error(
+        "the chunk at byte {at_byte} of {bytes} is compressed with {compression:?}, which is not supported (zstd, lz4 and no compression \
+         are){}; {behind}; compress the log anew: `mcap compress --compression zstd`",
+        up_to(.last_s)
+    )]
+    Compressed { at_byte: u64, bytes: u64, compression: String, last_s: Option<f64>, behind: Behind },
     /// The samples are not concerned.
     #[error("the log is damaged at byte {at_byte}: {reason}; its samples are not concerned")]
     Scene { at_byte: u64, reason: String },
@@ -103,10 +118,14 @@ pub enum ReadError {
     NotAFile { path: PathBuf, what: &'static str },
     #[error("not an MCAP file: it does not begin as one")]
     NotMcap,
-    #[error("an MCAP file, but not a log of phalanx: it has no metadata record `{METADATA_NAME}` before its messages")]
+    #[error("an MCAP file, but not a log of phalanx: it has no metadata record `{METADATA_NAME}`")]
     NotPhalanx,
     #[error("a log that breaks off before it says what it is of: only {bytes} bytes are there")]
     Empty { bytes: u64 },
+    #[error(
+        "its messages are so far out of order that to sort them takes more than {most_mib} MiB of memory; sort the log first: `mcap sort`"
+    )]
+    OutOfOrder { most_mib: usize },
     #[error("cannot read: {0}")]
     Io(#[from] io::Error),
     #[error(transparent)]

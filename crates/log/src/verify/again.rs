@@ -1,6 +1,6 @@
 //! The log of the run that was simulated again, message by message: a file of our own, which is taken at its word.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{self, Read};
 
 use mcap::McapError;
@@ -84,6 +84,8 @@ pub struct Again<R> {
     framing: LinearReader,
     pub announced: Announced,
     pub metadata: BTreeMap<String, String>,
+    /// Channels that have messages.
+    pub spoken: HashSet<u16>,
     /// The next message, looked at already.
     next: Option<Message>,
 }
@@ -98,6 +100,7 @@ impl<R: Read> Again<R> {
             ),
             announced: Announced::default(),
             metadata: BTreeMap::new(),
+            spoken: HashSet::new(),
             next: None,
         };
         again.next = again.read()?;
@@ -132,6 +135,7 @@ impl<R: Read> Again<R> {
                     }
                     op::MESSAGE => {
                         let found = message(data).map_err(|error| broken(&error))?;
+                        self.spoken.insert(found.channel);
                         return Ok(Some(Message::from(&found)));
                     }
                     op::DATA_END => return Ok(None),

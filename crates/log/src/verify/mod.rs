@@ -1,9 +1,9 @@
 //! Whether a log is what simulating again gives: both message by message, as they come, so that memory does not grow with
 //! the log.
 //!
-//! As long as nothing differs, messages are compared in lockstep: channel, times, sequence number, every byte. Behind the
-//! first difference the runs may have steps at other times, so messages are paired by log time and channel; what finds no
-//! partner is counted.
+//! Messages of one log time are compared channel by channel, whatever their order: times, sequence number, every byte. What finds no
+//! partner is counted. A log without sequence numbers (they are all 0, as tools write that do not number) is compared without them, and
+//! channels without messages do not count.
 //!
 //! | file | job |
 //! |---|---|
@@ -15,7 +15,7 @@ mod again;
 mod fields;
 mod tally;
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::io::{self, Read};
 
 use self::again::{Again, Announced, Channel, Message};
@@ -52,6 +52,9 @@ pub struct Verification {
     /// Messages without a partner.
     pub only_in_log: u64,
     pub only_again: u64,
+    /// Messages that the log has in another order, and those to which it gives no number.
+    pub reordered: u64,
+    pub unnumbered: u64,
     /// Messages at the end of the log that were not compared: an interrupt left them.
     pub not_compared: u64,
     /// Messages of the new run in the gaps of a recovered log.
@@ -88,8 +91,13 @@ pub struct Lockstep<'a, R> {
     found: Verification,
     /// Messages of the log so far.
     index: u64,
-    /// Behind the first difference: messages of the log of one log time.
-    group: Option<Vec<Message>>,
+    /// Messages of the log at the log time at hand that have found no partner yet.
+    group: Vec<Message>,
+    /// The same of the new run, by topic.
+    waiting: BTreeMap<String, VecDeque<Message>>,
+    log_time_ns: u64,
+    /// Channels of the log that have messages.
+    spoken: HashSet<u16>,
     check: Check<'a>,
 }
 
@@ -103,17 +111,22 @@ impl<'a, R: Read> Lockstep<'a, R> {
             tally: Tally::default(),
             found: Verification::default(),
             index: 0,
-            group: None,
+            group: Vec::new(),
+            waiting: BTreeMap::new(),
+            log_time_ns: 0,
+            spoken: HashSet::new(),
             check,
         })
     }
 
     /// How it came out, once the log has been gone through.
     pub fn finish(mut self) -> io::Result<Verification> {
-        if let Some(group) = self.group.take() {
-            self.pair(group)?;
+        let ends = self.expected.ends && self.expected.before_ns.is_none();
+        // Of a log that is cut off there may be more of its last time.
+        if ends || !self.group.is_empty() {
+            self.pair(ends)?;
         }
-        if self.expected.ends && self.expected.before_ns.is_none() {
+        if ends {
             while let Some(message) = self.again.take()? {
                 self.extra(&message);
             }
@@ -141,56 +154,29 @@ impl<'a, R: Read> Lockstep<'a, R> {
             self.found.not_compared += 1;
             return Ok(());
         }
-        if self.expected.gaps.iter().any(|gap| gap.after_messages == self.index) && self.group.is_none() {
+        if self.expected.gaps.iter().any(|gap| gap.after_messages == self.index) {
+            if !self.group.is_empty() {
+                self.pair(false)?;
+            }
+            self.found.in_gaps +=
+                std::mem::take(&mut self.waiting).into_values().map(|queue| queue.len() as u64).sum::<u64>();
             self.skip_to(&message)?;
+        } else if message.log_time_ns != self.log_time_ns {
+            self.pair(true)?;
+        } else if self.group.len() >= GROUP {
+            self.pair(false)?;
         }
+        self.log_time_ns = message.log_time_ns;
         self.index += 1;
-        match &mut self.group {
-            None => {
-                let same = self.again.peek().is_some_and(|again| self.is_same(&message, again));
-                match same {
-                    true => {
-                        self.again.take()?;
-                        self.compared(&message);
-                    }
-                    false => self.part(message),
-                }
-            }
-            Some(group) => {
-                let ends = group.first().is_some_and(|first| first.log_time_ns != message.log_time_ns);
-                if ends || group.len() >= GROUP {
-                    let full = std::mem::take(group);
-                    self.pair(full)?;
-                }
-                if let Some(group) = &mut self.group {
-                    group.push(message);
-                }
-            }
+        self.spoken.insert(message.channel);
+        let in_step = self.group.is_empty() && self.waiting.is_empty();
+        if in_step && self.again.peek().is_some_and(|again| self.is_same(&message, again)) {
+            self.again.take()?;
+            self.compared(&message);
+        } else {
+            self.group.push(message);
         }
         Ok(())
-    }
-
-    /// The first difference is here: from now on messages are paired.
-    fn part(&mut self, message: Message) {
-        let topic = self.announced.topic(message.channel);
-        let time_s = message.log_time_ns as f64 * 1e-9;
-        let here = |topic: &str, ns: u64| Leaf::Text(format!("{topic} at {:.9} s", ns as f64 * 1e-9));
-        self.found.first = match self.again.peek() {
-            Some(again)
-                if self.again.announced.topic(again.channel) == topic && again.log_time_ns == message.log_time_ns =>
-            {
-                None
-            }
-            again => Some(Difference {
-                time_s: again.map_or(time_s, |again| time_s.min(again.log_time_ns as f64 * 1e-9)),
-                channel: topic.to_string(),
-                field: "(which message comes next)".to_string(),
-                log: here(topic, message.log_time_ns),
-                again: again
-                    .map_or(Leaf::Absent, |again| here(self.again.announced.topic(again.channel), again.log_time_ns)),
-            }),
-        };
-        self.group = Some(vec![message]);
     }
 
     fn is_same(&self, log: &Message, again: &Message) -> bool {
@@ -210,16 +196,19 @@ impl<'a, R: Read> Lockstep<'a, R> {
     /// A message that only the new run has.
     fn extra(&mut self, message: &Message) {
         self.found.only_again += 1;
-        if self.found.first.is_none() {
-            let topic = self.again.announced.topic(message.channel).to_string();
-            self.found.first = Some(Difference {
-                time_s: message.log_time_ns as f64 * 1e-9,
-                log: Leaf::Absent,
-                again: Leaf::Text(format!("{topic} at {:.9} s", message.log_time_ns as f64 * 1e-9)),
-                channel: topic,
-                field: "(which message comes next)".to_string(),
-            });
-        }
+        let topic = self.again.announced.topic(message.channel).to_string();
+        self.alone(topic, message.log_time_ns, false);
+    }
+
+    /// A message of `topic` without a partner, in the log or in the new run.
+    fn alone(&mut self, topic: String, log_time_ns: u64, in_log: bool) {
+        let time_s = log_time_ns as f64 * 1e-9;
+        let [log, again] = [in_log, !in_log].map(|is_there| match is_there {
+            true => Leaf::Text(format!("{topic} at {time_s:.9} s")),
+            false => Leaf::Absent,
+        });
+        let field = "(which message comes next)".to_string();
+        self.found.first.get_or_insert(Difference { time_s, channel: topic, field, log, again });
     }
 
     /// In the gap of a recovered log: goes on in the new run to the same message of the same channel.
@@ -236,10 +225,9 @@ impl<'a, R: Read> Lockstep<'a, R> {
         Ok(())
     }
 
-    /// Pairs the messages of the log of one log time with those of the new run.
-    fn pair(&mut self, group: Vec<Message>) -> io::Result<()> {
-        let Some(time_ns) = group.first().map(|first| first.log_time_ns) else { return Ok(()) };
-        let mut partners: HashMap<String, VecDeque<Message>> = HashMap::new();
+    /// Pairs the messages of the log of one log time with those of the new run. `all`: the log has no more of this time.
+    fn pair(&mut self, all: bool) -> io::Result<()> {
+        let time_ns = self.log_time_ns;
         let mut count = 0;
         while let Some(again) = self.again.peek() {
             if again.log_time_ns > time_ns || count >= GROUP {
@@ -252,17 +240,23 @@ impl<'a, R: Read> Lockstep<'a, R> {
             }
             count += 1;
             let topic = self.again.announced.topic(again.channel).to_string();
-            partners.entry(topic).or_default().push_back(again);
+            self.waiting.entry(topic).or_default().push_back(again);
         }
-        for message in group {
+        for message in std::mem::take(&mut self.group) {
             let topic = self.announced.topic(message.channel);
-            match partners.get_mut(topic).and_then(VecDeque::pop_front) {
-                None => self.found.only_in_log += 1,
+            match self.waiting.get_mut(topic).and_then(|queue| partner(queue, &message)) {
+                None => {
+                    self.found.only_in_log += 1;
+                    self.alone(topic.to_string(), time_ns, true);
+                }
                 Some(again) => self.weigh(&message, &again),
             }
         }
-        for again in partners.into_values().flatten() {
-            self.extra(&again);
+        self.waiting.retain(|_, queue| !queue.is_empty());
+        if all {
+            for again in std::mem::take(&mut self.waiting).into_values().flatten() {
+                self.extra(&again);
+            }
         }
         Ok(())
     }
@@ -270,9 +264,12 @@ impl<'a, R: Read> Lockstep<'a, R> {
     /// Compares two messages of one channel and one log time.
     fn weigh(&mut self, log: &Message, again: &Message) {
         self.compared(log);
+        let unnumbered = log.sequence == 0 && again.sequence != 0;
+        self.found.unnumbered += u64::from(unnumbered);
         // Once a message is missing, all sequence numbers behind it differ: that is no difference of theirs.
-        let numbered = self.found.first.is_some() || log.sequence == again.sequence;
+        let numbered = unnumbered || self.found.first.is_some() || log.sequence == again.sequence;
         if log.data == again.data && log.publish_time_ns == again.publish_time_ns && numbered {
+            self.found.reordered += u64::from(!unnumbered);
             return;
         }
         let channels = [self.announced.channels.get(&log.channel), self.again.announced.channels.get(&again.channel)];
@@ -285,16 +282,17 @@ impl<'a, R: Read> Lockstep<'a, R> {
     /// Compares schemas and channels.
     fn structure(&mut self) {
         let mut notes = Vec::new();
-        for found in self.announced.channels.values() {
+        for (id, found) in &self.announced.channels {
             match self.again.announced.by_topic(&found.topic) {
                 Some(again) => notes.extend(apart(found, again)),
-                None => notes.push(format!("only the log has the channel {}", found.topic)),
+                None if self.spoken.contains(id) => notes.push(format!("only the log has the channel {}", found.topic)),
+                None => {}
             }
         }
         // Of a log without messages the part that names the channels may be lost.
         if self.index > 0 {
-            for channel in self.again.announced.channels.values() {
-                if self.announced.by_topic(&channel.topic).is_none() {
+            for (id, channel) in &self.again.announced.channels {
+                if self.announced.by_topic(&channel.topic).is_none() && self.again.spoken.contains(id) {
                     notes.push(format!("only the new run has the channel {}", channel.topic));
                 }
             }
@@ -303,6 +301,14 @@ impl<'a, R: Read> Lockstep<'a, R> {
         notes.truncate(MOST_NOTES);
         self.found.structure = notes;
     }
+}
+
+/// The one among the messages of a channel that goes with this one: of the same bytes, or of the same number, or else the next.
+fn partner(queue: &mut VecDeque<Message>, log: &Message) -> Option<Message> {
+    let same = queue.iter().position(|again| again.data == log.data && again.sequence == log.sequence);
+    let same = same.or_else(|| queue.iter().position(|again| again.data == log.data));
+    let same = same.or_else(|| queue.iter().position(|again| again.sequence == log.sequence));
+    queue.remove(same.unwrap_or(0))
 }
 
 /// In what a channel is another one in the new run.

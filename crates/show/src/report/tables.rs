@@ -13,13 +13,19 @@ use crate::wording::report::{Report, table};
 /// What moves, as it is at the end: a table for each key of the document.
 pub fn states(states: &States, end_s: f64) -> Vec<Report> {
     let told = states.entries().into_iter().filter_map(|(key, state)| Some((key, state?)));
-    told.map(|(key, state)| match state {
-        State::Finger(last) => finger(last, end_s),
-        State::Fingers(all) => fingers(all, end_s),
-        State::Body(body) => bodies([(key, body)], end_s),
-        State::Bodies(all) => bodies(all.iter().map(|(name, body)| (name.as_str(), body)), end_s),
-    })
-    .collect()
+    let is_some = |state: &State<'_>| match state {
+        State::Fingers(all) => all.first().is_some(),
+        State::Bodies(all) => all.first().is_some(),
+        State::Finger(_) | State::Body(_) => true,
+    };
+    told.filter(|(_, state)| is_some(state))
+        .map(|(key, state)| match state {
+            State::Finger(last) => finger(last, end_s),
+            State::Fingers(all) => fingers(all, end_s),
+            State::Body(body) => bodies([(key, body)], end_s),
+            State::Bodies(all) => bodies(all.iter().map(|(name, body)| (name.as_str(), body)), end_s),
+        })
+        .collect()
 }
 
 fn finger(last: &FingerState, end_s: f64) -> Report {
