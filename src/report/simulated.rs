@@ -22,6 +22,8 @@ pub struct Finished<W> {
     pub grasp: Option<GraspCriteria>,
     /// Of every pair of discs.
     pub rebounds: Vec<Rebound>,
+    /// Sentences on what makes the results doubtful.
+    pub warnings: Vec<String>,
     pub wall_s: f64,
     /// What a check of the run found, if one was made.
     pub check: Option<RunCheckReport>,
@@ -43,8 +45,8 @@ impl<W> Finished<W> {
             Ok(outcome) => (Some(outcome), None),
             Err(Broken { error, so_far }) => (so_far.as_ref(), Some(error.clone())),
         };
-        let (grasp, rebounds) = (self.grasp.as_ref(), self.rebounds.as_slice());
-        let came = Came { wall_s: self.wall_s, outcome, criteria: self.criteria, grasp, rebounds };
+        let (grasp, rebounds, warnings) = (self.grasp.as_ref(), self.rebounds.as_slice(), self.warnings.as_slice());
+        let came = Came { wall_s: self.wall_s, outcome, criteria: self.criteria, grasp, rebounds, warnings };
         RunReport { check: self.check.clone(), ..RunReport::new(scene, model, &came, error) }
     }
 }
@@ -87,7 +89,8 @@ pub fn simulated<W: Write + Send + 'static>(
     making: &Making<'_>,
     also: &mut impl Sink,
 ) -> Finished<W> {
-    let Ran { result, criteria, grasp, rebounds, last_s, wall_s, log } = log::simulate(model, scene, log, also);
+    let Ran { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log } =
+        log::simulate(model, scene, log, also);
     let result = result.map_err(|error| match error {
         RunError::Simulation { failure, so_far } => {
             let reason = (making.reason)(&failure.reason);
@@ -104,5 +107,5 @@ pub fn simulated<W: Write + Send + 'static>(
     let stopped = result.as_ref().err().map(|broken| (broken.error.time_s, broken.error.reason.as_str()));
     let log = log.close(stopped, check.as_ref());
     let check = check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));
-    Finished { result, criteria, grasp, rebounds, wall_s, check, log }
+    Finished { result, criteria, grasp, rebounds, warnings, wall_s, check, log }
 }

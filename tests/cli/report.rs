@@ -64,7 +64,8 @@ fn came(
     criteria: Option<Criteria>,
     failure: Option<Failure>,
 ) -> RunReport {
-    RunReport::new(scene, Model::Analytic, &Came { wall_s, outcome, criteria, grasp: None, rebounds: &[] }, failure)
+    let came = Came { wall_s, outcome, criteria, grasp: None, rebounds: &[], warnings: &[] };
+    RunReport::new(scene, Model::Analytic, &came, failure)
 }
 
 fn report() -> RunReport {
@@ -77,6 +78,16 @@ fn parsed(report: &RunReport) -> Value {
 
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+#[test]
+fn warnings_are_lines_of_the_summary_and_a_list_of_the_document() {
+    let mut report = report();
+    assert_eq!(parsed(&report)["warnings"], serde_json::json!([]));
+    assert!(!report.report().to_string().contains("Warning:"));
+    report.warnings = vec!["the energy does not balance".to_string()];
+    assert_eq!(parsed(&report)["warnings"], serde_json::json!(["the energy does not balance"]));
+    assert!(report.report().to_string().contains("\nWarning: the energy does not balance\n"));
 }
 
 #[test]

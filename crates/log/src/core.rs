@@ -33,6 +33,7 @@ pub(super) const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     Info,
+    Warning,
     Error,
 }
 
@@ -147,6 +148,7 @@ impl<W: Write> Core<W> {
         let log_time = self.tick(time_s);
         let level = match severity {
             Severity::Info => Level::Info,
+            Severity::Warning => Level::Warning,
             Severity::Error => Level::Error,
         };
         let message = Log {

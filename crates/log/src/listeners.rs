@@ -21,6 +21,8 @@ pub struct Ran<W: Write + Send + 'static> {
     pub grasp: Option<GraspCriteria>,
     /// Of every pair of discs; empty where there is a finger.
     pub rebounds: Vec<Rebound>,
+    /// Sentences on what makes the results doubtful; the log has them too.
+    pub warnings: Vec<String>,
     /// Time of the latest sample.
     pub last_s: f64,
     pub wall_s: f64,
@@ -35,6 +37,7 @@ pub struct Open<W: Write + Send + 'static> {
     last_s: f64,
     /// What is to be said of the grasp.
     verdict: Option<String>,
+    warnings: Vec<String>,
 }
 
 /// Simulates a scene; `also` gets what the log gets, and is asked whether the run may go on.
@@ -53,8 +56,9 @@ pub fn simulate<W: Write + Send + 'static>(
     let Listeners { log, judge, last_s, .. } = thinned.sink;
     let Judged { criteria, grasp, rebounds } = judge.judged(result.is_ok());
     let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
-    let log = Open { log, last, last_s, verdict: said };
-    Ran { result, criteria, grasp, rebounds, last_s, wall_s, log }
+    let warnings = Vec::new();
+    let log = Open { log, last, last_s, verdict: said, warnings: warnings.clone() };
+    Ran { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log }
 }
 
 impl<W: Write + Send + 'static> Open<W> {
@@ -64,6 +68,9 @@ impl<W: Write + Send + 'static> Open<W> {
         self.last?;
         if let Some(verdict) = &self.verdict {
             log.note(self.last_s, Severity::Info, "grasp", verdict)?;
+        }
+        for warning in &self.warnings {
+            log.note(self.last_s, Severity::Warning, "run", warning)?;
         }
         match stopped {
             None => log.note(self.last_s, Severity::Info, "run", "completed")?,

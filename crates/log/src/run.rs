@@ -26,6 +26,8 @@ pub struct LoggedRun {
     pub criteria: Option<Criteria>,
     /// Of every pair of discs; empty where there is a finger.
     pub rebounds: Vec<Rebound>,
+    /// Sentences on what makes the results doubtful; empty for a sound run.
+    pub warnings: Vec<String>,
     /// What a check of the run found; none is made of runs of more than [`check::MOST_STEPS`] steps.
     pub check: Option<Check>,
 }
@@ -97,7 +99,7 @@ fn run_logged<W: Write + Send + 'static>(
     model: Model,
     log: Beside<W>,
 ) -> (Result<LoggedRun, RunError>, Result<W, SinkError>) {
-    let Ran { result, criteria, rebounds, last_s, log, .. } = simulate(model, scene, Some(log), &mut ());
+    let Ran { result, criteria, rebounds, warnings, last_s, log, .. } = simulate(model, scene, Some(log), &mut ());
     let (work, stopped) = match &result {
         Ok(outcome) => (Some(outcome.work), None),
         Err(RunError::Simulation { failure, so_far }) => {
@@ -111,5 +113,5 @@ fn run_logged<W: Write + Send + 'static>(
     let closed = log.close(stopped, check.as_ref());
     let gone = || SinkError { what: NAMELESS.to_string(), source: io::Error::other("it was never begun") };
     let closed = closed.and_then(|out| out.ok_or_else(gone));
-    (result.map(|outcome| LoggedRun { outcome, criteria, rebounds, check }), closed)
+    (result.map(|outcome| LoggedRun { outcome, criteria, rebounds, warnings, check }), closed)
 }

@@ -20,7 +20,14 @@ pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
     let _ = listeners.end();
     let Judged { criteria, grasp, rebounds } = listeners.sink.judge.judged(result.is_ok());
     let (outcome, error) = came(result);
-    let came = Came { wall_s: 0.0, outcome: outcome.as_ref(), criteria, grasp: grasp.as_ref(), rebounds: &rebounds };
+    let came = Came {
+        wall_s: 0.0,
+        outcome: outcome.as_ref(),
+        criteria,
+        grasp: grasp.as_ref(),
+        rebounds: &rebounds,
+        warnings: &[],
+    };
     RunReport::new(scene, Model::Analytic, &came, error)
 }
 

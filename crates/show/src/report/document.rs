@@ -47,6 +47,8 @@ pub struct RunReport {
     /// Null if the run was completed.
     pub error: Option<Failure>,
     pub energy: Option<Energy>,
+    /// Sentences on what makes the results doubtful; empty for a sound run.
+    pub warnings: Vec<String>,
     pub work: Option<Work>,
     /// Settings of the analytic model; null for a run of the engine.
     pub integrator: Option<Used<Integrator>>,
@@ -91,6 +93,8 @@ pub struct Came<'a> {
     pub grasp: Option<&'a GraspCriteria>,
     /// Of pairs of discs.
     pub rebounds: &'a [Rebound],
+    /// Sentences on what makes the results doubtful.
+    pub warnings: &'a [String],
 }
 
 impl RunReport {
@@ -115,6 +119,7 @@ impl RunReport {
             end_s: outcome.map(|outcome| outcome.last.time_s),
             error,
             energy: outcome.map(|outcome| outcome.last.energy),
+            warnings: came.warnings.to_vec(),
             work: outcome.map(|outcome| outcome.work),
             integrator: (!engine).then_some(Used(scene.integrator)),
             engine: engine.then_some(Used(scene.engine)),

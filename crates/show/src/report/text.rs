@@ -51,6 +51,9 @@ fn heading(report: &RunReport) -> Report {
             error.reason
         );
     }
+    for warning in &report.warnings {
+        let _ = writeln!(text, "Warning: {warning}");
+    }
     if let Some(log) = &report.log {
         let _ = writeln!(text, "log: {log}");
     }
