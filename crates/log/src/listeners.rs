@@ -9,6 +9,7 @@ use super::core::Severity;
 use super::metadata::{CHECK_NAME, check_entries};
 use phalanx_core::check::Check;
 use phalanx_core::criteria::{Criteria, Fate, GraspCriteria, Judge, Judged, Rebound};
+use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
 use phalanx_core::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
 
@@ -47,16 +48,17 @@ pub fn simulate<W: Write + Send + 'static>(
     log: Option<Beside<W>>,
     also: &mut impl Sink,
 ) -> Ran<W> {
-    let listeners = Listeners { log, judge: Judge::of(scene), last_s: 0.0, also };
+    let audit = EnergyAudit::new(model, scene);
+    let listeners = Listeners { log, judge: Judge::of(scene), audit, last_s: 0.0, also };
     let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
     let start = Instant::now();
     let result = run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
     let last = thinned.end();
-    let Listeners { log, judge, last_s, .. } = thinned.sink;
+    let Listeners { log, judge, audit, last_s, .. } = thinned.sink;
     let Judged { criteria, grasp, rebounds } = judge.judged(result.is_ok());
     let said = criteria.as_ref().map(verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
-    let warnings = Vec::new();
+    let warnings: Vec<String> = audit.breach().iter().map(ToString::to_string).collect();
     let log = Open { log, last, last_s, verdict: said, warnings: warnings.clone() };
     Ran { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log }
 }
@@ -118,6 +120,7 @@ fn fate(found: &GraspCriteria) -> String {
 struct Listeners<'a, W: Write + Send + 'static, A> {
     log: Option<Beside<W>>,
     judge: Judge,
+    audit: EnergyAudit,
     /// Time of the latest sample.
     last_s: f64,
     /// Whoever else wants what the log gets.
@@ -128,6 +131,7 @@ impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.judge.sample(sample)?;
+        self.audit.sample(sample)?;
         self.also.sample(sample)?;
         self.log.sample(sample)
     }

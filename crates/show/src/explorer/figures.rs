@@ -32,8 +32,8 @@ const FIRST: [(&str, &str); 15] = [
     ("contacts.", "peak_normal_n"),
 ];
 /// Parts of the document that are no results, or are asked for by themselves.
-const NO_FIGURES: [&str; 11] =
-    ["scene", "kind", "model", "wall_s", "integrator", "engine", "log", "page", "check", "error", "work"];
+const NO_FIGURES: [&str; 12] =
+    ["scene", "kind", "model", "wall_s", "integrator", "engine", "log", "page", "check", "error", "work", "warnings"];
 
 /// All figures with labels and texts, the most wanted first.
 pub fn figures(report: &RunReport) -> Vec<Value> {

@@ -6,6 +6,7 @@ use super::figures::figures;
 use crate::check;
 use crate::criteria::{Judge, Judged};
 use crate::film::{Reel, data};
+use crate::invariants::EnergyAudit;
 use crate::report::check::{self as words, RunCheckReport};
 use crate::report::document::{Came, Failure, RunReport};
 use crate::scene::Scene;
@@ -14,10 +15,12 @@ use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thi
 
 /// A run with whoever else listens to it; criteria are found on what a log would keep, as the program does it.
 pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
-    let mut listeners = Thinned::new(scene.log.numeric_hz, Both { judge: Judge::of(scene), also });
+    let audit = EnergyAudit::new(Model::Analytic, scene);
+    let mut listeners = Thinned::new(scene.log.numeric_hz, Both { judge: Judge::of(scene), audit, also });
     let result = run_analytic(scene, &mut listeners);
     // Nobody here refuses a sample.
     let _ = listeners.end();
+    let warnings: Vec<String> = listeners.sink.audit.breach().iter().map(ToString::to_string).collect();
     let Judged { criteria, grasp, rebounds } = listeners.sink.judge.judged(result.is_ok());
     let (outcome, error) = came(result);
     let came = Came {
@@ -26,7 +29,7 @@ pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
         criteria,
         grasp: grasp.as_ref(),
         rebounds: &rebounds,
-        warnings: &[],
+        warnings: &warnings,
     };
     RunReport::new(scene, Model::Analytic, &came, error)
 }
@@ -50,6 +53,7 @@ pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
         "film": data::beside(&film, numbers),
         "figures": figures(&report),
         "failed": report.error.as_ref().map(|error| &error.reason),
+        "warnings": report.warnings,
         "steps": report.steps,
     })
 }
@@ -67,15 +71,17 @@ pub fn check(scene: &Scene) -> Value {
     })
 }
 
-/// The judge, and whoever else.
+/// The judge, the audit of energies, and whoever else.
 struct Both<'a, A> {
     judge: Judge,
+    audit: EnergyAudit,
     also: &'a mut A,
 }
 
 impl<A: Sink> Sink for Both<'_, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.judge.sample(sample)?;
+        self.audit.sample(sample)?;
         self.also.sample(sample)
     }
 
