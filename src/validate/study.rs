@@ -1,7 +1,7 @@
 //! The whole validation of a scene: references, the scene's own engine run, the ladder.
 
 use super::ensemble::member;
-use super::subject::with;
+use super::subject::{reference_bound, with};
 use super::{
     Comparison, Cost, Differences, MEMBERS, Recording, Rung, Statistics, Verdict, compare, compared, cost, invariants,
     ladder, own, path_bound, record_while, reference, sampled, statistics, verdicts,
@@ -128,7 +128,7 @@ pub fn validate(
         until_s,
         path_bound,
         verdict: verdicts(&differences, &scene.bounds)
-            .and_reference(&checked, path_bound)
+            .and_reference(&checked, reference_bound(whole))
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
             .and_statistics(statistics.as_ref()),

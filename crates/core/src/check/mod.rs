@@ -25,7 +25,7 @@ pub use path::Errors;
 use path::Path;
 pub use runs::pushed;
 use runs::{Way, is_comparable, run, words};
-pub use scale::{MOTION_PART, units};
+pub use scale::{MOTION_PART, length_m, units};
 pub use verdict::Verdict;
 use verdict::{Compared, verdict};
 
@@ -42,11 +42,13 @@ pub const LENGTH_M: f64 = 0.02;
 /// object in its radii, for discs alone in 20 radii of the smallest that moves; and at most [`MOTION_PART`] of the largest displacement.
 pub const BAR: f64 = 1e-5;
 pub const ENGINE_BAR: f64 = 1e-4;
-/// The same for energies and works, as parts of the energy exchanged: ENERGY_NOTE
+/// The same for energies and works, as parts of the energy exchanged in the run. Of 560 random fingers, grippers and discs (analytic
+/// model) and 570 (engine) the largest errors of paths that are right were 3e-4 and 6e-3, bar one of the engine with 1.3e-2.
 pub const ENERGY_BAR: f64 = 1e-3;
 pub const ENGINE_ENERGY_BAR: f64 = 1e-2;
-/// The same for restitution.
+/// The same for the restitution of discs that meet at the largest speed of a run.
 pub const RESTITUTION_BAR: f64 = 1e-3;
+pub const ENGINE_RESTITUTION_BAR: f64 = 1e-2;
 /// Through more events than this of the analytic model its estimate is one draw of what they make of last digits: of 9,542 random scenes the
 /// four that were off by more than the bar (1.1e-5 to 2.6e-5 rad) and sure of it had 2,769 to 7,436, and estimates of 1.9e-6 to 9.7e-6…
 const MANY_EVENTS: u64 = 1000;
@@ -160,6 +162,7 @@ pub fn check_heard(
         chaotic: bar.chaotic,
         bar: bar.error,
         energy_bar,
+        restitution_bar: if model == Model::Engine { ENGINE_RESTITUTION_BAR } else { RESTITUTION_BAR },
         gap_bar_m: ENGINE_BAR * scale::shortest_link(&scene.system),
         // The analytic model is checked by another method, the engine by the analytic model or by itself.
         same_method: judge == Model::Engine,

@@ -1,10 +1,11 @@
 //! A run kept as its path on an even grid.
 
-use crate::criteria::Rebounds;
+use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
+use crate::numeric::elementary::hypot;
 use crate::numeric::plane::near_turn;
-use crate::trace::{Energy, Event, Sample, Sink, SinkError, Wants};
+use crate::trace::{BodyState, Energy, Event, Sample, Sink, SinkError, Wants};
 
 /// Points of the grid: errors come and go within a hundredth of a run.
 pub const POINTS: f64 = 256.0;
@@ -29,8 +30,10 @@ pub struct Path {
     pub ejected: bool,
     /// Energies at the end.
     pub energy: Energy,
-    /// Restitution of the pairs of discs; empty with a finger.
-    pub restitution: Vec<Option<f64>>,
+    /// Of the pairs of discs; empty with a finger.
+    pub rebounds: Vec<Rebound>,
+    /// Largest speed of a body, m/s.
+    pub speed_m_s: f64,
     /// Largest opening of a joint.
     pub loop_gap_m: f64,
     pub audit: Option<EnergyAudit>,
@@ -47,6 +50,7 @@ pub struct Keep<'a> {
     pub energies: Vec<Energy>,
     pub rebounds: Option<Rebounds>,
     pub audit: Option<EnergyAudit>,
+    pub speed_m_s: f64,
     go_on: &'a dyn Fn() -> bool,
 }
 
@@ -58,7 +62,15 @@ impl<'a> Keep<'a> {
         audit: Option<EnergyAudit>,
         go_on: &'a dyn Fn() -> bool,
     ) -> Self {
-        Self { interval_s: span_s / POINTS, points: Vec::new(), energies: Vec::new(), rebounds, audit, go_on }
+        Self {
+            interval_s: span_s / POINTS,
+            points: Vec::new(),
+            energies: Vec::new(),
+            rebounds,
+            audit,
+            speed_m_s: 0.0,
+            go_on,
+        }
     }
 
     /// Samples also come at short steps, between the points.
@@ -71,6 +83,8 @@ impl<'a> Keep<'a> {
                 self.energies.push(sample.energy);
             }
         }
+        let speeds = sample.bodies.iter().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(*x, *y));
+        self.speed_m_s = speeds.fold(self.speed_m_s, f64::max);
         if let Some(audit) = &mut self.audit {
             audit.enter(sample.time_s, &sample.energy);
         }
@@ -142,19 +156,33 @@ pub fn errors(run: &Path, right: &Path) -> Errors {
     let last = if both_end { off(&run.last, &right.last) } else { Vec::new() };
     let at_end = if both_end { run.apart(&run.last, &right.last) } else { 0.0 };
     let first = run.first_s.iter().zip(&right.first_s).map(|(a, b)| a.zip(*b).map(|(a, b)| (a - b).abs()));
-    let restitution = run.restitution.iter().zip(&right.restitution).map(|pair| match pair {
-        (Some(a), Some(b)) => Some((a - b).abs()),
-        (None, None) => None,
-        _ => Some(f64::INFINITY),
-    });
+    let restitution = run.rebounds.iter().zip(&right.rebounds);
     Errors {
         path: difference(run, right).max(at_end),
         last,
         first_s: first.collect(),
         normal_n: if both_end { off(&run.normal_n, &right.normal_n) } else { Vec::new() },
-        restitution: restitution.collect(),
+        restitution: restitution.clone().map(|(a, b)| restitution_error(a, b)).collect(),
+        rebound: restitution.map(|(a, b)| rebound_error(a, b, run.speed_m_s)).fold(0.0, f64::max),
         energy: energy_error(run, right),
     }
+}
+
+/// Error of a restitution; infinite where only one of the runs has it.
+fn restitution_error(a: &Rebound, b: &Rebound) -> Option<f64> {
+    match (a.restitution(), b.restitution()) {
+        (Some(a), Some(b)) => Some((a - b).abs()),
+        (None, None) => None,
+        _ => Some(f64::INFINITY),
+    }
+}
+
+/// Error of the restitution that a run shows, as far as the pair meets at a speed that matters beside the largest one of the run. Where the
+/// other run has none it counts as 0.
+fn rebound_error(a: &Rebound, b: &Rebound, speed_m_s: f64) -> f64 {
+    let approach_m_s = a.approach_m_s.into_iter().chain(b.approach_m_s).fold(0.0, f64::max);
+    let error = a.restitution().map_or(0.0, |a| (a - b.restitution().unwrap_or_default()).abs());
+    if error == 0.0 { 0.0 } else { error * (approach_m_s / speed_m_s).min(1.0) }
 }
 
 /// Largest difference of an energy or a work, as a part of the energy exchanged: at the end, and along the path where it lasts from one
@@ -193,6 +221,8 @@ pub struct Errors {
     pub normal_n: Vec<f64>,
     /// Of the restitution of every pair of discs; infinite where only one of the runs has it.
     pub restitution: Vec<Option<f64>>,
+    /// Largest of a restitution, times the speed at which the pair meets as a part of the largest speed in the run, at most 1.
+    pub rebound: f64,
     /// Largest of any energy or work, as a part of the energy exchanged in the run.
     pub energy: f64,
 }

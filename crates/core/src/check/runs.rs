@@ -3,7 +3,7 @@
 use super::path::{Heard, Keep, POINTS, Path, coordinates};
 use super::scale::units;
 use crate::analytic::multibody::of_discs;
-use crate::criteria::{Rebound, Rebounds};
+use crate::criteria::Rebounds;
 use crate::invariants::EnergyAudit;
 use crate::scene::words::SceneKind;
 use crate::scene::{DiscMotion, Engine, Integrator, Method, Scene, Stepping, System, Words, scaled};
@@ -136,7 +136,8 @@ pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> 
         points: keep.points,
         energies: keep.energies,
         energy: outcome.last.energy,
-        restitution: keep.rebounds.iter().flat_map(Rebounds::pairs).map(Rebound::restitution).collect(),
+        rebounds: keep.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
+        speed_m_s: keep.speed_m_s,
         loop_gap_m: outcome.loop_gap_m,
         audit: keep.audit,
         ejected,

@@ -23,6 +23,11 @@ pub fn units(system: &System) -> Vec<f64> {
     angles.chain(system.told_discs().iter().flat_map(|disc| [unit(disc); 2])).collect()
 }
 
+/// The length that counts as much as a radian beside fingers: the reach of what they grasp, m.
+pub fn length_m(system: &System) -> f64 {
+    system.object().map_or(1.0, |object| reach(&object.shape))
+}
+
 /// The error from which on a run is uncertain, and what it is a part of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {

@@ -100,7 +100,7 @@ fn found(report: &RunCheckReport) -> Report {
     let moved = report.sensitivity_rad.or(report.sensitivity_m).unwrap_or_default();
     let size = |value: f64| format!("{} {unit}", figure(value, 2));
     let against = &report.against;
-    let because = report.reason.as_ref().map_or(String::new(), |reason| format!("; {reason}"));
+    let because = report.reason.as_ref().map_or(String::new(), |reason| format!(";\n{reason}"));
     let reason = report.reason.as_deref().unwrap_or_default();
     match report.verdict {
         "sure" => {
