@@ -164,7 +164,7 @@ fn fingers_and_grippers_keep_their_bars() {
     for (name, of) in
         [("experiment-95", "1e-5 of a radian"), ("gripper/design-95", "1e-5 of a radian and of the object's radius")]
     {
-        let scene = phalanx::scene::load(std::path::Path::new(&format!("scenes/{name}.toml"))).expect("a scene");
+        let scene = scene(&std::fs::read_to_string(format!("scenes/{name}.toml")).expect("a scene"));
         for model in BOTH {
             let said = checked(model, &scene);
             let (bar, words) = match model {
