@@ -181,7 +181,10 @@ fn fingers_and_grippers_keep_their_bars() {
     let text = |of: f64| {
         let mm = |length: f64| format!("\"{} mm\"", length * of);
         format!(
-            "kind = \"gripper\"\nduration = \"1 ms\"\n[design]\nbase = {}\nl21_fraction = 1.0\nphi22 = \"120 deg\"\narm_ratio = 0.5\nl11 = {}\n[object]\nradius = {}\n",
+            "kind = \"gripper\"\nduration = \"1 ms\"\nhalf_width = {}\n[design]\nbase = {}\nl21_fraction = 1.0\nphi22 = \"120 deg\"\n\
+             arm_ratio = 0.5\nl11 = {}\n[object]\nradius = {}\n[motor]\ntorque = \"480 N*mm\"\n[spring]\ntorque = \"132.6 N*mm\"\n\
+             [contact.friction]\nmu_static = 0.8\n",
+            mm(2.5),
             mm(15.5),
             mm(15.0),
             mm(20.0)
