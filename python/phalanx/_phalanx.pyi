@@ -161,6 +161,10 @@ class Result:
         """What a second, independent resolution says of the error; None where the run was not checked."""
 
     @property
+    def warnings(self) -> list[str] | None:
+        """Sentences on what makes the results doubtful, such as an energy balance that is off; empty for a sound run, None of a log."""
+
+    @property
     def completed(self) -> bool | None:
         """Whether the run got to its end; None of a log that does not get that far."""
 

@@ -136,6 +136,12 @@ impl Result {
         self.part(py, "check")
     }
 
+    /// Sentences on what makes the results doubtful, such as an energy balance that is off; empty for a sound run, None of a log.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.part(py, "warnings")
+    }
+
     /// Whether the run got to its end.
     #[getter]
     fn completed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -70,14 +70,14 @@ pub struct Making<'a> {
 }
 
 impl Making<'_> {
-    /// Checks a run that was not broken off by somebody.
-    fn check(&self, steps: u64, found: impl FnOnce(&dyn Fn() -> bool) -> Check) -> Option<Check> {
-        let wanted = match self.checking {
-            Checking::Never => false,
-            Checking::Cheap => steps <= check::MOST_STEPS,
-            Checking::Always => true,
-        };
-        (wanted && (self.go_on)()).then(|| found(self.go_on))
+    /// Checks a run that is completed and was not broken off by somebody.
+    fn check(&self, model: Model, scene: &Scene, result: &Result<Outcome, Broken>) -> Option<Check> {
+        match (result, self.checking) {
+            (_, Checking::Never) => None,
+            (Err(Broken { error, .. }), _) => Some(Check::not_completed(model, error.time_s, &error.reason)),
+            (Ok(outcome), Checking::Cheap) if outcome.work.steps > check::MOST_STEPS => None,
+            (Ok(_), _) => (self.go_on)().then(|| check::check(model, scene, self.go_on)),
+        }
     }
 }
 
@@ -98,12 +98,7 @@ pub fn simulated<W: Write + Send + 'static>(
         }
         RunError::Sink(error) => Broken { error: Failure { time_s: last_s, reason: error.to_string() }, so_far: None },
     });
-    let outcome = match &result {
-        Ok(outcome) => Some(outcome),
-        Err(broken) => broken.so_far.as_ref(),
-    };
-    let steps = outcome.map_or(0, |outcome| outcome.work.steps);
-    let check = making.check(steps, |go_on| check::check(model, scene, go_on));
+    let check = making.check(model, scene, &result);
     let stopped = result.as_ref().err().map(|broken| (broken.error.time_s, broken.error.reason.as_str()));
     let log = log.close(stopped, check.as_ref());
     let check = check.map(|check| RunCheckReport::new(&check, scene.kind() != SceneKind::Bodies));

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::ensemble::member;
-use super::subject::with;
+use super::subject::{reference_bound, with};
 use super::{
     Comparison, Cost, Criterion, Differences, LONGEST_STEPS, Recording, Rung, Statistics, Verdict, compare, compared,
     cost, criteria, invariants, ladder, members, own, path_bound, record_while, reference, sampled, statistics,
@@ -143,7 +143,7 @@ pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> 
         path_bound,
         verdict: verdicts(&differences, &scene.bounds)
             .and_criteria(if unjudged.is_none() { criteria::checks(&criteria) } else { Vec::new() })
-            .and_reference(&checked, path_bound)
+            .and_reference(&checked, reference_bound(whole))
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
             .and_statistics(statistics.as_ref()),

@@ -1,7 +1,7 @@
 //! What a validation does to a scene: settings that it changes, and bounds.
 
 use super::Recording;
-use crate::check::LENGTH_M;
+use crate::check::{LENGTH_M, length_m};
 use crate::gripper::Site;
 use crate::invariants::{Finding, Invariants};
 use crate::scene::words::SceneKind;
@@ -68,6 +68,14 @@ pub fn path_bound(scene: &Scene) -> f64 {
         SceneKind::Finger => bounds.angle_rad,
         SceneKind::Bodies => bounds.position_m,
         SceneKind::Gripper => bounds.angle_rad.min(bounds.position_m / LENGTH_M),
+    }
+}
+
+/// The same of the reference, whose check measures the object of a gripper by its radius.
+pub(super) fn reference_bound(scene: &Scene) -> f64 {
+    match scene.kind() {
+        SceneKind::Gripper => scene.bounds.angle_rad.min(scene.bounds.position_m / length_m(&scene.system)),
+        _ => path_bound(scene),
     }
 }
 

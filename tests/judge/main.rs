@@ -8,6 +8,7 @@ mod support;
 mod budget;
 mod campaign;
 mod check;
+mod check_verdicts;
 mod criteria_anchor;
 mod criteria_reason;
 mod criteria_tracker;

@@ -87,6 +87,9 @@ fn where_two_right_runs_may_differ_criteria_are_shown_and_not_judged() {
         errors: check::Errors::default(),
         sensitivity: 0.0,
         bar: 1.0,
+        bar_of: String::new(),
+        motion: None,
+        energy_bar: 1.0,
         against: String::new(),
         reason: None,
     };

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use phalanx::check::{LENGTH_M, pushed};
+use phalanx::check::{pushed, units};
 use phalanx::scene::{Integrator, Method, Preset, Scene, Stepping};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
 use phalanx::validate::turned;
@@ -49,13 +49,22 @@ struct Keep {
     times: Vec<f64>,
     path: Vec<Vec<f64>>,
     story: Vec<String>,
+    /// What coordinates are divided by.
+    units: Vec<f64>,
     deadline: Instant,
 }
 
 impl Keep {
-    fn new(duration_s: f64) -> Self {
+    fn new(duration_s: f64, units: Vec<f64>) -> Self {
         let deadline = Instant::now() + PATIENCE;
-        Self { interval_s: duration_s / POINTS, times: Vec::new(), path: Vec::new(), story: Vec::new(), deadline }
+        Self {
+            interval_s: duration_s / POINTS,
+            times: Vec::new(),
+            path: Vec::new(),
+            story: Vec::new(),
+            units,
+            deadline,
+        }
     }
 
     fn take(&mut self, time_s: f64, values: impl FnOnce() -> Vec<f64>) {
@@ -76,10 +85,9 @@ impl Sink for Keep {
                 before.as_ref().and_then(|before| before.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
             [finger.q11_rad, finger.q21_rad, before + turned(finger.q22_rad - before)]
         });
-        // Beside angles places count in lengths.
-        let unit = if s.fingers.is_empty() { 1.0 } else { LENGTH_M };
-        let centres = s.bodies.iter().flat_map(|disc| disc.centre_m.map(|place| place / unit));
-        self.take(s.time_s, || angles.chain(centres).collect());
+        let centres = s.bodies.iter().flat_map(|disc| disc.centre_m);
+        let units = self.units.clone();
+        self.take(s.time_s, || angles.chain(centres).zip(units).map(|(value, unit)| value / unit).collect());
         Ok(())
     }
 
@@ -140,7 +148,7 @@ fn run_in(scene: &mut Scene, setting: Setting) -> Run {
     scene.integrator = integrator(setting, &scene.integrator);
     scene.engine.stepping = stepping(setting, scene.engine.stepping);
     scene.log.numeric_hz = POINTS / scene.duration_s;
-    let mut keep = Keep::new(scene.duration_s);
+    let mut keep = Keep::new(scene.duration_s, units(&scene.system));
     let result = run(model(setting), &*scene, &mut keep);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),

@@ -85,11 +85,13 @@ fn at_fold(run: &Run) -> bool {
     run.failure.as_ref().is_none_or(|reason| reason.contains("singular") || reason.contains("same centre"))
 }
 
-/// What the program says of its own run.
-fn ask(scene: &Scene, model: Model) -> &'static str {
+/// What the program says of its own run, and whether that is about its path: energies and restitution are not compared here.
+fn ask(scene: &Scene, model: Model) -> (&'static str, bool) {
     let deadline = Instant::now() + PATIENCE;
     let go_on = || Instant::now() < deadline;
-    check(model, scene, &go_on).verdict.name()
+    let found = check(model, scene, &go_on);
+    let name = found.verdict.name();
+    (name, name == "chaotic" || name == "uncertain" && found.errors.path > found.bar)
 }
 
 /// Runs a scene in all settings.
@@ -129,18 +131,15 @@ pub fn trial(scene: &Scene, engine: bool) -> Trial {
             say(engine.failure.is_some() && engine.end_s < 0.999 * reference.end_s, Verdict::EngineEndsElsewhere);
         }
     }
-    let alarmed = |says: &str| says == "uncertain" || says == "chaotic";
-    let (says, engine_says) = (ask(scene, Model::Analytic), engine.as_ref().map_or("", |_| ask(scene, Model::Engine)));
+    let (says, alarmed) = ask(scene, Model::Analytic);
+    let (engine_says, engine_alarmed) = engine.as_ref().map_or(("", false), |_| ask(scene, Model::Engine));
     let off = |error: f64, bar: f64, own: f64| chaotic || beyond(error, bar, own);
     say(off(error, EVERYDAY, OWN) && says == "sure", Verdict::EverydaySilent);
-    say(
-        !chaotic && error <= 0.5 * EVERYDAY && same_end(&reference, &everyday) && alarmed(says),
-        Verdict::EverydayFalseAlarm,
-    );
+    say(!chaotic && error <= 0.5 * EVERYDAY && same_end(&reference, &everyday) && alarmed, Verdict::EverydayFalseAlarm);
     if let Some(engine) = &engine {
         say(off(engine_error, 0.1 * ENGINE, OWN_ENGINE) && engine_says == "sure", Verdict::EngineSilent);
         let right = engine_error <= 0.05 * ENGINE && same_end(&reference, engine);
-        say(!chaotic && right && alarmed(engine_says), Verdict::EngineFalseAlarm);
+        say(!chaotic && right && engine_alarmed, Verdict::EngineFalseAlarm);
     }
     Trial { says, engine_says, reference, everyday, engine, push, second, error, engine_error, verdicts }
 }

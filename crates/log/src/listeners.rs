@@ -9,6 +9,7 @@ use super::core::Severity;
 use super::metadata::{CHECK_NAME, check_entries};
 use phalanx_core::check::Check;
 use phalanx_core::criteria::{Criteria, GraspCriteria, Judge, Judged, LinkOverlap, Rebound, fate_reason};
+use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
 use phalanx_core::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thinned, run};
 
@@ -47,18 +48,20 @@ pub fn simulate<W: Write + Send + 'static>(
     log: Option<Beside<W>>,
     also: &mut impl Sink,
 ) -> Ran<W> {
-    let listeners = Listeners { log, judge: Judge::of(scene), last_s: 0.0, also };
+    let audit = EnergyAudit::new(model, scene);
+    let listeners = Listeners { log, judge: Judge::of(scene), audit, last_s: 0.0, also };
     let mut thinned = Thinned::new(scene.log.numeric_hz, listeners);
     let start = Instant::now();
     let result = run(model, scene, &mut thinned);
     let wall_s = start.elapsed().as_secs_f64();
     let last = thinned.end();
-    let Listeners { log, judge, last_s, .. } = thinned.sink;
+    let Listeners { log, judge, audit, last_s, .. } = thinned.sink;
     let Judged { criteria, grasp, rebounds, overlaps } = judge.judged(result.is_ok());
     let fate =
         |found: &GraspCriteria| format!("{}: {}", found.fate.name(), fate_reason(found, scene.thresholds.held_time_s));
     let said = criteria.as_ref().map(Criteria::verdict).or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate));
-    let warnings: Vec<String> = overlaps.iter().map(LinkOverlap::sentence).collect();
+    let energy = audit.breach().map(|breach| breach.to_string());
+    let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
     let log = Open { log, last, last_s, verdict: said, warnings: warnings.clone() };
     Ran { result, criteria, grasp, rebounds, warnings, last_s, wall_s, log }
 }
@@ -90,6 +93,7 @@ impl<W: Write + Send + 'static> Open<W> {
 struct Listeners<'a, W: Write + Send + 'static, A> {
     log: Option<Beside<W>>,
     judge: Judge,
+    audit: EnergyAudit,
     /// Time of the latest sample.
     last_s: f64,
     /// Whoever else wants what the log gets.
@@ -100,6 +104,7 @@ impl<W: Write + Send + 'static, A: Sink> Sink for Listeners<'_, W, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.last_s = sample.time_s;
         self.judge.sample(sample)?;
+        self.audit.sample(sample)?;
         self.also.sample(sample)?;
         self.log.sample(sample)
     }

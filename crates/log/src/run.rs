@@ -107,9 +107,12 @@ fn run_logged<W: Write + Send + 'static>(
         }
         Err(RunError::Sink(error)) => (None, Some((last_s, error.to_string()))),
     };
-    let short = work.is_some_and(|work| work.steps <= check::MOST_STEPS);
-    let check = short.then(|| check::check(model, scene, &|| true));
     let stopped = stopped.as_ref().map(|(time_s, reason)| (*time_s, reason.as_str()));
+    let short = work.is_some_and(|work| work.steps <= check::MOST_STEPS);
+    let check = match stopped {
+        Some((time_s, reason)) => Some(Check::not_completed(model, time_s, reason)),
+        None => short.then(|| check::check(model, scene, &|| true)),
+    };
     let closed = log.close(stopped, check.as_ref());
     let gone = || SinkError { what: NAMELESS.to_string(), source: io::Error::other("it was never begun") };
     let closed = closed.and_then(|out| out.ok_or_else(gone));

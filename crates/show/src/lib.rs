@@ -8,4 +8,6 @@ pub mod plot;
 pub mod report;
 pub mod wording;
 
-pub(crate) use phalanx_core::{check, criteria, drawing, grasp, gripper, numeric, scene, shape, statics, trace, units};
+pub(crate) use phalanx_core::{
+    check, criteria, drawing, grasp, gripper, invariants, numeric, scene, shape, statics, trace, units,
+};

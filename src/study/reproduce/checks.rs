@@ -58,6 +58,9 @@ mod tests {
             errors: crate::check::Errors { path, ..Default::default() },
             sensitivity: 0.0,
             bar: 1e-5,
+            bar_of: String::new(),
+            motion: None,
+            energy_bar: 1e-3,
             against: String::new(),
             reason: None,
         };

@@ -1,7 +1,10 @@
 //! The runs that a check compares.
 
-use super::path::{Heard, Keep, POINTS, Path, coordinates, units};
+use super::path::{Heard, Keep, POINTS, Path, coordinates};
+use super::scale::units;
 use crate::analytic::multibody::of_discs;
+use crate::criteria::Rebounds;
+use crate::invariants::EnergyAudit;
 use crate::scene::words::SceneKind;
 use crate::scene::{DiscMotion, Engine, Integrator, Method, Scene, Stepping, System, Words, scaled};
 use crate::shape::reach;
@@ -10,6 +13,8 @@ use crate::trace::{self, Layout, Model, Outcome, RunError, Sink};
 /// Part of a run's tolerance at which it is checked, and the finest one that other methods are asked for.
 const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-9;
+/// How far runs are made of one that ended early: beyond that end by a quarter of its length.
+const BEYOND: f64 = 1.25;
 
 /// How a scene is run for a check.
 #[derive(Clone, Copy)]
@@ -17,6 +22,10 @@ pub struct Way<'a> {
     /// By the other family of methods, more exactly.
     pub finer: bool,
     pub push: f64,
+    /// Length of time over which the path is sampled.
+    pub span_s: f64,
+    /// Whether energies are recorded along the path.
+    pub energies: bool,
     /// Steps it may take at most.
     pub budget: u64,
     pub go_on: &'a dyn Fn() -> bool,
@@ -70,7 +79,7 @@ fn integrator(own: &Integrator, way: &Way<'_>) -> Integrator {
 fn engine(own: &Engine, way: &Way<'_>) -> Engine {
     let mut used = *own;
     if way.finer {
-        used.stepping = finer_stepping(own.stepping);
+        used.stepping = finer_stepping(own.stepping, way.span_s);
     }
     used.max_steps = way.budget.min(used.max_steps);
     used
@@ -98,7 +107,8 @@ fn changed(scene: &Scene, way: &Way<'_>) -> Scene {
     let mut changed = pushed(scene, way.push);
     changed.integrator = integrator(&scene.integrator, way);
     changed.engine = engine(&scene.engine, way);
-    changed.log.numeric_hz = POINTS / scene.duration_s;
+    changed.log.numeric_hz = POINTS / way.span_s;
+    changed.duration_s = scene.duration_s.min(BEYOND * way.span_s);
     changed
 }
 
@@ -106,7 +116,10 @@ fn changed(scene: &Scene, way: &Way<'_>) -> Scene {
 pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> Path {
     let layout = Layout::of(&scene.system);
     let surfaces: Vec<usize> = layout.surfaces().collect();
-    let mut keep = Keep::new(scene.duration_s, way.go_on);
+    let is_discs = scene.kind() == SceneKind::Bodies;
+    let rebounds = is_discs.then(|| Rebounds::new(scene.system.pairs().len()));
+    let audit = way.energies.then(|| EnergyAudit::new(model, scene));
+    let mut keep = Keep::new(way.span_s, rebounds, audit, way.go_on);
     let mut heard = Heard { keep: &mut keep, sink: heard };
     let (outcome, failure) = match trace::run(model, &changed(scene, way), &mut heard) {
         Ok(outcome) => (outcome, None),
@@ -121,22 +134,30 @@ pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> 
     Path {
         last: if ejected { Vec::new() } else { coordinates(&outcome.last, keep.points.last()) },
         points: keep.points,
+        energies: keep.energies,
+        energy: outcome.last.energy,
+        rebounds: keep.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
+        speed_m_s: keep.speed_m_s,
+        loop_gap_m: outcome.loop_gap_m,
+        audit: keep.audit,
+        ejected,
         first_s: contacts.map(|contact| contact.first_s).collect(),
         normal_n: forces.filter(|_| !ejected).map(|contact| contact.normal_n).collect(),
         end_s: outcome.ejected_s.unwrap_or(outcome.last.time_s),
         failure,
-        units: units(&layout),
+        units: units(&scene.system),
         steps: outcome.work.steps,
         events: outcome.work.events,
     }
 }
 
-/// A step a quarter as long, or a tolerance a tenth as large.
-fn finer_stepping(stepping: Stepping) -> Stepping {
+/// A step a quarter as long, or a tolerance a tenth as large and steps of at most a quarter: what flies straight has no error that a
+/// tolerance would see.
+fn finer_stepping(stepping: Stepping, span_s: f64) -> Stepping {
     match stepping {
         Stepping::Fixed { step_s } => Stepping::Fixed { step_s: 0.25 * step_s },
         Stepping::Adaptive { tolerance_m, max_step_s } => {
-            Stepping::Adaptive { tolerance_m: 0.1 * tolerance_m, max_step_s }
+            Stepping::Adaptive { tolerance_m: 0.1 * tolerance_m, max_step_s: 0.25 * max_step_s.min(span_s) }
         }
     }
 }

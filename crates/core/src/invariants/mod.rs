@@ -15,12 +15,14 @@
 //! [`Invariants`] is a sink of runs;
 //! [`Invariants::findings`] says how near each invariant came to being broken.
 
+mod audit;
 mod finding;
 mod measure;
 mod momentum;
 mod places;
 mod tolerance;
 
+pub use audit::{Breach, EnergyAudit};
 pub use finding::{Finding, Invariant};
 pub use measure::Invariants;
 pub use tolerance::Tolerances;

@@ -32,7 +32,7 @@ const FIRST: [(&str, &str); 15] = [
     ("contacts.", "peak_normal_n"),
 ];
 /// Parts of the document that are no results, or are asked for by themselves.
-const NO_FIGURES: [&str; 12] = [
+const NO_FIGURES: [&str; 13] = [
     "scene",
     "kind",
     "model",
@@ -44,6 +44,7 @@ const NO_FIGURES: [&str; 12] = [
     "check",
     "error",
     "work",
+    "warnings",
     "no_criteria",
 ];
 /// A sentence, which the page has in a line of its own: [`verdict`].

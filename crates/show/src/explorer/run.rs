@@ -6,6 +6,7 @@ use super::figures::{figures, verdict};
 use crate::check;
 use crate::criteria::{Judge, Judged, LinkOverlap};
 use crate::film::{Reel, data};
+use crate::invariants::EnergyAudit;
 use crate::report::check::{self as words, RunCheckReport};
 use crate::report::document::{Came, Failure, RunReport};
 use crate::scene::Scene;
@@ -14,13 +15,15 @@ use crate::trace::{Event, Model, Outcome, RunError, Sample, Sink, SinkError, Thi
 
 /// A run with whoever else listens to it; criteria are found on what a log would keep, as the program does it.
 pub fn simulated(scene: &Scene, also: &mut impl Sink) -> RunReport {
-    let mut listeners = Thinned::new(scene.log.numeric_hz, Both { judge: Judge::of(scene), also });
+    let audit = EnergyAudit::new(Model::Analytic, scene);
+    let mut listeners = Thinned::new(scene.log.numeric_hz, Both { judge: Judge::of(scene), audit, also });
     let result = run_analytic(scene, &mut listeners);
     // Nobody here refuses a sample.
     let _ = listeners.end();
+    let energy = listeners.sink.audit.breach().map(|breach| breach.to_string());
     let Judged { criteria, grasp, rebounds, overlaps } = listeners.sink.judge.judged(result.is_ok());
     let (outcome, error) = came(result);
-    let warnings: Vec<String> = overlaps.iter().map(LinkOverlap::sentence).collect();
+    let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
     let came = Came {
         wall_s: 0.0,
         outcome: outcome.as_ref(),
@@ -52,6 +55,7 @@ pub fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
         "figures": figures(&report),
         "verdict": verdict(&report),
         "failed": report.error.as_ref().map(|error| &error.reason),
+        "warnings": report.warnings,
         "steps": report.steps,
     })
 }
@@ -69,15 +73,17 @@ pub fn check(scene: &Scene) -> Value {
     })
 }
 
-/// The judge, and whoever else.
+/// The judge, the audit of energies, and whoever else.
 struct Both<'a, A> {
     judge: Judge,
+    audit: EnergyAudit,
     also: &'a mut A,
 }
 
 impl<A: Sink> Sink for Both<'_, A> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.judge.sample(sample)?;
+        self.audit.sample(sample)?;
         self.also.sample(sample)
     }
 

@@ -23,7 +23,7 @@ function showVerdict(verdict) {
 const sayDoubt = (verdict, since) => put("doubt", `This run is ${verdict.verdict}${since}: ${verdictWords(verdict)}`);
 
 // What the check says, without the head of its table and what it advises to do at a terminal.
-const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; ask for .*$/, "");
+const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z ]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; ask for .*$/, "");
 
 // The time up to which a run is what it says, `undefined` where all of it is.
 function trustedUntil(verdict, start) {
