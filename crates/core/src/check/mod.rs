@@ -25,7 +25,7 @@ pub use path::Errors;
 use path::Path;
 pub use runs::pushed;
 use runs::{Way, is_comparable, run, words};
-pub use scale::{MOTION_PART, length_m, units};
+pub use scale::{CHAOTIC, MOTION_PART, length_m, units};
 pub use verdict::Verdict;
 use verdict::{Compared, verdict};
 
@@ -34,8 +34,6 @@ use crate::trace::{Model, Sink};
 
 /// Relative change of what drives a scene: motor torques, or velocities and gravity of discs.
 pub const PUSH: f64 = 1e-7;
-/// A run is chaotic if the push moves its path by more than this, in the unit of [`BAR`], or by a tenth of the largest displacement.
-pub const CHAOTIC: f64 = 1e-3;
 /// The radius of the usual object: the length by which comparisons of both models measure centres beside angles.
 pub const LENGTH_M: f64 = 0.02;
 /// A run is uncertain if the error of its path is estimated to be larger, of the analytic model and of the engine: in rad, for a gripper's

@@ -1,11 +1,12 @@
 //! The sizes of a scene and of its motion, by which errors are measured.
 
-use super::CHAOTIC;
 use super::path::{ANGLES, Path};
 use crate::gripper::Lengths;
 use crate::scene::{Disc, System};
 use crate::shape::reach;
 
+/// A run is chaotic if the push moves its path by more than this, in the unit of [`BAR`](super::BAR), or by a tenth of the largest displacement.
+pub const CHAOTIC: f64 = 1e-3;
 /// An error counts as large, however small it is, if it is more than this part of the largest displacement.
 pub const MOTION_PART: f64 = 1e-2;
 /// The same for what a push does.
