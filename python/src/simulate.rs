@@ -108,7 +108,7 @@ pub fn run(
     }
 }
 
-/// Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost.
+/// Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost, `summary["missing"]` which topics are missing.
 #[pyfunction]
 pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     let read = watch::free(py, |go_on| {
