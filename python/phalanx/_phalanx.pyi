@@ -258,7 +258,7 @@ def run(
     """
 
 def read_log(path: _Path) -> Result:
-    """Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost."""
+    """Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost, `summary["missing"]` which topics are missing."""
 
 def evaluate(
     scene: _SceneLike,

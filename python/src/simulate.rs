@@ -108,7 +108,7 @@ pub fn run(
     }
 }
 
-/// Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost.
+/// Reads a log of phalanx (MCAP), as far as it goes: `summary["losses"]` says what is lost, `summary["missing"]` which topics are missing.
 #[pyfunction]
 pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     let read = watch::free(py, |go_on| {
@@ -121,6 +121,9 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let mut reader = Reader { layout, kept, heard, go_on };
         let reading = log::read_any_file(&path, &mut reader)?;
         let Reader { layout, kept, heard, .. } = reader;
+        // A page shows every part of a sample.
+        let drawable = reading.missing.iter().all(|missing| missing.concerns == log::Concerns::Run);
+        let scene = scene.filter(|_| drawable);
         Ok::<_, log::ReadError>((layout, kept, heard.report(path.display().to_string(), &reading), scene))
     })?;
     let (layout, kept, report, scene) = read.map_err(|error| match &error {

@@ -43,7 +43,8 @@ pub(super) fn run(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Fa
     compared.map_err(|error| bad_log(path, &error))?;
     let found = lockstep.finish().map_err(unreadable)?;
 
-    let verification = VerificationReport::new(&found, &reading, &report, wall_s);
+    let contradiction = report.error.as_ref().filter(|_| report.contradicts_itself).map(|error| error.reason.as_str());
+    let verification = VerificationReport::new(&found, &reading, contradiction, wall_s);
     let (same, complete) = (verification.same, verification.complete);
     let lines = verification.complaints(path);
     report.verification = Some(verification);

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::document::ReplayReport;
 use crate::log::{Difference, FieldTally, Leaf, Reading, Verification};
 use crate::wording::duration;
 use crate::wording::figures::{figure, row};
@@ -84,9 +83,9 @@ pub struct EntryReport {
 }
 
 impl VerificationReport {
-    /// Of a log of which this is reported.
-    pub fn new(found: &Verification, reading: &Reading, report: &ReplayReport, wall_s: f64) -> Self {
-        let incomplete_because = incomplete(found, reading, report);
+    /// `contradiction`: why the log cannot be all of its run, if it contradicts itself.
+    pub fn new(found: &Verification, reading: &Reading, contradiction: Option<&str>, wall_s: f64) -> Self {
+        let incomplete_because = incomplete(found, reading, contradiction);
         VerificationReport {
             same: found.is_same(),
             complete: incomplete_because.is_none(),
@@ -133,16 +132,16 @@ impl VerificationReport {
 }
 
 /// Why not all of a run was compared. A run that a signal ended is all there is of it.
-fn incomplete(found: &Verification, reading: &Reading, report: &ReplayReport) -> Option<String> {
+fn incomplete(found: &Verification, reading: &Reading, contradiction: Option<&str>) -> Option<String> {
     let reach = reading.last_s.map_or("no sample".to_string(), |last_s| format!("samples up to {}", time(last_s)));
     if !reading.is_whole() {
         return Some(format!("a part of the log is lost; it has {reach}"));
     }
-    if let Some(error) = report.error.as_ref().filter(|_| report.contradicts_itself) {
-        return Some(format!("{}; it has {reach}", error.reason));
+    if let Some(reason) = contradiction {
+        return Some(format!("{reason}; it has {reach}"));
     }
-    if !report.missing.is_empty() {
-        let topics: Vec<&str> = report.missing.iter().map(|missing| missing.topic.as_str()).collect();
+    if !reading.missing.is_empty() {
+        let topics: Vec<&str> = reading.missing.iter().map(|missing| missing.topic.as_str()).collect();
         return Some(format!("missing in the log: {}", topics.join(", ")));
     }
     if reading.ended.is_none() {

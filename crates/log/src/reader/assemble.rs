@@ -6,10 +6,10 @@ use foxglove::Decode;
 use foxglove::messages::Log;
 
 use super::bytes::Malformed;
-use super::channels::{Carries, Channels};
+use super::channels::{Carries, Channels, part};
 use super::group::{Habits, Held, Item, Kind, in_order, put_in_order, written};
-use super::missing::{Lacking, Missing, missing};
-use super::reading::{Ended, Reading};
+use super::missing::{Lacking, missing};
+use super::reading::{Ended, Missing, Reading};
 use super::record::MessageRecord;
 use super::survey::Numbers;
 use super::wire::numbers;
@@ -53,18 +53,6 @@ pub struct Assembler {
     seen: Option<HashSet<(u16, u32, Vec<u8>)>>,
     latest_s: f64,
     lacking: Lacking,
-}
-
-/// The places of the parts of a sample: fingers, bodies, contacts, energies.
-pub fn part(layout: &Layout, carries: Carries) -> Option<usize> {
-    let (fingers, bodies) = (layout.fingers.len(), layout.bodies.len());
-    match carries {
-        Carries::Finger(index) => Some(index),
-        Carries::Body(index) => Some(fingers + index),
-        Carries::Contact(index) | Carries::Stop(index) => Some(fingers + bodies + index),
-        Carries::Energy => Some(fingers + bodies + layout.contacts.len()),
-        Carries::Impact(_) | Carries::Slip(_) | Carries::Lines | Carries::Picture => None,
-    }
 }
 
 impl Assembler {

@@ -28,6 +28,18 @@ pub enum Carries {
     Picture,
 }
 
+/// The places of the parts of a sample: fingers, bodies, contacts, energies.
+pub fn part(layout: &Layout, carries: Carries) -> Option<usize> {
+    let (fingers, bodies) = (layout.fingers.len(), layout.bodies.len());
+    match carries {
+        Carries::Finger(index) => Some(index),
+        Carries::Body(index) => Some(fingers + index),
+        Carries::Contact(index) | Carries::Stop(index) => Some(fingers + bodies + index),
+        Carries::Energy => Some(fingers + bodies + layout.contacts.len()),
+        Carries::Impact(_) | Carries::Slip(_) | Carries::Lines | Carries::Picture => None,
+    }
+}
+
 /// The schemas of phalanx.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Schema {

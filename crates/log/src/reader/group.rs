@@ -101,16 +101,20 @@ pub fn put_in_order(held: &[Held], habits: Habits) -> Vec<Item> {
     let samples = samples(held);
     let mut items = Vec::new();
     let mut done = 0;
+    // Where the samples of an instant begin, and how many events of it have come.
+    let (mut instant, mut turn) = (usize::MAX, 0);
     for index in events(held) {
         let Kind::Event { kind, .. } = held[index].kind else { continue };
         let time_s = held[index].time_s;
-        let before = samples.partition_point(|(at_s, _)| *at_s < time_s);
-        let along = samples[before..].iter().take_while(|(at_s, _)| *at_s == time_s).count();
+        let before = samples.partition_point(|(at_s, _)| *at_s < time_s && !is_instant(*at_s, time_s));
+        let along = samples[before..].iter().take_while(|(at_s, _)| is_instant(*at_s, time_s)).count();
+        (instant, turn) = if instant == before { (instant, turn + 1) } else { (before, 1) };
         let first = habits.at_start && before == 0;
         let after = match (along, habits.of_engine) {
             (0, _) => before,
             (_, false) if first && !kind.is_of_friction() => before,
-            (_, false) => before + 1,
+            // Each of two samples of one instant is followed by an event.
+            (_, false) => before + turn.min(along),
             (_, true) if kind == EventKind::TouchDown => before + 1,
             (_, true) => before + along - 1,
         };
@@ -122,6 +126,11 @@ pub fn put_in_order(held: &[Held], habits: Habits) -> Vec<Item> {
     }
     items.extend(samples[done..].iter().map(|(_, of)| Item::Sample(of.clone())));
     items
+}
+
+/// Whether two times are of one instant: the model may come to it in two ways, and round otherwise.
+fn is_instant(a_s: f64, b_s: f64) -> bool {
+    (a_s - b_s).abs() <= 4.0 * f64::EPSILON * a_s.abs().max(b_s.abs())
 }
 
 /// The messages of every sample, and its time. Two samples of one instant have the messages of their channels in turn.

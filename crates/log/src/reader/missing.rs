@@ -6,35 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use super::assemble::part;
-use super::channels::{Carries, Channels};
-use super::reading::Reading;
+use super::channels::{Carries, Channels, part};
+use super::reading::{Concerns, Missing, Reading};
 use super::survey::Numbers;
 use crate::channels::Topics;
 use phalanx_core::scene::words::SceneKind;
 use phalanx_core::trace::Layout;
-
-/// A topic that is missing, or messages of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Missing {
-    pub topic: String,
-    /// In words.
-    pub what: String,
-    pub concerns: Concerns,
-    /// Whether the run cannot be judged without it: neither its class, nor what became of what it grasps.
-    pub is_judged_by: bool,
-}
-
-/// What a topic says something about. Indices are those of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Concerns {
-    Finger(usize),
-    Body(usize),
-    Contact(usize),
-    Energy,
-    /// The run as a whole.
-    Run,
-}
 
 impl From<Carries> for Concerns {
     fn from(carries: Carries) -> Self {

@@ -46,17 +46,16 @@ use std::path::Path;
 
 use mcap::records::op;
 
-use self::assemble::{Assembler, Found, part};
+use self::assemble::{Assembler, Found};
 pub use self::behind::Behind;
 pub use self::bytes::LARGEST_RECORD;
 use self::bytes::Malformed;
 pub(super) use self::bytes::{channel, message, metadata, schema};
-use self::channels::Channels;
+use self::channels::{Channels, part};
 use self::merge::{Taken, merge};
-pub use self::missing::{Concerns, Missing};
 use self::missing::{expected, repeats};
 use self::reading::kind;
-pub use self::reading::{Ended, Loss, ReadError, Reading};
+pub use self::reading::{Concerns, Ended, Loss, Missing, ReadError, Reading};
 use self::record::Fingers;
 pub use self::record::{AttachmentRecord, ChannelRecord, LogSink, MessageRecord, Record, SchemaRecord};
 use self::survey::{End, Segment, Survey, listed};

@@ -5,7 +5,6 @@ use std::io;
 use std::path::PathBuf;
 
 use super::Behind;
-use super::Missing;
 use crate::METADATA_NAME;
 use phalanx_core::scene::Words;
 use phalanx_core::scene::words::SceneKind;
@@ -107,6 +106,28 @@ fn up_to(last_s: &Option<f64>) -> String {
         Some(time_s) => format!("; it can be read up to {:.6} ms", time_s * 1e3),
         None => "; there is no sample before that".to_string(),
     }
+}
+
+/// A topic that is missing, or messages of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Missing {
+    pub topic: String,
+    /// In words.
+    pub what: String,
+    pub concerns: Concerns,
+    /// Whether the run cannot be judged without it: neither its class, nor what became of what it grasps.
+    pub is_judged_by: bool,
+}
+
+/// What a topic says something about. Indices are those of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Concerns {
+    Finger(usize),
+    Body(usize),
+    Contact(usize),
+    Energy,
+    /// The run as a whole.
+    Run,
 }
 
 /// Why there is nothing to read.

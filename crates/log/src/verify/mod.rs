@@ -94,7 +94,7 @@ pub struct Lockstep<'a, R> {
     /// Messages of the log at the log time at hand that have found no partner yet.
     group: Vec<Message>,
     /// The same of the new run, by topic.
-    waiting: BTreeMap<String, VecDeque<Message>>,
+    waiting: BTreeMap<String, VecDeque<(usize, Message)>>,
     log_time_ns: u64,
     /// Channels of the log that have messages.
     spoken: HashSet<u16>,
@@ -240,8 +240,9 @@ impl<'a, R: Read> Lockstep<'a, R> {
             }
             count += 1;
             let topic = self.again.announced.topic(again.channel).to_string();
-            self.waiting.entry(topic).or_default().push_back(again);
+            self.waiting.entry(topic).or_default().push_back((count, again));
         }
+        let mut latest = 0;
         for message in std::mem::take(&mut self.group) {
             let topic = self.announced.topic(message.channel);
             match self.waiting.get_mut(topic).and_then(|queue| partner(queue, &message)) {
@@ -249,12 +250,17 @@ impl<'a, R: Read> Lockstep<'a, R> {
                     self.found.only_in_log += 1;
                     self.alone(topic.to_string(), time_ns, true);
                 }
-                Some(again) => self.weigh(&message, &again),
+                Some((place, again)) => {
+                    // The new run has it before one that came earlier in the log.
+                    self.found.reordered += u64::from(place < latest);
+                    latest = latest.max(place);
+                    self.weigh(&message, &again);
+                }
             }
         }
         self.waiting.retain(|_, queue| !queue.is_empty());
         if all {
-            for again in std::mem::take(&mut self.waiting).into_values().flatten() {
+            for (_, again) in std::mem::take(&mut self.waiting).into_values().flatten() {
                 self.extra(&again);
             }
         }
@@ -269,7 +275,6 @@ impl<'a, R: Read> Lockstep<'a, R> {
         // Once a message is missing, all sequence numbers behind it differ: that is no difference of theirs.
         let numbered = unnumbered || self.found.first.is_some() || log.sequence == again.sequence;
         if log.data == again.data && log.publish_time_ns == again.publish_time_ns && numbered {
-            self.found.reordered += u64::from(!unnumbered);
             return;
         }
         let channels = [self.announced.channels.get(&log.channel), self.again.announced.channels.get(&again.channel)];
@@ -304,10 +309,10 @@ impl<'a, R: Read> Lockstep<'a, R> {
 }
 
 /// The one among the messages of a channel that goes with this one: of the same bytes, or of the same number, or else the next.
-fn partner(queue: &mut VecDeque<Message>, log: &Message) -> Option<Message> {
-    let same = queue.iter().position(|again| again.data == log.data && again.sequence == log.sequence);
-    let same = same.or_else(|| queue.iter().position(|again| again.data == log.data));
-    let same = same.or_else(|| queue.iter().position(|again| again.sequence == log.sequence));
+fn partner(queue: &mut VecDeque<(usize, Message)>, log: &Message) -> Option<(usize, Message)> {
+    let same = queue.iter().position(|(_, again)| again.data == log.data && again.sequence == log.sequence);
+    let same = same.or_else(|| queue.iter().position(|(_, again)| again.data == log.data));
+    let same = same.or_else(|| queue.iter().position(|(_, again)| again.sequence == log.sequence));
     queue.remove(same.unwrap_or(0))
 }
 
