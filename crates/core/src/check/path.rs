@@ -198,14 +198,10 @@ fn energy_error(run: &Path, right: &Path) -> f64 {
     };
     let along: Vec<f64> = run.energies.iter().zip(&right.energies).map(off).collect();
     let lasting = along.windows(2).map(|pair| pair[0].min(pair[1])).fold(0.0, f64::max);
-    let at_end = if ends_alike(run, right) { off((&run.energy, &right.energy)) } else { 0.0 };
+    let both_end = run.failure.is_none() && right.failure.is_none();
+    let at_end = if both_end { off((&run.energy, &right.energy)) } else { 0.0 };
     let off_j = lasting.max(at_end);
     if off_j == 0.0 { 0.0 } else { off_j / scale_j }
-}
-
-/// Whether both runs were completed and have the same end.
-fn ends_alike(a: &Path, b: &Path) -> bool {
-    [a, b].iter().all(|path| path.failure.is_none() && !path.ejected)
 }
 
 /// Estimated errors of the main figures of a run. What only one of the runs has is `None`, as is what neither has.

@@ -117,7 +117,7 @@ pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> 
     let layout = Layout::of(&scene.system);
     let surfaces: Vec<usize> = layout.surfaces().collect();
     let is_discs = scene.kind() == SceneKind::Bodies;
-    let rebounds = is_discs.then(|| Rebounds::new(scene.system.pairs().len()));
+    let rebounds = is_discs.then(|| Rebounds::of(&scene.system));
     let audit = way.energies.then(|| EnergyAudit::new(model, scene));
     let mut keep = Keep::new(way.span_s, rebounds, audit, way.go_on);
     let mut heard = Heard { keep: &mut keep, sink: heard };
@@ -129,10 +129,8 @@ pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> 
     };
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts.get(*index));
-    // Runs whose object is thrown out end where their own steps see it: that end is nothing to compare.
-    let ejected = outcome.ejected_s.is_some();
     Path {
-        last: if ejected { Vec::new() } else { coordinates(&outcome.last, keep.points.last()) },
+        last: coordinates(&outcome.last, keep.points.last()),
         points: keep.points,
         energies: keep.energies,
         energy: outcome.last.energy,
@@ -140,10 +138,10 @@ pub fn run(scene: &Scene, model: Model, way: &Way<'_>, heard: &mut dyn Sink) -> 
         speed_m_s: keep.speed_m_s,
         loop_gap_m: outcome.loop_gap_m,
         audit: keep.audit,
-        ejected,
+        ejected: outcome.ejected_s.is_some(),
         first_s: contacts.map(|contact| contact.first_s).collect(),
-        normal_n: forces.filter(|_| !ejected).map(|contact| contact.normal_n).collect(),
-        end_s: outcome.ejected_s.unwrap_or(outcome.last.time_s),
+        normal_n: forces.map(|contact| contact.normal_n).collect(),
+        end_s: outcome.last.time_s,
         failure,
         units: units(&scene.system),
         steps: outcome.work.steps,
