@@ -22,7 +22,7 @@ fn a_log_says_what_its_run_said() {
         let run = done(&["run", GRIPPER, "--model", model, "--log", &log, "--json"]);
         assert_eq!((run["kind"].as_str(), run["grasp"]["fate"].as_str()), (Some("gripper"), Some("held")));
         let replay = done(&["replay", &log, "--json"]);
-        for key in ["fingers", "object", "grasp", "energy"] {
+        for key in ["fingers", "object", "grasp", "energy", "warnings"] {
             assert_eq!(replay[key], run[key], "{model}: {key}");
         }
         for (place, contact) in run["contacts"].as_object().expect("contacts") {
@@ -45,6 +45,33 @@ fn a_log_says_what_its_run_said() {
         against["apart"].as_array().expect("differences").iter().filter_map(|of| of["quantity"].as_str()).collect();
     assert_eq!(quantities.len(), 7, "{quantities:?}");
     assert!(quantities.contains(&"left_q22_rad") && quantities.contains(&"object_centre_m"), "{quantities:?}");
+}
+
+/// Fingers around an object of 4 mm cross each other.
+#[test]
+fn links_that_pass_through_each_other_are_a_warning_everywhere() {
+    let dir = directory("cli_gripper_warnings");
+    let scene = write(
+        &dir,
+        "small.toml",
+        "kind = \"gripper\"\nduration = \"6 ms\"\npalm_width = \"31 mm\"\n\
+         lengths = { l11 = \"15 mm\", l21 = \"24.43 mm\", l22 = \"7.5 mm\", t22 = \"12.86 mm\", phi22 = \"120 deg\" }\n\
+         object = { radius = \"4 mm\", height = \"20 mm\" }\nmotor.torque = \"480 N*mm\"\nspring.torque = \"132.6 N*mm\"\n",
+    );
+    let log = dir.join("run.mcap").display().to_string();
+    let page = dir.join("run.html").display().to_string();
+    let run = done(&["run", &scene, "--log", &log, "--html", &page, "--json"]);
+    let warning = run["warnings"][0].as_str().expect("a warning");
+    assert!(
+        warning.starts_with("t22 of the right finger overlaps t22 of the left finger by up to 5.000 mm"),
+        "{warning}"
+    );
+    assert_eq!(done(&["replay", &log, "--json"])["warnings"], run["warnings"]);
+    for text in [phalanx(&["run", &scene]), phalanx(&["replay", &log])].map(|output| stdout(&output).to_string()) {
+        assert!(text.contains(&format!("Warning: {warning}")), "{text}");
+    }
+    let page = fs::read_to_string(page).expect("the page");
+    assert!(page.contains("overlaps t22 of the left finger"), "the page has the warning");
 }
 
 #[test]

@@ -72,6 +72,8 @@ pub struct ReplayReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<GraspReport>,
     pub energy: Option<Energy>,
+    /// Sentences on what makes the results doubtful; empty for a sound run.
+    pub warnings: Vec<String>,
     /// Whether the log calls a run completed that is shorter than its settings.
     #[serde(skip)]
     pub contradicts_itself: bool,
@@ -238,6 +240,7 @@ impl ReplayReport {
             criteria: None,
             grasp: None,
             energy: None,
+            warnings: Vec::new(),
             contradicts_itself: false,
             verification: None,
         }

@@ -2,11 +2,12 @@
 
 use super::document::ReplayReport;
 use super::summary::Summary;
-use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, Tracker, at_rest};
-use crate::log::{LARGEST_RECORD, LogSink, Reading};
+use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, LinkOverlaps, Tracker, at_rest};
+use crate::invariants::EnergyAudit;
+use crate::log::{LARGEST_RECORD, LogSink, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
 use crate::scene::{self, Scene, SceneError};
-use crate::trace::{Event, Layout, Sample, Sink, SinkError};
+use crate::trace::{Event, Layout, Model, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
 #[derive(Debug, Default)]
@@ -18,6 +19,9 @@ pub struct Heard {
     gripper: Option<GraspTracker>,
     /// The scene of a log of bodies, if there is one that this phalanx reads: how they are moved.
     moved: Option<Scene>,
+    /// Energies that are missing or created, and links of a gripper that overlap what they have no contact with.
+    audit: Option<EnergyAudit>,
+    overlaps: Option<LinkOverlaps>,
 }
 
 impl Heard {
@@ -25,7 +29,12 @@ impl Heard {
     pub fn new(head: &Reading) -> (Self, Option<String>) {
         let mut heard = Heard::default();
         let mut said = None;
-        match attached(head) {
+        let scene = attached(head);
+        if let Some(Ok(scene)) = &scene {
+            heard.audit = audit(head, scene);
+            heard.overlaps = LinkOverlaps::of(scene);
+        }
+        match scene {
             Some(Ok(scene)) if scene.kind() == SceneKind::Finger => {
                 let found = scene.object().map(|object| at_rest(&scene, object)).transpose();
                 heard.grasp = found.unwrap_or_else(|error| {
@@ -59,7 +68,15 @@ impl Heard {
     /// The summary of what was read.
     pub fn report(&self, name: String, reading: &Reading) -> ReplayReport {
         let (criteria, grasp) = (self.criteria(reading), self.grasp(reading));
-        ReplayReport::new(name, reading, &self.summary, criteria, grasp.as_ref(), self.moved.as_ref())
+        let report = ReplayReport::new(name, reading, &self.summary, criteria, grasp.as_ref(), self.moved.as_ref());
+        ReplayReport { warnings: self.warnings(), ..report }
+    }
+
+    /// Sentences on what makes the results doubtful.
+    fn warnings(&self) -> Vec<String> {
+        let breach = self.audit.and_then(|audit| audit.breach()).map(|breach| breach.to_string());
+        let overlaps = self.overlaps.iter().flat_map(LinkOverlaps::found);
+        breach.into_iter().chain(overlaps.map(|overlap| overlap.sentence())).collect()
     }
 
     /// What became of the object of a gripper.
@@ -80,6 +97,22 @@ fn is_of_whole_run(reading: &Reading) -> bool {
     completed && reading.can_be_judged() && reading.recovered.is_none()
 }
 
+/// An audit of the energies by the settings of the run.
+fn audit(head: &Reading, scene: &Scene) -> Option<EnergyAudit> {
+    let mut used = scene.clone();
+    let model = match settings(&head.metadata).ok()?.solver {
+        Solver::Analytic(integrator) => {
+            used.integrator = integrator;
+            Model::Analytic
+        }
+        Solver::Engine(engine) => {
+            used.engine = engine;
+            Model::Engine
+        }
+    };
+    Some(EnergyAudit::new(model, &used))
+}
+
 /// The scene of a log, if it has one of a size that scenes have.
 pub fn attached(head: &Reading) -> Option<Result<Scene, SceneError>> {
     let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD)?;
@@ -92,12 +125,17 @@ impl LogSink for Heard {
         // The scene may be of another kind than the log.
         self.tracker = self.tracker.take().filter(|_| layout.fingers.len() == 1);
         self.gripper = self.gripper.take().filter(|_| layout.fingers.len() == 2);
+        self.overlaps = self.overlaps.take().filter(|_| layout.fingers.len() == 2);
         Ok(())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.summary.sample(sample)?;
         self.gripper.sample(sample)?;
+        self.overlaps.sample(sample)?;
+        // Without its topic a sample has no energies.
+        self.audit = self.audit.filter(|_| !sample.energy.kinetic_j.is_nan());
+        self.audit.sample(sample)?;
         self.tracker.sample(sample)
     }
 

@@ -83,6 +83,9 @@ fn heading(report: &ReplayReport) -> String {
     if let Some(withheld) = report.withheld() {
         let _ = writeln!(text, "{withheld}, for they need what is missing");
     }
+    for warning in &report.warnings {
+        let _ = writeln!(text, "Warning: {warning}");
+    }
     text
 }
 
