@@ -71,8 +71,7 @@ fn case_a_is_held_by_four_contacts() {
 #[test]
 fn case_c_centres_its_object() {
     // Every loss of contact counts here.
-    let thresholds = Thresholds { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
-    let (found, _) = watch(&Scene { thresholds, ..anchor("c").scene });
+    let (found, _) = watch(&Scene { thresholds: Thresholds::NONE, ..anchor("c").scene });
     assert!((found.end.centre_m[0] - 0.5504e-3).abs() < 2e-7, "{:?}", found.end.centre_m);
     let ratio = found.offset_ratio().expect("it was off centre");
     assert!((ratio - 0.5504 / 3.5).abs() < 1e-4, "{ratio}");

@@ -57,7 +57,7 @@ pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>,
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
-        thresholds: Thresholds::of(duration_s, 0.0),
+        thresholds: Thresholds::NONE,
         bounds: Bounds {
             position_m: 1e-6,
             contact_time_s: 1e-6,

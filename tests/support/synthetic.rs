@@ -43,7 +43,7 @@ fn resolved() -> Scene {
         },
         engine: Engine::DEFAULT,
         bounds: Bounds::over(SceneKind::Finger, 20e-3),
-        thresholds: Thresholds::of(20e-3, 0.0),
+        thresholds: Thresholds::NONE,
         log: LogRates { numeric_hz: 1e4, picture_hz: 5e3 },
     }
 }

@@ -384,11 +384,15 @@ mod tests {
         palm_n: fn(f64) -> f64,
     }
 
-    const NO_THRESHOLDS: Thresholds = Thresholds { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
-
     impl Default for Run {
         fn default() -> Self {
-            Run { presses: Vec::new(), object: |_| at_rest(0.0), thresholds: NO_THRESHOLDS, mu: 0.0, palm_n: |_| 5.0 }
+            Run {
+                presses: Vec::new(),
+                object: |_| at_rest(0.0),
+                thresholds: Thresholds::NONE,
+                mu: 0.0,
+                palm_n: |_| 5.0,
+            }
         }
     }
 
@@ -530,7 +534,7 @@ mod tests {
 
     #[test]
     fn losses_shorter_than_the_threshold_do_not_count() {
-        let thresholds = Thresholds { loss_time_s: 0.06, ..NO_THRESHOLDS };
+        let thresholds = Thresholds { loss_time_s: 0.06, ..Thresholds::NONE };
         let presses = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 0.47), (LEFT, 0.52, 0.71), (LEFT, 0.78, 2.0)];
         let found = Run { presses, thresholds, ..Run::default() }.watch();
         let left = of(&found, LEFT);
@@ -545,7 +549,7 @@ mod tests {
 
     #[test]
     fn forces_below_the_threshold_do_not_press() {
-        let thresholds = Thresholds { loss_force_n: 1.0, ..NO_THRESHOLDS };
+        let thresholds = Thresholds { loss_force_n: 1.0, ..Thresholds::NONE };
         let presses = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 2.0), (Place::Palm, 0.05, 2.0)];
         // The palm's force grows from 0 to 10 N: it passes 1 N at 0.1 s and falls below it at 0.55 s.
         let palm_n = |t: f64| if t < 0.5 { 10.0 * t } else { 5.5 - 9.0 * (t - 0.05) };
@@ -554,13 +558,13 @@ mod tests {
         assert_eq!((palm.times_lost, palm.presses_since_s), (1, None), "{palm:?}");
         assert!((palm.lost_s - 0.45).abs() < 0.02, "{palm:?}");
         assert_eq!(found.tts_s, Some(0.33), "what does not press is not waited for");
-        let found = Run { presses, thresholds: NO_THRESHOLDS, palm_n: |_| 1e-9, ..Run::default() }.watch();
+        let found = Run { presses, thresholds: Thresholds::NONE, palm_n: |_| 1e-9, ..Run::default() }.watch();
         assert_eq!(of(&found, Place::Palm).presses_since_s, Some(0.05));
     }
 
     #[test]
     fn an_object_is_held_only_for_as_long_as_the_scene_states() {
-        let thresholds = Thresholds { held_time_s: 0.3, ..NO_THRESHOLDS };
+        let thresholds = Thresholds { held_time_s: 0.3, ..Thresholds::NONE };
         let fate =
             |presses: &[(Place, f64, f64)]| Run { presses: presses.to_vec(), thresholds, ..Run::default() }.watch();
         let short = fate(&[(RIGHT, 0.2, 2.0), (LEFT, 0.8, 2.0)]);
@@ -579,7 +583,7 @@ mod tests {
     #[test]
     fn one_finger_and_the_palm_hold_by_force_closure_if_friction_suffices() {
         // Normals are 127° apart: closed if both cones contain the line between the contacts, from a half angle of 26.6° on.
-        let thresholds = Thresholds { held_time_s: 0.2, ..NO_THRESHOLDS };
+        let thresholds = Thresholds { held_time_s: 0.2, ..Thresholds::NONE };
         let presses = vec![(RIGHT, 0.2, 2.0), (Place::Palm, 0.0, 2.0)];
         let fate = |mu: f64| Run { presses: presses.clone(), thresholds, mu, ..Run::default() }.watch().fate;
         assert_eq!(fate(0.55), Fate::Held);

@@ -67,7 +67,10 @@ fn bounds(c: &mut Checker<'_>, raw: &Keys<'_>, duration_s: Option<f64>) -> Bound
 /// Thresholds of the grasp criteria, of a gripper.
 fn thresholds(c: &mut Checker<'_>, raw: &Keys<'_>, system: Option<&System>, duration_s: Option<f64>) -> Thresholds {
     let motor_force_n = system.map_or(0.0, System::motor_force_n);
-    let usual = Thresholds::of(duration_s.unwrap_or(defaults::DURATION_S), motor_force_n);
+    let usual = match raw.kind {
+        SceneKind::Gripper => Thresholds::of(duration_s.unwrap_or(defaults::DURATION_S), motor_force_n),
+        SceneKind::Finger | SceneKind::Bodies => Thresholds::NONE,
+    };
     let thresholds = read(c, "criteria", raw, usual);
     let help = "lower it, raise `duration`, or leave it out";
     within_duration(c, (raw.span("loss_time"), "criteria.loss_time"), thresholds.loss_time_s, duration_s, help);

@@ -26,6 +26,9 @@ const HELD_LOSSES: f64 = 10.0;
 const LOSS_FORCE_PART: f64 = 1e-4;
 
 impl Thresholds {
+    /// Every loss of contact counts, and an object is held at once: those of scenes that are no gripper.
+    pub const NONE: Self = Self { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
+
     /// Defaults of a run of this duration, with motors that exert at most this force at the end of a proximal phalanx.
     pub fn of(duration_s: f64, motor_force_n: f64) -> Self {
         let loss_time_s = LOSS_TIME_S.min(LOSS_PART * duration_s);
