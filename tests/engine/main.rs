@@ -13,3 +13,4 @@ mod order;
 mod recorder;
 mod repeats;
 mod stability;
+mod touching_rows;

@@ -301,6 +301,7 @@ impl<'a> Motion<'a> {
 
     /// Forces and accelerations at the node, for what comes.
     fn look(&mut self) {
+        touch::drop_rounding(&mut self.touches, &self.velocities);
         forces::smooth(self.plan, &self.linkage, &self.velocities, self.clock.now(), &mut self.forces);
         self.middle.copy_from_slice(&self.accelerations);
         drive::accelerations(self.plan, self.clock.now(), &mut self.driven);

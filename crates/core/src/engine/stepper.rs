@@ -96,8 +96,8 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             }
         };
         if touch.gap <= 0.0 {
-            // On its way out a surface matters only while it still pushes.
-            if rate < 0.0 || force > 0.0 {
+            // On its way out a surface matters only while it still pushes; one that a step moves by less than its last digits, never.
+            if (rate < 0.0 || force > 0.0) && rate.abs() * dt > touch.rounding {
                 dt = dt.min(crossing);
             }
             continue;

@@ -1,10 +1,12 @@
 //! Where surfaces and stops are to each other: gaps, normals and the rows that give their rates from body velocities.
 
+use std::f64::consts::TAU;
+
 use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
 use super::linkage::{Linkage, Place, Twist};
-use super::plan::{Against, Meet, Plan, PlannedHold};
+use super::plan::{Against, Meet, Plan, PlannedContact, PlannedHold};
 use super::surfaces::{self, Surfaces};
 use super::world::World;
 use crate::law::{Bristle, FrictionLaw, NormalLaw, Stepped, friction_coefficient, stepped};
@@ -54,6 +56,8 @@ pub struct Touch {
     pub friction: Option<FrictionLaw>,
     /// Distance, negative in penetration.
     pub gap: f64,
+    /// Size of the last digits of the gap: the rounding of the positions it is the difference of.
+    pub rounding: f64,
     pub normal: [f64; 2],
     /// How fast the normal turns, in rad/s: by what it turned in the last step.
     pub turning: f64,
@@ -79,6 +83,8 @@ pub enum Source {
 
 /// A gap below this part of the transition is rounding: surfaces that a step has brought to touch.
 pub const ROUNDING: f64 = 1e-9;
+/// Rates below this are rounding, m/s (stop: rad/s): the analytic model reads the start of a run by the same.
+pub const RESTING: f64 = 1e-12;
 
 impl Touch {
     /// Friction coefficient at a slip, and its slope; 0 without friction.
@@ -131,6 +137,7 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             law: stop.law,
             friction: None,
             gap: stop_gap(plan, index, &linkage.places),
+            rounding: f64::EPSILON * TAU,
             normal: [0.0; 2],
             turning: 0.0,
             point: [0.0; 2],
@@ -153,6 +160,7 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             law: contact.law.normal,
             friction: contact.law.friction,
             gap,
+            rounding: rounding(plan, contact, &linkage.places),
             normal,
             turning: 0.0,
             point,
@@ -184,6 +192,7 @@ fn hold(plan: &Plan, index: usize) -> Touch {
             bristle: brake.bristle,
         }),
         gap: -1.0,
+        rounding: f64::EPSILON,
         normal: [0.0; 2],
         turning: 0.0,
         point: [0.0; 2],
@@ -203,6 +212,16 @@ pub fn grip(plan: &Plan, t: f64, touches: &mut [Touch]) {
             let torque = brake.torque_n_m * brake.grip(t).0;
             touch.law = NormalLaw::pressed_with(torque);
             touch.governed = torque > 0.0;
+        }
+    }
+}
+
+/// Surfaces at rest that overlap by no more than rounding just touch: such a depth is no contact force.
+pub fn drop_rounding(touches: &mut [Touch], velocities: &[Twist]) {
+    for touch in touches.iter_mut().filter(|touch| touch.is_between_surfaces()) {
+        let is_rounding = touch.gap < 0.0 && touch.gap >= -touch.rounding;
+        if is_rounding && touch.normal_row.rate(velocities).abs() <= RESTING {
+            touch.gap = 0.0;
         }
     }
 }
@@ -253,6 +272,16 @@ fn row(plan: &Plan, index: usize, places: &[Place], at: &Surfaces, direction: [f
 fn stop_gap(plan: &Plan, index: usize, places: &[Place]) -> f64 {
     let stop = &plan.stops[index];
     places[stop.on].angle - places[stop.against].angle - stop.least_rad
+}
+
+/// Size of the last digits of a gap between two surfaces.
+fn rounding(plan: &Plan, contact: &PlannedContact, places: &[Place]) -> f64 {
+    let size = |[x, y]: [f64; 2]| x.abs().max(y.abs());
+    let other = match contact.against {
+        Against::Body(body) => places[body].com,
+        Against::Fixed(index) => plan.fixed[index].origin_m,
+    };
+    f64::EPSILON * (size(places[contact.body].com) + size(other))
 }
 
 /// The surfaces of a contact with all bodies at given places, from parry where it knows them exactly.
