@@ -160,7 +160,10 @@ impl Workspace {
                         self.slips[index] = found.by_normal != 0.0;
                         found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs()).max(FINEST_N)
                     }
-                    None => law.force.abs() * found.by_normal.abs().max(1.0),
+                    None => {
+                        let slowed = site.touch.drive.map_or(0.0, |drive| 1.0 + drive.slowing * rate[t].abs());
+                        law.force.abs() * found.by_normal.abs().max(1.0).max(slowed)
+                    }
                 };
                 self.own[t] = -found.by_slip;
                 self.cross[t] = -found.by_normal * slope;

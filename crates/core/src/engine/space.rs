@@ -65,7 +65,7 @@ impl Space {
             }
             let normal = self.rows.len();
             self.rows.push(touch.normal_row);
-            let tangent = touch.friction.map(|_| {
+            let tangent = touch.has_tangent().then(|| {
                 self.rows.push(touch.slip_row);
                 normal + 1
             });
@@ -83,6 +83,10 @@ impl Space {
         self.rate.extend(self.rows.iter().map(|row| row.rate(velocities)));
         self.free.clear();
         self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
+        for site in self.sites.iter().filter(|site| !site.touch.has_gap()) {
+            let [rate, acceleration] = site.touch.course;
+            (self.rate[site.normal], self.free[site.normal]) = (rate, acceleration);
+        }
         self.add_curvature(world, plan, linkage, velocities, dt);
 
         respond(&self.rows, linkage, velocities.len(), &mut self.response, &mut self.w);
