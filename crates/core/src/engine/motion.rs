@@ -41,6 +41,8 @@ pub enum StepError {
 const TORN: f64 = 100.0;
 /// How often the anchors of a step are moved, each time for better mean velocities.
 const MOST_AIMS: u32 = 4;
+/// Part of a tolerance by which anchors may be moved for other velocities than bodies then have.
+const WELL_AIMED: f64 = 0.1;
 
 /// A world at a node in time.
 pub struct Motion<'a> {
@@ -75,10 +77,8 @@ pub struct Motion<'a> {
     driven: Vec<(usize, Twist)>,
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
-    /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`], and what it would be of the accelerations
-    /// taken for velocities.
+    /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`].
     pub opening: f64,
-    pub onset: f64,
     /// How far a step may leave a pin open because its bodies do not go as expected, m.
     pub tolerance_m: f64,
     settled: Settled,
@@ -120,7 +120,6 @@ impl<'a> Motion<'a> {
             open: Vec::new(),
             overshoot: Vec::new(),
             opening: 0.0,
-            onset: 0.0,
             tolerance_m: f64::INFINITY,
             settled: Settled::default(),
             normals: Vec::new(),
@@ -163,7 +162,7 @@ impl<'a> Motion<'a> {
             if opening_m > TORN * self.tolerance_m || (missed_m > self.tolerance_m && aims == MOST_AIMS) {
                 return Err(StepError::TooLong { dt_s: dt, opening_m });
             }
-            if missed_m <= self.tolerance_m {
+            if missed_m <= WELL_AIMED * self.tolerance_m || aims == MOST_AIMS {
                 break;
             }
         }
@@ -349,7 +348,6 @@ impl<'a> Motion<'a> {
             self.accelerations.iter().zip(&self.middle).map(|(now, then)| hypot(now[0] - then[0], now[1] - then[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
         self.opening = self.linkage.opening(&self.velocities);
-        self.onset = self.linkage.opening(&self.accelerations);
     }
 
     /// rapier closes a joint along the tangent at the step's start, so that it is open by ½ dt² |J̇ v| at the end. Moving the

@@ -3,7 +3,6 @@
 //! * Free motion: rapier moves bodies straight on, by up to ½ dt² |J̇ v| off the arcs of their joints: no further than the
 //!   tolerance. And what leapfrog misses of a changing acceleration adds up to no more than 100 tolerances a
 //!   second.
-//! * Start: what accelerations make of rates within the step opens no joint by more than ten tolerances.
 //! * Touch: a step ends where a gap is predicted to close, and the last steps before it shrink by halves.
 //! * Impact: no step may move a surface by more than a part of the depth at which its law stops it.
 //! * Turning: a contact's direction is frozen in a step; what it turns meanwhile, under its force, counts as drift.
@@ -31,8 +30,6 @@ const DRIFT_PER_S: f64 = 100.0;
 const FIRST_STEP_S: f64 = 1e-6;
 /// Touches and drift ask for no shorter steps, s.
 const SHORTEST_S: f64 = 1e-10;
-/// Tolerances by which a step may open a joint through what bodies accelerate in it: steps that at most double stay below 4.
-const ONSET: f64 = 10.0;
 
 /// The next step, ending at `end_s` at the latest.
 pub fn next(motion: &Motion, stepping: Stepping, end_s: f64) -> f64 {
@@ -76,9 +73,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     };
     // Leapfrog misses dt³/12 of the acceleration's rate of change in a step: an error that grows at this speed.
     let drift_m_s = motion.last_dt_s * (motion.acceleration_change + motion.last_dt_s * turning(motion)) / 12.0;
-    // Rates that grow from rest by a dt open a joint by ½ dt² |J̇ (a dt)|, of fourth order.
-    let onset = (2.0 * ONSET * tolerance_m / motion.onset).sqrt().sqrt();
-    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening).sqrt()).min(onset);
+    let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening).sqrt());
     let shortest = SHORTEST_S.min(dt);
     if drift_m_s > 0.0 {
         dt = dt.min(motion.last_dt_s * (DRIFT_PER_S * tolerance_m / drift_m_s).sqrt());

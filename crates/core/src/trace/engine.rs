@@ -66,7 +66,7 @@ fn unstarted(reason: String, so_far: Outcome) -> RunError {
 /// Simulates the motion of a scene.
 fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let span = Span::of(scene);
-    let mut recorder = EngineRecorder::new(&scene.system, &motion, span, sink);
+    let mut recorder = EngineRecorder::new(scene, &motion, span, sink);
     recorder.begin(&motion)?;
     let broken = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
@@ -107,6 +107,9 @@ fn step_through(
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
         follow.step(motion)?;
+        if let Some(reason) = follow.broken() {
+            return Ok(Some(Reason::Obstacle(reason.to_string())));
+        }
         if !follow.proceed() {
             return Ok(Some(Reason::Stopped));
         }

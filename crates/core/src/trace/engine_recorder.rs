@@ -4,10 +4,11 @@ use super::engine_reading::{self as reading, contact, stored};
 use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
+use super::soundness::Soundness;
 use super::tracked::{Told, Tracked};
 use super::{ContactSample, Energy, Event, Outcome, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, Site};
-use crate::scene::System;
+use crate::scene::{Scene, System};
 
 pub(super) struct EngineRecorder<'a> {
     system: &'a System,
@@ -27,11 +28,14 @@ pub(super) struct EngineRecorder<'a> {
     moments: Moments,
     work: Work,
     loop_gap_m: f64,
+    soundness: Soundness,
+    broken: Option<String>,
 }
 
 impl<'a> EngineRecorder<'a> {
-    /// Of a motion of a system.
-    pub fn new(system: &'a System, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
+    /// Of a motion of a scene.
+    pub fn new(scene: &'a Scene, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
+        let system = &scene.system;
         let start_energy = stored(motion);
         let turned = reading::turned(system);
         let places = vec![Tracked::default(); turned.len()];
@@ -53,6 +57,8 @@ impl<'a> EngineRecorder<'a> {
             moments: Moments::default(),
             work: Work::default(),
             loop_gap_m: motion.linkage.gap(),
+            soundness: Soundness::new(system, scene.engine.stepping, start_energy),
+            broken: None,
         }
     }
 
@@ -73,9 +79,11 @@ impl<'a> EngineRecorder<'a> {
         self.work.contact_substeps += u64::from(motion.contact.substeps);
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
-        self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
+        let gap_m = motion.linkage.gap();
+        self.loop_gap_m = self.loop_gap_m.max(gap_m);
         let mut now = std::mem::take(&mut self.node);
         let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
+        self.broken = self.soundness.take(&energy, gap_m, dt);
         read(self.system, motion, energy, (&self.places, &self.turned), &mut now);
         self.meet_between_steps(motion, end_s - dt)?;
         self.find_extremes(motion);
@@ -300,6 +308,10 @@ fn read(
 impl Follow for EngineRecorder<'_> {
     fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         EngineRecorder::step(self, motion)
+    }
+
+    fn broken(&self) -> Option<&str> {
+        self.broken.as_deref()
     }
 
     fn proceed(&self) -> bool {

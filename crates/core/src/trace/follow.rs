@@ -6,6 +6,8 @@ use crate::engine::Motion;
 /// Who follows an engine run.
 pub(super) trait Follow {
     fn step(&mut self, motion: &Motion) -> Result<(), SinkError>;
+    /// Why the last step was none, if so.
+    fn broken(&self) -> Option<&str>;
     /// Whether the run may go on: asked after every step, and at every sub-step of the contacts in it.
     fn proceed(&self) -> bool;
 }

@@ -50,7 +50,10 @@ pub fn scene(raw: &Raw, mut c: Checker<'_>, file_name: &str) -> Result<Scene, Ve
     let (name, duration_s) = heading(&mut c, &raw.whole(), &top, file_name);
     let system = system::system(&mut c, raw, &top);
     let mu_static = system.as_ref().and_then(system::mu_static);
-    let run::Run { integrator, engine, bounds, log } = run::run(&mut c, &raw.whole(), mu_static, duration_s);
+    let run::Run { integrator, mut engine, bounds, log } = run::run(&mut c, &raw.whole(), mu_static, duration_s);
+    if let Some(system) = &system {
+        run::suit_links(&mut engine, &raw.whole().inner("engine"), system);
+    }
     // Starts are judged only if everything they stand on is sound.
     if let (Some(system), true) = (&system, c.is_clean()) {
         disc::judge_starts(&mut c, raw, system);

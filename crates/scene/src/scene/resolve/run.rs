@@ -7,7 +7,7 @@ use super::super::table::Table;
 use super::super::table::keys::Keys;
 use super::super::table::read;
 use super::super::words::SceneKind;
-use super::super::{Bounds, Construction, Engine, Integrator, LogRates, Response, defaults};
+use super::super::{Bounds, Construction, Engine, Integrator, LogRates, Response, Stepping, System, defaults};
 use crate::units::{Dimension, format};
 
 /// All settings of a run.
@@ -48,6 +48,20 @@ fn engine(c: &mut Checker<'_>, raw: &Keys<'_>, mu_static: Option<f64>) -> Engine
         );
     }
     engine
+}
+
+/// Links shorter than this, m, are stepped with a tolerance in proportion unless the scene gives one: by a step's tolerance of a link
+/// a hundredth as long, angles would go wrong a hundred times as fast.
+const SHORT_LINK_M: f64 = 2.5e-3;
+
+/// Makes the default tolerance of the engine's steps suit the shortest link.
+pub fn suit_links(engine: &mut Engine, raw: &Keys<'_>, system: &System) {
+    let lengths = system.fingers.iter().map(|finger| finger.linkage.lengths);
+    let links = lengths.flat_map(|of| [of.l11_m, of.l12_m, of.l21_m, of.l22_m]);
+    let shortest_m = links.fold(SHORT_LINK_M, f64::min);
+    if let (Stepping::Adaptive { tolerance_m, .. }, None) = (&mut engine.stepping, raw.get("tolerance")) {
+        *tolerance_m *= shortest_m / SHORT_LINK_M;
+    }
 }
 
 /// Bounds of the validation: only the end of the comparison needs the duration.
