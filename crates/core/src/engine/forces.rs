@@ -2,19 +2,19 @@
 
 use super::frame::Frame;
 use super::linkage::{Inertia, Linkage, Place, Twist};
-use super::plan::{Plan, PlannedSpring};
+use super::plan::{Plan, PlannedMotor, PlannedSpring};
 use crate::scene::SpringKind;
 
-/// Forces and torques about the centres of mass at time `t`, at the places the linkage has and at these velocities.
-pub fn smooth(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64, out: &mut [Twist]) {
+/// Forces and torques about the centres of mass at time `t`, at the places the linkage has. Motors that slow down with their rate
+/// are rows of the contact space.
+pub fn smooth(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [Twist]) {
     let [gx, gy] = plan.gravity_m_s2;
     for (force, inertia) in out.iter_mut().zip(&linkage.inertias) {
         *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
     }
     // Motors stand on the ground, which takes the reaction.
-    for motor in &plan.motors {
-        let torque = motor.torque(t, |body| velocities[body][2]);
-        motor.on.iter().for_each(|(body, part)| out[*body][2] += part * torque);
+    for motor in plan.motors.iter().filter(|motor| motor.no_load_speed_rad_s.is_none()) {
+        add_motor(motor, motor.characteristic(t).0, out);
     }
     if let Some((_, motion)) = plan.palm().filter(|_| !plan.rotors.is_empty()) {
         let turning = motion.pose(t).acceleration[2];
@@ -25,6 +25,17 @@ pub fn smooth(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t: f64, out:
         out[spring.on][2] += torque;
         out[spring.against][2] -= torque;
     }
+}
+
+/// Torques of the motors that slow down with their rate, at time `t` and these velocities.
+pub fn add_slowed_motors(plan: &Plan, velocities: &[Twist], t: f64, out: &mut [Twist]) {
+    for motor in plan.motors.iter().filter(|motor| motor.no_load_speed_rad_s.is_some()) {
+        add_motor(motor, motor.torque(t, |body| velocities[body][2]), out);
+    }
+}
+
+fn add_motor(motor: &PlannedMotor, torque: f64, out: &mut [Twist]) {
+    motor.on.iter().for_each(|(body, part)| out[*body][2] += part * torque);
 }
 
 /// Δq_s, positive in closing, in rad.

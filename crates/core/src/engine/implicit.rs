@@ -17,6 +17,9 @@ const WANTED: f64 = 1e-10;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Friction that holds has no digits below those of this force, N: where what presses comes to nothing, slips are of 1e-26 m/s.
 const FINEST_N: f64 = 1.0;
+/// Part of a rate that moves a gap by its last digits, below which a residual does not matter: a row of touching discs hands on
+/// rates of 1e-30 m/s and less.
+const FINEST: f64 = 1e-9;
 const MAX_ITERATIONS: u32 = 30;
 const MAX_HALVINGS: u32 = 12;
 
@@ -157,7 +160,10 @@ impl Workspace {
                         self.slips[index] = found.by_normal != 0.0;
                         found.pull.abs().max(bristle.damping_n_s_per_m * memory.abs()).max(FINEST_N)
                     }
-                    None => law.force.abs() * found.by_normal.abs().max(1.0),
+                    None => {
+                        let slowed = site.touch.drive.map_or(0.0, |drive| 1.0 + drive.slowing * rate[t].abs());
+                        law.force.abs() * found.by_normal.abs().max(1.0).max(slowed)
+                    }
                 };
                 self.own[t] = -found.by_slip;
                 self.cross[t] = -found.by_normal * slope;
@@ -172,7 +178,8 @@ impl Workspace {
                 terms += w.abs() * known;
             }
             let (now, from, free) = (rate[i], stage.rate[i], space.free[i]);
-            let scale = now.abs() + from.abs() + h * (free.abs() + pushed.abs());
+            let scale = (now.abs() + from.abs() + h * (free.abs() + pushed.abs()))
+                .max(FINEST * space.finest.get(i).copied().unwrap_or(0.0));
             self.residual[i] = now - from - h * (free + pushed);
             // Pushes of opposite sides may cancel, and a coefficient of friction is known to some ε, not to a part of itself: what is left
             // of them then, or of a slip of 1e-17 m/s, has no digits.

@@ -51,8 +51,8 @@ pub use plan::{
     PlannedHold, PlannedMotor, PlannedPin, PlannedRotor, PlannedSpring, PlannedStop, Shape,
 };
 pub use plan_of::plan;
-pub use space::{RESTING, Site, Space};
+pub use space::{Site, Space};
 pub use stepper::next;
 pub use substeps::{Change, ChangeKind, Contact, Moment, Tolerance, Unsolved};
-pub use touch::{Row, Touch};
+pub use touch::{RESTING, Row, Touch};
 pub use world::{World, build};

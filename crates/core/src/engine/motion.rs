@@ -32,7 +32,17 @@ pub enum StepError {
     Contact(#[from] Unsolved),
     #[error("a body's position is not finite: rapier's joints did not hold at this step size")]
     NotFinite,
+    /// The motion is where it was, and takes a shorter step.
+    #[error("a step of {dt_s:.1e} s would open a joint by {opening_m:.1e} m")]
+    TooLong { dt_s: f64, opening_m: f64 },
 }
+
+/// Tolerances by which a step may open a joint, before the anchors make up for it: a hundred times what steps are made for.
+const TORN: f64 = 100.0;
+/// How often the anchors of a step are moved, each time for better mean velocities.
+const MOST_AIMS: u32 = 4;
+/// Part of a tolerance by which anchors may be moved for other velocities than bodies then have.
+const WELL_AIMED: f64 = 0.1;
 
 /// A world at a node in time.
 pub struct Motion<'a> {
@@ -69,6 +79,8 @@ pub struct Motion<'a> {
     overshoot: Vec<[f64; 2]>,
     /// Largest rate of rate at which a pin would open at the node, see [`Linkage::opening`].
     pub opening: f64,
+    /// How far a step may leave a pin open because its bodies do not go as expected, m.
+    pub tolerance_m: f64,
     settled: Settled,
     /// Normals of the touches before the step.
     normals: Vec<[f64; 2]>,
@@ -104,10 +116,11 @@ impl<'a> Motion<'a> {
             impulse: vec![[0.0; 3]; bodies],
             middle: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
-            memories: vec![0.0; plan.first_hold() + plan.holds.len()],
+            memories: vec![0.0; plan.first_motor() + plan.motors.len()],
             open: Vec::new(),
             overshoot: Vec::new(),
             opening: 0.0,
+            tolerance_m: f64::INFINITY,
             settled: Settled::default(),
             normals: Vec::new(),
             before: vec![[0.0; 3]; bodies],
@@ -128,17 +141,34 @@ impl<'a> Motion<'a> {
         self.advance_while(dt, &|| true)
     }
 
-    /// The same, unless it may not `go_on`; then the motion is of no more use.
+    /// The same, unless it may not `go_on`; then the motion is of no more use, nor is it after an error but [`StepError::TooLong`].
     pub fn advance_while(&mut self, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), StepError> {
-        self.aim(dt);
-        touch::grip(self.plan, self.clock.now() + 0.5 * dt, &mut self.touches);
         let power_before = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
-        let Self { world, plan, linkage, .. } = self;
-        let touches = (&self.touches[..], &self.memories[..]);
-        self.space.assemble(world, plan, linkage, touches, &self.velocities, &self.step_accelerations, dt);
-        self.contact.solve_while(&self.space, dt, go_on)?;
+        touch::grip(self.plan, self.clock.now(), dt, &mut self.touches);
+        // Mean velocities of the step, as far as they are known before it.
+        for (v, a) in self.middle.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
+            *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
+        }
+        let mut aims = 0;
+        loop {
+            self.aim(dt);
+            let Self { world, plan, linkage, .. } = self;
+            let touches = (&self.touches[..], &self.memories[..]);
+            self.space.assemble(world, plan, linkage, touches, &self.velocities, &self.step_accelerations, dt);
+            self.contact.solve_while(&self.space, dt, go_on)?;
+            self.load(dt);
+            aims += 1;
+            let [opening_m, missed_m] = self.opens(dt);
+            if opening_m > TORN * self.tolerance_m || (missed_m > self.tolerance_m && aims == MOST_AIMS) {
+                return Err(StepError::TooLong { dt_s: dt, opening_m });
+            }
+            if missed_m <= WELL_AIMED * self.tolerance_m || aims == MOST_AIMS {
+                break;
+            }
+        }
         self.remember(dt);
         self.contact_work_j += self.contact.work;
+        self.motor_work_j += self.contact.motor_work;
         self.motor_work_j -= drive::contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
         self.motor_work_j -=
             frame::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
@@ -147,8 +177,8 @@ impl<'a> Motion<'a> {
             *before = [place.com[0], place.com[1], place.angle];
         }
         self.torques_before.clear();
-        let (now, rate) = (self.clock.now(), |body: usize| self.velocities[body][2]);
-        self.torques_before.extend(self.plan.motors.iter().map(|motor| motor.torque(now, rate)));
+        let now = self.clock.now();
+        self.torques_before.extend(self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
         self.push(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
@@ -170,18 +200,16 @@ impl<'a> Motion<'a> {
         touch::note_turning(&mut self.touches, &self.normals, dt);
         // A jump of the torque at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
-        // Velocities at the node are not known before its forces; those that the mean lies in the middle of will do.
-        for ((ahead, mean), before) in self.middle.iter_mut().zip(&self.means).zip(&self.velocities) {
-            *ahead = std::array::from_fn(|axis| 2.0 * mean[axis] - before[axis]);
-        }
-        forces::smooth(self.plan, &self.linkage, &self.middle, before_node, &mut self.forces);
+        forces::smooth(self.plan, &self.linkage, before_node, &mut self.forces);
         self.kick(0.5 * dt);
         self.settle();
 
-        let rate = |body: usize| self.velocities[body][2];
+        // The work of a motor that slows down with its rate was integrated with its torque, along its row.
         for (motor, before) in self.plan.motors.iter().zip(&self.torques_before) {
-            let turned = motor.shaft(|body| self.linkage.places[body].angle - self.before[body][2]);
-            self.motor_work_j += 0.5 * (before + motor.torque(before_node, rate)) * turned;
+            if motor.no_load_speed_rad_s.is_none() {
+                let turned = motor.shaft(|body| self.linkage.places[body].angle - self.before[body][2]);
+                self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * turned;
+            }
         }
         let power_after = frame::power(self.plan, &self.linkage, &self.velocities, self.clock.now());
         self.motor_work_j += 0.5 * dt * (power_before + power_after);
@@ -275,7 +303,7 @@ impl<'a> Motion<'a> {
         settled.begin();
         for (index, site) in space.sites.iter().enumerate() {
             let (normal, force) = (site.normal, contact.force[site.normal]);
-            if let (Source::Hold(_), Some(tangent)) = (site.touch.source, site.tangent) {
+            if let (Source::Hold(_) | Source::Motor(_), Some(tangent)) = (site.touch.source, site.tangent) {
                 let after = site.touch.friction_after([contact.rate[tangent], contact.memory[index], force], dt);
                 settled.take_slip(tangent, site.touch.slip_row, contact.rate[tangent], 0.0, dt * after.by_slip);
                 continue;
@@ -293,7 +321,14 @@ impl<'a> Motion<'a> {
             let creep = (dt * after.by_slip).max(0.0);
             settled.take_slip(tangent, touch.slip_row, contact.rate[tangent], after.by_normal, creep);
         }
-        self.contact_work_j += settled.solve(&mut self.linkage, &mut self.velocities);
+        settled.solve(&mut self.linkage, &mut self.velocities);
+        let is_driven = |row: usize| space.sites.iter().any(|at| at.tangent == Some(row) && at.touch.drive.is_some());
+        let (mut of_contact, mut of_motors) = (0.0, 0.0);
+        for (row, work) in settled.works(&self.velocities) {
+            *(if is_driven(row) { &mut of_motors } else { &mut of_contact }) += work;
+        }
+        self.contact_work_j += of_contact;
+        self.motor_work_j += of_motors;
         for (index, size) in settled.found() {
             contact.late[index] += size;
         }
@@ -301,10 +336,14 @@ impl<'a> Motion<'a> {
 
     /// Forces and accelerations at the node, for what comes.
     fn look(&mut self) {
-        forces::smooth(self.plan, &self.linkage, &self.velocities, self.clock.now(), &mut self.forces);
+        touch::drop_rounding(&mut self.touches, &self.velocities);
+        let now = self.clock.now();
+        forces::smooth(self.plan, &self.linkage, now, &mut self.forces);
         self.middle.copy_from_slice(&self.accelerations);
-        drive::accelerations(self.plan, self.clock.now(), &mut self.driven);
-        self.linkage.accelerations(&self.forces, &self.velocities, &self.driven, &mut self.accelerations);
+        drive::accelerations(self.plan, now, &mut self.driven);
+        self.impulse.copy_from_slice(&self.forces);
+        forces::add_slowed_motors(self.plan, &self.velocities, now, &mut self.impulse);
+        self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
         let changes =
             self.accelerations.iter().zip(&self.middle).map(|(now, then)| hypot(now[0] - then[0], now[1] - then[1]));
         self.acceleration_change = changes.fold(0.0, f64::max);
@@ -312,11 +351,8 @@ impl<'a> Motion<'a> {
     }
 
     /// rapier closes a joint along the tangent at the step's start, so that it is open by ½ dt² |J̇ v| at the end. Moving the
-    /// anchors by as much beforehand leaves a third-order rest.
+    /// anchors by as much beforehand, for the mean velocities in `middle`, leaves a third-order rest.
     fn aim(&mut self, dt: f64) {
-        for (v, a) in self.middle.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
-            *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
-        }
         let Self { linkage, open, overshoot, middle, .. } = self;
         overshoot.clear();
         overshoot.extend(linkage.overshoot(middle, dt));
@@ -339,10 +375,10 @@ impl<'a> Motion<'a> {
         self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
 
-    /// Takes rapier from the last mean velocity to the next one, by forces over the step: to the node's velocity, half a step
-    /// of acceleration on, and what the early impulses of contact add. The joints' reactions are in it, so that rapier's
-    /// iterative joint solver starts next to its solution.
-    fn push(&mut self, dt: f64) {
+    /// Impulses that take rapier from the last mean velocity to the next one: to the node's velocity, half a step of acceleration on,
+    /// and what the early impulses of contact add; and that mean velocity, in `middle`. The joints' reactions are in it, so that
+    /// rapier's iterative joint solver starts next to its solution.
+    fn load(&mut self, dt: f64) {
         for (body, impulse) in self.impulse.iter_mut().enumerate() {
             let inertia = &self.linkage.inertias[body];
             let change: Twist = std::array::from_fn(|axis| {
@@ -351,6 +387,24 @@ impl<'a> Motion<'a> {
             *impulse = [inertia.mass * change[0], inertia.mass * change[1], inertia.inertia * change[2]];
         }
         self.space.add_impulses(&self.linkage, &self.contact.early, &mut self.impulse);
+        let loaded = self.means.iter().zip(&self.impulse).zip(&self.linkage.inertias);
+        for (middle, ((mean, impulse), inertia)) in self.middle.iter_mut().zip(loaded) {
+            let inverse = [inertia.inverse_mass, inertia.inverse_mass, inertia.inverse_inertia];
+            *middle = std::array::from_fn(|axis| mean[axis] + inverse[axis] * impulse[axis]);
+        }
+    }
+
+    /// How far the mean velocities in `middle` open a pin in a step, and how far that is from what the anchors were moved for, m.
+    fn opens(&mut self, dt: f64) -> [f64; 2] {
+        let Self { linkage, overshoot, middle, .. } = self;
+        let opened = linkage.overshoot(middle, dt).zip(&*overshoot);
+        opened.fold([0.0; 2], |[most, missed], (opens, aimed)| {
+            [most.max(hypot(opens[0], opens[1])), missed.max(hypot(opens[0] - aimed[0], opens[1] - aimed[1]))]
+        })
+    }
+
+    /// One step of rapier under these impulses, as forces over the step.
+    fn push(&mut self, dt: f64) {
         let physics = &mut self.world.physics;
         for (impulse, handle) in self.impulse.iter().zip(&self.world.bodies) {
             let body = &mut physics.bodies[*handle];

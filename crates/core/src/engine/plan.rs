@@ -159,7 +159,7 @@ pub enum Meet {
 
 /// Everything the engine builds for a scene, and nothing it does not need.
 ///
-/// Stops, contacts and holds are known by one index: first the stops, then the contacts, then the holds.
+/// Stops, contacts, holds and motors are known by one index, in this order.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
@@ -217,9 +217,20 @@ impl Plan {
     pub fn first_hold(&self) -> usize {
         self.stops.len() + self.contacts.len()
     }
+
+    /// Index of the first motor behind them.
+    pub fn first_motor(&self) -> usize {
+        self.first_hold() + self.holds.len()
+    }
 }
 
 impl PlannedMotor {
+    /// Torque at standstill at time `t`, in N·m, and what a rate of the shaft of 1 rad/s takes from it, in N·m·s/rad.
+    pub fn characteristic(&self, t: f64) -> (f64, f64) {
+        let full = torque(&self.actuation, t).0;
+        (full, self.no_load_speed_rad_s.map_or(0.0, |speed| full.abs() / speed))
+    }
+
     /// Torque of the shaft at time `t`, in N·m: τ − |τ| ω/ω₀ at the rate ω that its bodies give it.
     pub fn torque(&self, t: f64, rate: impl Fn(usize) -> f64) -> f64 {
         let full = torque(&self.actuation, t).0;

@@ -63,11 +63,11 @@ impl Settled {
         self.indices.iter().copied().zip(self.size.iter().copied())
     }
 
-    /// Changes velocities so that every row has its rate; returns the work of the impulses on the bodies.
-    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) -> f64 {
+    /// Changes velocities so that every row has its rate.
+    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) {
         let (count, bodies) = (self.rows.len(), velocities.len());
         if count == 0 {
-            return 0.0;
+            return;
         }
         respond(&self.rows, linkage, bodies, &mut self.response, &mut self.w);
         // (1 + D W) p = D (wanted − u), D the stiffness of each row; along a tangent −μ times its normal's impulse besides.
@@ -84,7 +84,7 @@ impl Settled {
         }
         if !dense::solve(&mut self.w, &mut self.size, count) {
             self.size.fill(0.0);
-            return 0.0;
+            return;
         }
         for j in 0..count {
             let most = self.size[j].max(-self.available[j]);
@@ -101,9 +101,14 @@ impl Settled {
                 }
             }
         }
-        // An impulse does the work of the mean of the rates before and after it.
+    }
+
+    /// Work of the impulses on the bodies, each with the row of the contact space it is along: an impulse does that of the mean of
+    /// the rates before and after it.
+    pub fn works(&self, velocities: &[Twist]) -> impl Iterator<Item = (usize, f64)> {
         let mean = |(row, before): (&Row, &f64)| 0.5 * (before + row.rate(velocities));
         let means = self.rows.iter().zip(&self.rates).map(mean);
-        means.zip(&self.size).map(|(rate, size)| rate * size).sum()
+        let works = means.zip(&self.size).map(|(rate, size)| rate * size);
+        self.indices.iter().copied().zip(works)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::linkage::{Linkage, Place, Twist};
 use super::plan::Plan;
-use super::touch::{Row, Touch, elsewhere};
+use super::touch::{RESTING, Row, Touch, elsewhere};
 use super::world::World;
 use crate::numeric::elementary::sin_cos;
 
@@ -28,6 +28,8 @@ pub struct Space {
     pub free: Vec<f64>,
     /// Rate of every row at the start of the step.
     pub rate: Vec<f64>,
+    /// Rates that move a gap by its last digits within the step: a finer one is rounding.
+    pub finest: Vec<f64>,
     /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each row, body by body.
     response: Vec<Twist>,
     places: Vec<Place>,
@@ -63,7 +65,7 @@ impl Space {
             }
             let normal = self.rows.len();
             self.rows.push(touch.normal_row);
-            let tangent = touch.friction.map(|_| {
+            let tangent = touch.has_tangent().then(|| {
                 self.rows.push(touch.slip_row);
                 normal + 1
             });
@@ -73,10 +75,18 @@ impl Space {
         if self.rows.is_empty() {
             return;
         }
+        self.finest.clear();
+        for site in &self.sites {
+            self.finest.extend(std::iter::once(site.normal).chain(site.tangent).map(|_| site.touch.rounding / dt));
+        }
         self.rate.clear();
         self.rate.extend(self.rows.iter().map(|row| row.rate(velocities)));
         self.free.clear();
         self.free.extend(self.rows.iter().map(|row| row.rate(accelerations)));
+        for site in self.sites.iter().filter(|site| !site.touch.has_gap()) {
+            let [rate, acceleration] = site.touch.course;
+            (self.rate[site.normal], self.free[site.normal]) = (rate, acceleration);
+        }
         self.add_curvature(world, plan, linkage, velocities, dt);
 
         respond(&self.rows, linkage, velocities.len(), &mut self.response, &mut self.w);
@@ -98,7 +108,11 @@ impl Space {
         for site in self.sites.iter().filter(|site| site.touch.is_between_surfaces()) {
             let (gap, slip_row) = elsewhere(&site.touch, world, plan, &self.places);
             let straight = site.touch.gap + ahead * self.rate[site.normal];
-            self.free[site.normal] += 2.0 * (gap - straight) / (ahead * ahead);
+            let bent = gap - straight;
+            // Of surfaces that just touch, and stay so, the gap ahead is rounding.
+            if site.touch.gap != 0.0 || bent.abs() > site.touch.rounding {
+                self.free[site.normal] += 2.0 * bent / (ahead * ahead);
+            }
             if let Some(tangent) = site.tangent {
                 self.free[tangent] += (slip_row.rate(velocities) - self.rate[tangent]) / ahead;
             }
@@ -143,6 +157,4 @@ pub fn respond(rows: &[Row], linkage: &mut Linkage, bodies: usize, response: &mu
 
 /// A touch is taken in when its gap is below this many times what it closes freely in a step.
 const SAFETY: f64 = 1.5;
-/// Rates below this are rounding, m/s (stop: rad/s): the analytic model reads the start of a run by the same.
-pub const RESTING: f64 = 1e-12;
 const SHORTEST_LOOK_S: f64 = 1e-7;

@@ -28,6 +28,7 @@ const HARD_SUBSTEPS: u32 = 60;
 /// Tolerances per second by which the scheme may drift off in free motion: two tolerances in a closing of 20 ms.
 const DRIFT_PER_S: f64 = 100.0;
 const FIRST_STEP_S: f64 = 1e-6;
+/// Touches and drift ask for no shorter steps, s.
 const SHORTEST_S: f64 = 1e-10;
 
 /// The next step, ending at `end_s` at the latest.
@@ -73,6 +74,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
     // Leapfrog misses dt³/12 of the acceleration's rate of change in a step: an error that grows at this speed.
     let drift_m_s = motion.last_dt_s * (motion.acceleration_change + motion.last_dt_s * turning(motion)) / 12.0;
     let mut dt = growth.min(max_step_s).min((2.0 * tolerance_m / motion.opening).sqrt());
+    let shortest = SHORTEST_S.min(dt);
     if drift_m_s > 0.0 {
         dt = dt.min(motion.last_dt_s * (DRIFT_PER_S * tolerance_m / drift_m_s).sqrt());
     }
@@ -96,8 +98,8 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             }
         };
         if touch.gap <= 0.0 {
-            // On its way out a surface matters only while it still pushes.
-            if rate < 0.0 || force > 0.0 {
+            // On its way out a surface matters only while it still pushes; one that a step moves by less than its last digits, never.
+            if (rate < 0.0 || force > 0.0) && rate.abs() * dt > touch.rounding {
                 dt = dt.min(crossing);
             }
             continue;
@@ -108,7 +110,7 @@ fn adaptive(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
             dt = dt.min(if ahead > 2.0 * crossing { 0.5 * ahead } else { ahead.max(crossing) });
         }
     }
-    dt.max(SHORTEST_S)
+    dt.max(shortest)
 }
 
 /// Rate at which the accelerations that contacts make turn with their normals, in m/s³.

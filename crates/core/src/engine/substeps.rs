@@ -99,8 +99,9 @@ pub struct Contact {
     /// Where the normal force of each site is largest, and where its penetration.
     pub peak: Vec<Moment>,
     pub deepest: Vec<Moment>,
-    /// Work on the bodies.
+    /// Work on the bodies: of contacts and holds, and of motors.
     pub work: f64,
+    pub motor_work: f64,
     pub changes: Vec<Change>,
     pub substeps: u32,
     pub iterations: u32,
@@ -276,7 +277,8 @@ impl Contact {
             list.resize(space.sites.len(), Moment::default());
         }
         self.changes.clear();
-        (self.work, self.substeps, self.iterations, self.repeated) = (0.0, 0, 0, 0);
+        (self.work, self.motor_work) = (0.0, 0.0);
+        (self.substeps, self.iterations, self.repeated) = (0, 0, 0);
         self.buffers.touching.clear();
         self.buffers.touching.extend(self.gap.iter().map(|gap| *gap <= 0.0));
         self.buffers.pressing.clear();
@@ -413,7 +415,13 @@ impl Contact {
             let impulse = h * ((1.0 - GAMMA) * first_force[i] + GAMMA * second_force[i]);
             double[i] += h * h * (DOUBLE[0] * first_force[i] + DOUBLE[1] * second_force[i]) + rest * impulse;
             total[i] += impulse;
-            self.work += h * ((1.0 - GAMMA) * first_force[i] * first[i] + GAMMA * second_force[i] * second[i]);
+        }
+        let work = |i: usize| h * ((1.0 - GAMMA) * first_force[i] * first[i] + GAMMA * second_force[i] * second[i]);
+        for site in &space.sites {
+            let of = if site.touch.drive.is_some() { &mut self.motor_work } else { &mut self.work };
+            // The normal of a hold or a motor moves nothing.
+            let normal = site.touch.has_gap().then_some(site.normal);
+            normal.into_iter().chain(site.tangent).for_each(|row| *of += work(row));
         }
         for (index, site) in space.sites.iter().enumerate() {
             let n = site.normal;
@@ -503,7 +511,9 @@ fn relative_error(
         let Some(t) = site.tangent else {
             return error[n].abs() / (tolerance.absolute + tolerance.relative * rate[n].abs());
         };
-        let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], rate[n]);
+        // A hold or a motor has no gap whose rate counts.
+        let closing = if site.touch.has_gap() { rate[n] } else { 0.0 };
+        let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], closing);
         if let Some(bristle) = site.touch.bristle() {
             let most = site.touch.friction.map_or(0.0, |law| law.mu_static) * force[n] + BRISTLE_FLOOR;
             let held = tolerance.slip * most / bristle.damping_n_s_per_m;

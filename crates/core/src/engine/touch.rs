@@ -1,10 +1,12 @@
 //! Where surfaces and stops are to each other: gaps, normals and the rows that give their rates from body velocities.
 
+use std::f64::consts::TAU;
+
 use parry2d_f64::query;
 use rapier2d_f64::prelude::*;
 
 use super::linkage::{Linkage, Place, Twist};
-use super::plan::{Against, Meet, Plan, PlannedHold};
+use super::plan::{Against, Meet, Plan, PlannedContact, PlannedHold, PlannedMotor};
 use super::surfaces::{self, Surfaces};
 use super::world::World;
 use crate::law::{Bristle, FrictionLaw, NormalLaw, Stepped, friction_coefficient, stepped};
@@ -54,6 +56,8 @@ pub struct Touch {
     pub friction: Option<FrictionLaw>,
     /// Distance, negative in penetration.
     pub gap: f64,
+    /// Size of the last digits of the gap: the rounding of the positions it is the difference of.
+    pub rounding: f64,
     pub normal: [f64; 2],
     /// How fast the normal turns, in rad/s: by what it turned in the last step.
     pub turning: f64,
@@ -61,6 +65,10 @@ pub struct Touch {
     pub normal_row: Row,
     /// Slip of the body's surface over the other one; nothing for a stop.
     pub slip_row: Row,
+    /// Of a motor that slows down with its rate.
+    pub drive: Option<Drive>,
+    /// Rate and acceleration of the gap that no body makes: of a hold or motor, whose force changes over a step.
+    pub course: [f64; 2],
     /// Whether the scene's laws answer here: not where rapier does, nor where the pair is out of reach.
     pub governed: bool,
     /// Whether friction answers slip against its row only.
@@ -75,10 +83,21 @@ pub enum Source {
     Contact(usize),
     /// A brake: friction alone, under a force that is given.
     Hold(usize),
+    /// A motor that slows down with its rate: a torque along its slip row.
+    Motor(usize),
+}
+
+/// A motor whose torque falls with its rate: `sign` at standstill, in its torque there, and what a rate of 1 takes from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive {
+    pub sign: f64,
+    pub slowing: f64,
 }
 
 /// A gap below this part of the transition is rounding: surfaces that a step has brought to touch.
 pub const ROUNDING: f64 = 1e-9;
+/// Rates below this are rounding, m/s (stop: rad/s): the analytic model reads the start of a run by the same.
+pub const RESTING: f64 = 1e-12;
 
 impl Touch {
     /// Friction coefficient at a slip, and its slope; 0 without friction.
@@ -94,6 +113,10 @@ impl Touch {
     /// as [`Stepped`] has those of what pulls against it; a law without memory leaves that as it is.
     #[inline(always)]
     pub fn friction_after(&self, [slip, memory, normal]: [f64; 3], h: f64) -> Stepped {
+        if let Some(Drive { sign, slowing }) = self.drive {
+            let part = slowing * slip - sign;
+            return Stepped { pull: normal * part, by_slip: normal * slowing, by_normal: part, memory };
+        }
         if let Some((law, bristle)) = self.friction.as_ref().and_then(|law| Some((law, law.bristle.as_ref()?))) {
             return stepped(law, bristle, [slip, memory, normal], h, self.one_way);
         }
@@ -106,9 +129,14 @@ impl Touch {
         self.friction.as_ref().and_then(|law| law.bristle.as_ref())
     }
 
+    /// Whether there is a force along its slip row.
+    pub fn has_tangent(&self) -> bool {
+        self.friction.is_some() || self.drive.is_some()
+    }
+
     /// Whether it is one of surfaces or of a stop, which have a gap.
     pub fn has_gap(&self) -> bool {
-        !matches!(self.source, Source::Hold(_))
+        !matches!(self.source, Source::Hold(_) | Source::Motor(_))
     }
 
     /// Whether there is a gap beyond rounding.
@@ -131,11 +159,14 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             law: stop.law,
             friction: None,
             gap: stop_gap(plan, index, &linkage.places),
+            rounding: f64::EPSILON * TAU,
             normal: [0.0; 2],
             turning: 0.0,
             point: [0.0; 2],
             normal_row: Row { on: (stop.on, [0.0, 0.0, 1.0]), against: Some((stop.against, [0.0, 0.0, -1.0])) },
             slip_row: Row { on: (stop.on, [0.0; 3]), against: None },
+            drive: None,
+            course: [0.0; 2],
             governed: true,
             one_way: false,
             source: Source::Stop(index),
@@ -153,29 +184,30 @@ pub fn measure(world: &World, plan: &Plan, linkage: &Linkage, touches: &mut Vec<
             law: contact.law.normal,
             friction: contact.law.friction,
             gap,
+            rounding: rounding(plan, contact, &linkage.places),
             normal,
             turning: 0.0,
             point,
             normal_row: row(normal),
             slip_row: row(perp(normal)),
+            drive: None,
+            course: [0.0; 2],
             governed: world.response == Response::Laws && in_reach(),
             one_way: false,
             source: Source::Contact(index),
         });
     }
     touches.extend((0..plan.holds.len()).map(|index| hold(plan, index)));
+    let slowed =
+        |(index, motor): (usize, &PlannedMotor)| motor.no_load_speed_rad_s.map(|speed| drive(plan, index, speed));
+    touches.extend(plan.motors.iter().enumerate().filter_map(slowed));
 }
 
-/// A brake as a contact: its friction is all or nothing, under a force that [`grip`] sets; a depth of 1 with nothing that changes it
-/// makes a force of a stiffness.
+/// A brake as a contact: its friction is all or nothing, under a force that [`grip`] sets.
 fn hold(plan: &Plan, index: usize) -> Touch {
     let PlannedHold { on, against, brake } = plan.holds[index];
-    let turning = |(body, part): (usize, f64)| (body, [0.0, 0.0, part]);
-    let still = Row { on: (on.0, [0.0; 3]), against: None };
     let width = brake.v_static_rad_s;
     Touch {
-        index: plan.first_hold() + index,
-        law: NormalLaw::pressed_with(0.0),
         friction: Some(FrictionLaw {
             mu_static: 1.0,
             mu_dynamic: 1.0,
@@ -183,26 +215,77 @@ fn hold(plan: &Plan, index: usize) -> Touch {
             v_dynamic_m_s: 2.0 * width,
             bristle: brake.bristle,
         }),
-        gap: -1.0,
-        normal: [0.0; 2],
-        turning: 0.0,
-        point: [0.0; 2],
-        normal_row: still,
-        slip_row: Row { on: turning(on), against: against.map(turning) },
-        governed: false,
         one_way: brake.one_way,
-        source: Source::Hold(index),
+        ..on_shaft(plan.first_hold() + index, Source::Hold(index), on, against)
     }
 }
 
-/// Lets brakes grip as they do at time `t`.
-pub fn grip(plan: &Plan, t: f64, touches: &mut [Touch]) {
+/// A motor that slows down with its rate; [`grip`] sets its torque.
+fn drive(plan: &Plan, index: usize, no_load_speed_rad_s: f64) -> Touch {
+    let on = &plan.motors[index].on;
+    Touch {
+        drive: Some(Drive { sign: 1.0, slowing: no_load_speed_rad_s.recip() }),
+        ..on_shaft(plan.first_motor() + index, Source::Motor(index), on[0], on.get(1).copied())
+    }
+}
+
+/// What acts along a shaft that turns by the sum of parts of two bodies' angles: its depth, which no body changes, makes a force of
+/// a stiffness.
+fn on_shaft(index: usize, source: Source, on: (usize, f64), against: Option<(usize, f64)>) -> Touch {
+    let turning = |(body, part): (usize, f64)| (body, [0.0, 0.0, part]);
+    Touch {
+        index,
+        law: NormalLaw::pressed_with(0.0),
+        friction: None,
+        gap: -1.0,
+        rounding: f64::EPSILON,
+        normal: [0.0; 2],
+        turning: 0.0,
+        point: [0.0; 2],
+        normal_row: Row { on: (on.0, [0.0; 3]), against: None },
+        slip_row: Row { on: turning(on), against: against.map(turning) },
+        drive: None,
+        course: [0.0; 2],
+        governed: false,
+        one_way: false,
+        source,
+    }
+}
+
+/// Lets brakes grip, and motors pull, as they do over the step of `dt` from time `t`: their force follows a parabola through its
+/// values at start, middle and end.
+pub fn grip(plan: &Plan, t: f64, dt: f64, touches: &mut [Touch]) {
+    // Jumps at both ends belong to other steps.
+    let times = [1e-9, 0.5, 1.0 - 1e-9].map(|part| t + part * dt);
     for touch in touches {
-        if let Source::Hold(index) = touch.source {
-            let brake = &plan.holds[index].brake;
-            let torque = brake.torque_n_m * brake.grip(t).0;
-            touch.law = NormalLaw::pressed_with(torque);
-            touch.governed = torque > 0.0;
+        let torques = match touch.source {
+            Source::Hold(index) => {
+                times.map(|t| plan.holds[index].brake.torque_n_m * plan.holds[index].brake.grip(t).0)
+            }
+            Source::Motor(index) => {
+                let torques = times.map(|t| plan.motors[index].characteristic(t).0);
+                touch.drive = touch.drive.map(|drive| Drive { sign: torques[1].signum(), ..drive });
+                torques.map(f64::abs)
+            }
+            Source::Stop(_) | Source::Contact(_) => continue,
+        };
+        let most = torques.into_iter().fold(0.0, f64::max);
+        touch.law = NormalLaw::pressed_with(most);
+        touch.governed = most > 0.0;
+        if touch.governed {
+            let [start, middle, end] = torques.map(|torque| torque / most);
+            let rate = (4.0 * middle - 3.0 * start - end) / dt;
+            (touch.gap, touch.course) = (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)]);
+        }
+    }
+}
+
+/// Surfaces at rest that overlap by no more than rounding just touch: such a depth is no contact force.
+pub fn drop_rounding(touches: &mut [Touch], velocities: &[Twist]) {
+    for touch in touches.iter_mut().filter(|touch| touch.is_between_surfaces()) {
+        let is_rounding = touch.gap < 0.0 && touch.gap >= -touch.rounding;
+        if is_rounding && touch.normal_row.rate(velocities).abs() <= RESTING {
+            touch.gap = 0.0;
         }
     }
 }
@@ -219,7 +302,7 @@ pub fn note_turning(touches: &mut [Touch], before: &[[f64; 2]], dt: f64) {
 pub fn elsewhere(touch: &Touch, world: &World, plan: &Plan, places: &[Place]) -> (f64, Row) {
     match touch.source {
         Source::Stop(index) => (stop_gap(plan, index, places), touch.slip_row),
-        Source::Hold(_) => (touch.gap, touch.slip_row),
+        Source::Hold(_) | Source::Motor(_) => (touch.gap, touch.slip_row),
         Source::Contact(index) => {
             let found = surfaces(world, plan, index, places);
             found.map_or((touch.gap, touch.slip_row), |found| {
@@ -253,6 +336,16 @@ fn row(plan: &Plan, index: usize, places: &[Place], at: &Surfaces, direction: [f
 fn stop_gap(plan: &Plan, index: usize, places: &[Place]) -> f64 {
     let stop = &plan.stops[index];
     places[stop.on].angle - places[stop.against].angle - stop.least_rad
+}
+
+/// Size of the last digits of a gap between two surfaces.
+fn rounding(plan: &Plan, contact: &PlannedContact, places: &[Place]) -> f64 {
+    let size = |[x, y]: [f64; 2]| x.abs().max(y.abs());
+    let other = match contact.against {
+        Against::Body(body) => places[body].com,
+        Against::Fixed(index) => plan.fixed[index].origin_m,
+    };
+    f64::EPSILON * (size(places[contact.body].com) + size(other))
 }
 
 /// The surfaces of a contact with all bodies at given places, from parry where it knows them exactly.

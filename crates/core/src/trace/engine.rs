@@ -4,14 +4,17 @@ use super::engine_recorder::EngineRecorder;
 use super::follow::Follow;
 use super::grid::Span;
 use super::{Outcome, RunError, Sink, SinkError};
-use crate::engine::{Motion, Tolerance, build, next, plan};
+use crate::engine::{Motion, StepError, Tolerance, build, next, plan};
 use crate::integrator::{Failure, Reason};
 use crate::scene::words::SceneKind;
-use crate::scene::{Construction, Engine, Scene};
+use crate::scene::{Construction, Engine, Scene, Stepping};
 
 /// Contact sub-steps that the step budget allows, per step: a step of a hard contact may take 100,000 of them, so that a
 /// budget of steps alone would not bound the time a run takes. Ordinary runs need one to four.
 const SUBSTEPS_PER_STEP: u64 = 10;
+
+/// The shortest part of a step that is tried where the step would tear joints apart.
+const SHORTEST_PART: f64 = 1e-9;
 
 /// Simulates `scene` with the engine model, as `scene.engine` says.
 ///
@@ -55,7 +58,7 @@ fn unstarted(reason: String, so_far: Outcome) -> RunError {
 /// Simulates the motion of a scene.
 fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     let span = Span::of(scene);
-    let mut recorder = EngineRecorder::new(&scene.system, &motion, span, sink);
+    let mut recorder = EngineRecorder::new(scene, &motion, span, sink);
     recorder.begin(&motion)?;
     let broken = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
     let time_s = motion.clock.now();
@@ -76,6 +79,9 @@ fn step_through(
     follow: &mut impl Follow,
 ) -> Result<Option<Reason>, SinkError> {
     motion.contact.tolerance = Tolerance::of(settings.stepping);
+    if let Stepping::Adaptive { tolerance_m, .. } = settings.stepping {
+        motion.tolerance_m = tolerance_m;
+    }
     let (mut steps, mut substeps) = (0, 0);
     let budget = settings.max_steps.saturating_mul(SUBSTEPS_PER_STEP);
     while motion.clock.now() < end_s {
@@ -87,7 +93,7 @@ fn step_through(
         }
         let stop_s = end_s.min(motion.clock.now() + follow.exit_in_s());
         let dt = next(motion, settings.stepping, stop_s);
-        if let Err(error) = motion.advance_while(dt, &|| follow.proceed()) {
+        if let Err(error) = advance(motion, dt, &|| follow.proceed()) {
             return Ok(Some(match follow.proceed() {
                 true => Reason::Obstacle(error.to_string()),
                 false => Reason::Stopped,
@@ -96,9 +102,23 @@ fn step_through(
         steps += 1;
         substeps += u64::from(motion.contact.substeps);
         follow.step(motion)?;
+        if let Some(reason) = follow.broken() {
+            return Ok(Some(Reason::Obstacle(reason.to_string())));
+        }
         if !follow.proceed() {
             return Ok(Some(Reason::Stopped));
         }
     }
     Ok(None)
+}
+
+/// One step, shorter than `dt` where that would tear the joints apart.
+fn advance(motion: &mut Motion, dt: f64, go_on: &dyn Fn() -> bool) -> Result<(), StepError> {
+    let mut tried = dt;
+    loop {
+        match motion.advance_while(tried, go_on) {
+            Err(StepError::TooLong { .. }) if tried > SHORTEST_PART * dt => tried *= 0.25,
+            result => return result,
+        }
+    }
 }

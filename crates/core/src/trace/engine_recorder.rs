@@ -5,10 +5,11 @@ use super::follow::Follow;
 use super::grid::{Grid, Span};
 use super::moments::Moments;
 use super::sample::OVERLAP_ROUNDING;
+use super::soundness::Soundness;
 use super::tracked::{Told, Tracked};
 use super::{ContactSample, Energy, Event, Outcome, Reach, Sample, Sink, SinkError, Work};
 use crate::engine::{Change, ChangeKind, Motion, RESTING, Site};
-use crate::scene::System;
+use crate::scene::{Scene, System};
 
 pub(super) struct EngineRecorder<'a> {
     system: &'a System,
@@ -31,11 +32,14 @@ pub(super) struct EngineRecorder<'a> {
     moments: Moments,
     work: Work,
     loop_gap_m: f64,
+    soundness: Soundness,
+    broken: Option<String>,
 }
 
 impl<'a> EngineRecorder<'a> {
-    /// Of a motion of a system.
-    pub fn new(system: &'a System, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
+    /// Of a motion of a scene.
+    pub fn new(scene: &'a Scene, motion: &Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
+        let system = &scene.system;
         let start_energy = stored(motion);
         let turned = reading::turned(system);
         let places = vec![Tracked::default(); turned.len()];
@@ -59,6 +63,8 @@ impl<'a> EngineRecorder<'a> {
             moments: Moments::default(),
             work: Work::default(),
             loop_gap_m: motion.linkage.gap(),
+            soundness: Soundness::new(system, scene.engine.stepping, start_energy),
+            broken: None,
         }
     }
 
@@ -84,9 +90,11 @@ impl<'a> EngineRecorder<'a> {
         self.work.contact_substeps += u64::from(motion.contact.substeps);
         self.work.newton_iterations += u64::from(motion.contact.iterations);
         self.work.rejected += u64::from(motion.contact.repeated);
-        self.loop_gap_m = self.loop_gap_m.max(motion.linkage.gap());
+        let gap_m = motion.linkage.gap();
+        self.loop_gap_m = self.loop_gap_m.max(gap_m);
         let mut now = std::mem::take(&mut self.node);
         let energy = stored(motion).since(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
+        self.broken = self.soundness.take(&energy, gap_m, dt);
         read(self.system, motion, energy, (&self.places, &self.turned), &mut now);
         self.meet_between_steps(motion, end_s - dt)?;
         self.find_extremes(motion);
@@ -331,6 +339,10 @@ impl Follow for EngineRecorder<'_> {
     fn exit_in_s(&self) -> f64 {
         let object = self.last.bodies.first().filter(|_| self.is_touched());
         self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.exit_in_s(object))
+    }
+
+    fn broken(&self) -> Option<&str> {
+        self.broken.as_deref()
     }
 
     fn proceed(&self) -> bool {

@@ -40,6 +40,8 @@ mod sample;
 mod search;
 mod sink;
 mod slipping;
+#[cfg(feature = "engine")]
+mod soundness;
 mod thin;
 #[cfg(feature = "engine")]
 mod tracked;

@@ -7,7 +7,9 @@ use super::super::table::Table;
 use super::super::table::keys::Keys;
 use super::super::table::read;
 use super::super::words::SceneKind;
-use super::super::{Bounds, Construction, Engine, Integrator, LogRates, Response, System, Thresholds, defaults};
+use super::super::{
+    Bounds, Construction, Engine, Integrator, LogRates, Response, Stepping, System, Thresholds, defaults,
+};
 use super::system;
 use crate::units::{Dimension, format};
 
@@ -25,7 +27,10 @@ pub struct Run {
 pub fn run(c: &mut Checker<'_>, raw: &Keys<'_>, system: Option<&System>, duration_s: Option<f64>) -> Run {
     let mu_static = system.and_then(system::mu_static);
     let integrator = read(c, "integrator", &raw.inner("integrator"), Integrator::everyday(raw.kind));
-    let engine = engine(c, &raw.inner("engine"), mu_static);
+    let mut engine = engine(c, &raw.inner("engine"), mu_static);
+    if let Some(system) = system {
+        suit_links(&mut engine, &raw.inner("engine"), system);
+    }
     let bounds = bounds(c, &raw.inner("validate"), duration_s);
     let thresholds = thresholds(c, &raw.inner("criteria"), system, duration_s);
     Run { integrator, engine, bounds, thresholds, log: log(c, &raw.inner("log"), duration_s) }
@@ -53,6 +58,20 @@ fn engine(c: &mut Checker<'_>, raw: &Keys<'_>, mu_static: Option<f64>) -> Engine
         );
     }
     engine
+}
+
+/// Links shorter than this, m, are stepped with a tolerance in proportion unless the scene gives one: by a step's tolerance of a link
+/// a hundredth as long, angles would go wrong a hundred times as fast.
+const SHORT_LINK_M: f64 = 2.5e-3;
+
+/// Makes the default tolerance of the engine's steps suit the shortest link.
+fn suit_links(engine: &mut Engine, raw: &Keys<'_>, system: &System) {
+    let lengths = system.fingers.iter().map(|finger| finger.linkage.lengths);
+    let links = lengths.flat_map(|of| [of.l11_m, of.l12_m, of.l21_m, of.l22_m]);
+    let shortest_m = links.fold(SHORT_LINK_M, f64::min);
+    if let (Stepping::Adaptive { tolerance_m, .. }, None) = (&mut engine.stepping, raw.get("tolerance")) {
+        *tolerance_m *= shortest_m / SHORT_LINK_M;
+    }
 }
 
 /// Bounds of the validation: only the end of the comparison needs the duration.

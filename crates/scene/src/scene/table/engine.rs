@@ -118,6 +118,7 @@ lines! {
         allowed(POSITIVE), beside("stepping", "without stepping = \"fixed\""),
         needed("add the size of the steps: step = \"10 us\"; or leave it to the engine: stepping = \"adaptive\"");
     /// How far a joint may stray from its arc in one step, because bodies move straight on (stepping = "adaptive").
+    /// The default is smaller in proportion where the shortest link is shorter than 2.5 mm.
     "tolerance": Length = of!(e.stepping, Stepping::Adaptive, tolerance_m),
         allowed(POSITIVE), beside("stepping", "with stepping = \"fixed\""), said("1e-4 mm");
     /// Longest step (stepping = "adaptive").
