@@ -41,7 +41,7 @@ impl Rebound {
         let (approach, separation) = (self.approach_m_s?, self.separation_m_s?);
         let ratio = separation / approach;
         let meaningful = approach >= SLOWEST_APPROACH * self.fastest_m_s;
-        let parts = ratio >= -SEPARATION_ROUNDING && ratio <= LARGEST_RESTITUTION;
+        let parts = (-SEPARATION_ROUNDING..=LARGEST_RESTITUTION).contains(&ratio);
         let change = approach + separation;
         let own = self.by_contact_m_s.is_none_or(|by| (change - by).abs() <= LARGEST_OTHER_SHARE * change);
         (meaningful && parts && own).then(|| ratio.max(0.0))

@@ -112,7 +112,9 @@ impl<'a> EngineRecorder<'a> {
         for place in 0..self.places.len() {
             self.close_step(motion, place, end_s)?;
         }
-        if self.is_touched() && self.reach.is_some_and(|reach| reach.leaves(&self.last, &now)) {
+        // A step that is none ends the run by itself.
+        let is_sound = self.broken.is_none();
+        if is_sound && self.is_touched() && self.reach.is_some_and(|reach| reach.leaves(&self.last, &now)) {
             self.ejected_s = Some(end_s);
         }
         self.node = now;
