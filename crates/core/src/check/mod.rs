@@ -161,7 +161,7 @@ pub fn check_heard(
         bar: bar.error,
         energy_bar,
         restitution_bar: if model == Model::Engine { ENGINE_RESTITUTION_BAR } else { RESTITUTION_BAR },
-        gap_bar_m: ENGINE_BAR * scale::shortest_link(&scene.system),
+        gap_bar_m: ENGINE_BAR * scene.system.shortest_link_m(),
         // The analytic model is checked by another method, the engine by the analytic model or by itself.
         same_method: judge == Model::Engine,
     });

@@ -1,7 +1,6 @@
 //! The sizes of a scene and of its motion, by which errors are measured.
 
 use super::path::{ANGLES, Path};
-use crate::gripper::Lengths;
 use crate::scene::{Disc, System};
 use crate::shape::reach;
 
@@ -74,13 +73,4 @@ fn smallest(system: &System) -> f64 {
 fn motion(path: &Path) -> f64 {
     let Some(first) = path.points.first() else { return 0.0 };
     path.points.iter().map(|point| path.apart(first, point)).fold(0.0, f64::max)
-}
-
-/// Length of the shortest link, m; infinite without fingers.
-pub fn shortest_link(system: &System) -> f64 {
-    let lengths = system.fingers.iter().flat_map(|finger| {
-        let Lengths { l11_m, l12_m, l21_m, l22_m, .. } = finger.linkage.lengths;
-        [l11_m, l12_m, l21_m, l22_m]
-    });
-    lengths.fold(f64::INFINITY, f64::min)
 }

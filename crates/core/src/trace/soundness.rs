@@ -28,10 +28,8 @@ pub(super) struct Soundness {
 
 impl Soundness {
     pub fn new(system: &System, stepping: Stepping, start: Energy) -> Self {
-        let lengths = system.fingers.iter().map(|finger| finger.linkage.lengths);
-        let links = lengths.flat_map(|of| [of.l11_m, of.l12_m, of.l21_m, of.l22_m]);
         let limits = if let Stepping::Adaptive { .. } = stepping { ADAPTIVE } else { FIXED };
-        Self { limits, shortest_link_m: links.fold(f64::INFINITY, f64::min), start, put_in_j: 0.0 }
+        Self { limits, shortest_link_m: system.shortest_link_m(), start, put_in_j: 0.0 }
     }
 
     /// Takes the energies after a step of `dt_s`, and the largest opening of a joint; why they are none of a motion, if so.

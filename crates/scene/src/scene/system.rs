@@ -129,6 +129,12 @@ impl System {
         self.law(place).and_then(|law| law.bristle())
     }
 
+    /// Length of the shortest link, m; infinite without fingers.
+    pub fn shortest_link_m(&self) -> f64 {
+        let lengths = self.fingers.iter().map(|finger| finger.linkage.lengths);
+        lengths.flat_map(|of| [of.l11_m, of.l12_m, of.l21_m, of.l22_m]).fold(f64::INFINITY, f64::min)
+    }
+
     /// Largest force, N, that a motor exerts at the end of a proximal phalanx; 0 without fingers.
     pub fn motor_force_n(&self) -> f64 {
         let input = self.differential.as_ref().map(|differential| &differential.motor);

@@ -66,9 +66,7 @@ const SHORT_LINK_M: f64 = 2.5e-3;
 
 /// Makes the default tolerance of the engine's steps suit the shortest link.
 fn suit_links(engine: &mut Engine, raw: &Keys<'_>, system: &System) {
-    let lengths = system.fingers.iter().map(|finger| finger.linkage.lengths);
-    let links = lengths.flat_map(|of| [of.l11_m, of.l12_m, of.l21_m, of.l22_m]);
-    let shortest_m = links.fold(SHORT_LINK_M, f64::min);
+    let shortest_m = SHORT_LINK_M.min(system.shortest_link_m());
     if let (Stepping::Adaptive { tolerance_m, .. }, None) = (&mut engine.stepping, raw.get("tolerance")) {
         *tolerance_m *= shortest_m / SHORT_LINK_M;
     }
