@@ -106,7 +106,7 @@ const VERSION: &str = match option_env!("PHALANX_VERSION") {
     after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx run my-gripper.toml --open\n  phalanx run scenes/experiment-95.toml --log run.mcap\n\nExit \
                   status: 0 done; 1 a check failed; 2 bad input; 3 the simulation could not be completed.\n\nTables and help \
                   fit the terminal; COLUMNS sets another width, also in a pipe, where tables are as wide as need be \
-                  otherwise. NO_COLOR takes the colours from help and messages."
+                  otherwise. NO_COLOR takes the colours from help and messages.\n\nThe thesis that help and reports cite is \"Dynamic grasping of objects with a high-speed parallel robot\" (master's thesis)."
 )]
 struct Cli {
     /// Print results, warnings and errors only: no progress and no notes on stderr

@@ -22,10 +22,10 @@ use crate::wording::Reported;
 /// Choose designs from the results of a sweep: criteria, classes, ranking.
 ///
 /// A run is selected if it is statically stable, form-closed, dynamically stable or semi-stable, and has a palm force PFP
-/// of 0 or more from its final simulated forces (thesis section 4.3); each of these can be left out or changed, and any
+/// of 0 or more from its final simulated forces (thesis, section 4.3); each of these can be left out or changed, and any
 /// column of numbers can be bounded.
 ///
-/// The selected are ranked by r_WC (4.2), the weighted mean of r(PFP), 1 − r(tts), 1 − r(F21) and r(F22), each scaled from
+/// The selected are ranked by r_WC (thesis, eq. 4.2), the weighted mean of r(PFP), 1 − r(tts), 1 − r(F21) and r(F22), each scaled from
 /// its smallest to its largest value over the selected; a part that is the same for all counts as 1/2.
 #[derive(Debug, Args)]
 #[command(

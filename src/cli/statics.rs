@@ -20,7 +20,7 @@ use crate::units::{self, Dimension};
 /// Look at the grasp at rest: contact forces, ejection, form and force closure, what acceleration it bears.
 ///
 /// Of a finger: both phalanges are taken to touch the object, at the final posture that the geometry gives. Forces are those that
-/// balance the motor and the spring there (thesis (2.32)), with friction on the object towards the palm, and the same in Birglen's
+/// balance the motor and the spring there (thesis, eq. 2.32), with friction on the object towards the palm, and the same in Birglen's
 /// frame. Form closure asks whether finger, mirrored finger and palm leave the object any way out while the motors cannot be
 /// turned back; the answer comes with its certificate: the motion that is free, or forces in balance that exclude one.
 ///

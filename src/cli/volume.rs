@@ -25,7 +25,7 @@ use crate::units::{self, Dimension};
 
 /// Map which designs hold the object: grasp-state volumes over l21, phi22 and the arm ratio.
 ///
-/// Each point of a volume is a design: sized (motor and spring, thesis 3.3.2), closed on the object, in equilibrium there. It
+/// Each point of a volume is a design: sized (motor and spring, thesis, section 3.3.2), closed on the object, in equilibrium there. It
 /// is stable where neither phalanx would have to pull (force positiveness). Within the stable region the palm force, form
 /// closure, forces, torques and mass can be looked at. One volume for each base and each coefficient of static friction, and
 /// the intersection over the bases. A design that does not exist is counted, with the reason.

@@ -8,6 +8,8 @@ use crate::trace::Model;
 
 /// A setting that is predicted to need more steps than this is left out.
 pub const LONGEST_STEPS: f64 = 2e6;
+/// A finer setting is tried, unasked, if it takes no more steps than this.
+const FINER_STEPS: f64 = 2e5;
 /// A fixed step that makes more steps than this is run once, not with the whole ensemble.
 const ONCE_STEPS: f64 = 15e3;
 /// Shortest fixed step where there is no time for shorter ones, a little less than 1e-5 s for the sake of the last bit.
@@ -143,6 +145,21 @@ pub fn name(rung: &Rung) -> String {
     }
 }
 
+/// Keys of `[engine]` with which the engine is stepped like this, for a scene of the same kind of stepping.
+pub fn keys(rung: &Rung) -> String {
+    match rung.settings {
+        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => format!("step = \"{step_s:e} s\""),
+        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
+            let longest = match max_step_s == ENGINE_MAX_STEP_S {
+                true => String::new(),
+                false => format!(", max_step = \"{max_step_s:e} s\""),
+            };
+            format!("tolerance = \"{tolerance_m:e} m\"{longest}")
+        }
+        Settings::Analytic(_) => name(rung),
+    }
+}
+
 /// All settings for a scene, family by family; `quick` leaves out those that take long. The scene's own is among them.
 pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
     let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
@@ -163,6 +180,26 @@ pub fn ladder(scene: &Scene, quick: bool) -> Vec<Rung> {
     }
     let engines = engines.into_iter().map(|engine| Rung::engine(engine, scene));
     engines.chain(analytic(scene).into_iter().map(|integrator| Rung::analytic(integrator, scene))).collect()
+}
+
+/// Settings of the engine finer than the scene's, each by a factor of ten, coarse to fine, as long as they take few steps; none for
+/// rapier's own contact, since no step makes it follow the scene's law.
+pub fn finer_settings(scene: &Scene, own_steps: u64) -> Vec<Rung> {
+    if matches!(scene.engine.response, Response::Rapier { .. }) {
+        return Vec::new();
+    }
+    let finer = |factor: f64| match scene.engine.stepping {
+        Stepping::Fixed { step_s } => Stepping::Fixed { step_s: scaled(step_s, factor) },
+        Stepping::Adaptive { tolerance_m, max_step_s } => {
+            // Without joints the longest step decides, not the tolerance.
+            let longer = if is_jointed(scene) { 1.0 } else { factor.sqrt() };
+            Stepping::Adaptive { tolerance_m: scaled(tolerance_m, factor), max_step_s: scaled(max_step_s, longer) }
+        }
+    };
+    let rungs =
+        [0.1, 0.01, 1e-3, 1e-4].map(|factor| Rung::engine(Engine { stepping: finer(factor), ..scene.engine }, scene));
+    let is_short = |rung: &Rung| rung.predicted_steps(scene, own_steps).is_none_or(|steps| steps <= FINER_STEPS);
+    rungs.into_iter().filter(is_short).collect()
 }
 
 /// Tolerances around the scene's own, or around the usual one where its steps are fixed. Bodies without joints are rarely

@@ -55,7 +55,7 @@ pub use criteria::{Criterion, FEW_LOSSES, LOST_SHARE, LOST_TIME_SHARE, Value, ch
 pub use difference::{Comparison, Differences, Off, compare, largest, off};
 pub use ensemble::{GRIPPER_MEMBERS, MEMBERS, TORQUE_STEP, member, members};
 pub use impacts::{IMPACT_S, Impact, Impacts};
-pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, ladder, name, of_reference, own};
+pub use ladder::{Family, LONGEST_STEPS, Rung, Settings, finer_settings, keys, ladder, name, of_reference, own};
 pub use recording::{Recording, record, record_while};
 pub use room::refuse_too_fine;
 pub use statistics::{FIGURES, MOST_ERRORS, RUNS, SPREAD, Spread, Statistic, Statistics, statistics};

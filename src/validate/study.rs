@@ -6,8 +6,8 @@ use super::ensemble::member;
 use super::subject::{reference_bound, with};
 use super::{
     Comparison, Cost, Criterion, Differences, LONGEST_STEPS, Recording, Rung, Statistics, Verdict, compare, compared,
-    cost, criteria, invariants, ladder, members, own, path_bound, record_while, reference, sampled, statistics,
-    verdicts,
+    cost, criteria, finer_settings, invariants, ladder, members, own, path_bound, record_while, reference, sampled,
+    statistics, verdicts,
 };
 use crate::check;
 use crate::invariants::Finding;
@@ -83,6 +83,26 @@ pub struct Validation {
     /// The ladder, as far as it was climbed.
     pub rows: Vec<Row>,
     pub verdict: Verdict,
+    /// The check of the reference by another method.
+    pub checked: check::Check,
+    /// Finer settings of the engine, run because the verdict failed, coarse to fine, and whether each passes. The first that
+    /// passes is the last.
+    pub finer: Vec<(Rung, bool)>,
+}
+
+impl Validation {
+    /// Estimated error of the reference, in the unit of a check; `None` where it could not be estimated.
+    pub fn reference_error(&self) -> Option<f64> {
+        (self.checked.verdict != check::Verdict::Unknown).then_some(self.checked.errors.path)
+    }
+
+    /// The model to trust where the models differ by more than a bound: the analytic one, if its own two methods agree and it breaks
+    /// no invariant.
+    pub fn trusted(&self) -> Option<Model> {
+        let reference = ["reference", "analytic_invariants"];
+        let is_sound = self.verdict.checks.iter().all(|check| check.passed() || !reference.contains(&check.bound));
+        (!self.verdict.passed() && is_sound).then_some(Model::Analytic)
+    }
 }
 
 /// Why a scene could not be validated: one of the two runs that must complete did not.
@@ -130,23 +150,48 @@ pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> 
     let mut all = all.into_iter();
     let (reference_run, engine) =
         all.next().map(|first| (first.reference, first.engine.unwrap_or_default())).unwrap_or_default();
-    let others = all.map(|member| (member.scene, member.reference)).collect();
+    let others: Vec<_> = all.map(|member| (member.scene, member.reference)).collect();
 
     let broken = |error: RunError| StudyError { model: Model::Engine, error };
     let statistics = sensitive(scene, go_on).map_err(broken)?;
     let reference_invariants = invariants(&reference(scene), Model::Analytic, &reference_run);
-    let engine_invariants = invariants(scene, Model::Engine, &engine);
-    let criteria = criteria::criteria(scene, &reference_run, &engine);
-    let unjudged = criteria::unjudged(scene, &checked);
-    Ok(Validation {
-        until_s,
-        path_bound,
-        verdict: verdicts(&differences, &scene.bounds)
-            .and_criteria(if unjudged.is_none() { criteria::checks(&criteria) } else { Vec::new() })
+    let judged = |engine: &Recording, differences: &Differences| {
+        let criteria = criteria::criteria(scene, &reference_run, engine);
+        let is_judged = criteria::unjudged(scene, &checked).is_none();
+        let engine_invariants = invariants(scene, Model::Engine, engine);
+        let verdict = verdicts(differences, &scene.bounds)
+            .and_criteria(if is_judged { criteria::checks(&criteria) } else { Vec::new() })
             .and_reference(&checked, reference_bound(whole))
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
-            .and_statistics(statistics.as_ref()),
+            .and_statistics(statistics.as_ref());
+        (verdict, criteria, engine_invariants)
+    };
+    let (verdict, criteria, engine_invariants) = judged(&engine, &differences);
+    let mut finer = Vec::new();
+    if verdict.is_of_engine() {
+        let members = || std::iter::once((scene, &reference_run)).chain(others.iter().map(|(a, b)| (a, b)));
+        for rung in finer_settings(scene, engine.outcome.work.steps) {
+            let run = record_while(Model::Engine, &sampled(Model::Engine, &rung.apply(scene)), go_on)
+                .and_then(|engine| Ok((engine, worst(&rung, members(), go_on)?)));
+            let passed = match run {
+                Ok((engine, differences)) => judged(&engine, &differences).0.passed(),
+                Err(error) if error.is_stop() => return Err(broken(error)),
+                Err(_) => false,
+            };
+            finer.push((rung, passed));
+            if passed {
+                break;
+            }
+        }
+    }
+    Ok(Validation {
+        until_s,
+        path_bound,
+        verdict,
+        unjudged: criteria::unjudged(scene, &checked),
+        checked,
+        finer,
         statistics,
         reference_invariants,
         engine_invariants,
@@ -155,7 +200,6 @@ pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> 
         others,
         differences,
         criteria,
-        unjudged,
         rows: Vec::new(),
     })
 }

@@ -39,6 +39,13 @@ impl Verdict {
         self.checks.iter().all(Check::passed)
     }
 
+    /// Whether only bounds fail that depend on the settings of the engine: the reference and its invariants pass, and there are no
+    /// statistics, which take many runs of the engine.
+    pub fn is_of_engine(&self) -> bool {
+        let others = ["reference", "analytic_invariants", "statistics"];
+        !self.passed() && self.checks.iter().all(|check| check.passed() || !others.contains(&check.bound))
+    }
+
     /// With the reference judged too: by another method it may be off by a part of what the engine may. What could not be
     /// checked is no reference.
     pub fn and_reference(mut self, found: &check::Check, bound: f64) -> Self {

@@ -154,6 +154,24 @@ fn a_bound_that_the_reference_cannot_judge_is_said_to_be_one() {
     let text = stdout(&output);
     let failed: Vec<&str> = text.lines().filter(|line| line.ends_with("FAIL")).collect();
     assert!(failed.len() == 2 && failed[0].starts_with("angle_rad") && failed[1].starts_with("reference"), "{text}");
+    assert!(text.contains("Trust neither model"), "{text}");
+}
+
+#[test]
+fn a_failed_validation_names_the_model_to_trust_and_a_setting_that_passes() {
+    let coarse = ["--set", "engine.tolerance=1e-4 m"];
+    let failed = validate(ANCHOR, &coarse);
+    assert_eq!(failed.status.code(), Some(1), "{}", stderr(&failed));
+    let text = stdout(&failed);
+    assert!(text.contains("Trust the analytic model: its own two methods agree to "), "{text}");
+    let report = json(&validate(ANCHOR, &[&coarse[..], &["--json"]].concat()));
+    assert_eq!(report["trusted"], "analytic");
+    assert!(report["reference_error"].as_f64().is_some_and(|error| error < 1e-8), "{}", report["reference_error"]);
+    let finer = report["finer"].as_array().and_then(|all| all.last()).expect("a setting");
+    let setting = finer["setting"].as_str().expect("text");
+    assert!(finer["passed"] == true && text.contains(&format!("The engine passes with [engine] {setting}.")), "{text}");
+    let set = format!("engine.{}", setting.replace(" = ", "=").replace('"', ""));
+    assert_eq!(validate(ANCHOR, &["--set", &set]).status.code(), Some(0), "{set}");
 }
 
 #[test]

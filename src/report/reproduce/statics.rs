@@ -24,8 +24,8 @@ pub fn designs(found: &Reproduction, all: &[Comparison]) -> Report {
 /// Force positiveness and form closure.
 pub fn section(found: &Reproduction, all: &[Comparison]) -> Report {
     let section = Report::section("Statics and form closure").words(
-        "A grasp is statically stable if neither phalanx would have to pull (2.32), and form-closed if no motion of object and \
-         fingers is free with the motors blocked (1.15)–(1.19).",
+        "A grasp is statically stable if neither phalanx would have to pull (thesis, eq. 2.32), and form-closed if no motion of object and \
+         fingers is free with the motors blocked (eqs. 1.15–1.19).",
     );
     let section = compared(section, "Static stability and form closure.", &of_section(all, "statics"));
     let designs = found.selection.designs();

@@ -14,10 +14,10 @@ use super::statistics::StatisticsReport;
 use crate::invariants::Finding;
 use crate::scene::words::SceneKind;
 use crate::scene::{Scene, Words};
-use crate::trace::{Energy, Layout};
+use crate::trace::{Energy, Layout, Model};
 use crate::validate::{
-    Check, Climb, Criterion, IMPACT_S, Recording, Row, Rung, TORQUE_STEP, Tried, Validation, Value, members, name,
-    of_reference, own,
+    Check, Climb, Criterion, IMPACT_S, Recording, Row, Rung, TORQUE_STEP, Tried, Validation, Value, keys, members,
+    name, of_reference, own,
 };
 
 /// One validation.
@@ -40,6 +40,13 @@ pub struct ValidationReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ensemble_speed_step: Option<f64>,
     pub verdict: Vec<CheckReport>,
+    /// Estimated error of the reference along the path, of the two methods of the analytic model; m where there are discs alone. Null
+    /// where it is unknown.
+    pub reference_error: Option<f64>,
+    /// The model to trust where a bound fails; null where none fails, or neither is to be trusted.
+    pub trusted: Option<&'static str>,
+    /// Finer settings of the engine that were run because a bound failed.
+    pub finer: Vec<FinerReport>,
     /// Criteria of both models, and why they are not judged; null where they are.
     pub criteria: Vec<CriterionReport>,
     pub criteria_unjudged: Option<&'static str>,
@@ -71,6 +78,14 @@ pub struct CheckReport {
     pub meaning: &'static str,
     pub measured: Option<f64>,
     pub limit: f64,
+    pub passed: bool,
+}
+
+/// A finer setting of the engine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FinerReport {
+    /// As keys of `[engine]`.
+    pub setting: String,
     pub passed: bool,
 }
 
@@ -210,6 +225,13 @@ impl ValidationReport {
             ensemble_torque_step: fingers.then_some(TORQUE_STEP),
             ensemble_speed_step: (!fingers).then_some(TORQUE_STEP),
             verdict: found.verdict.checks.iter().map(CheckReport::from).collect(),
+            reference_error: found.reference_error(),
+            trusted: found.trusted().map(Model::name),
+            finer: found
+                .finer
+                .iter()
+                .map(|(rung, passed)| FinerReport { setting: keys(rung), passed: *passed })
+                .collect(),
             criteria: found.criteria.iter().map(CriterionReport::from).collect(),
             criteria_unjudged: found.unjudged.filter(|_| !found.criteria.is_empty()),
             analytic: ModelReport::new(scene, analytic, &found.reference, &found.reference_invariants),

@@ -108,7 +108,28 @@ fn heading(report: &ValidationReport) -> String {
         duration(report.duration_s),
         report.ensemble_runs,
     );
+    if !report.passed {
+        let _ = writeln!(text, "{}", advice(report));
+    }
     text
+}
+
+/// Which model to trust, and which setting of the engine passes.
+fn advice(report: &ValidationReport) -> String {
+    let unit = if report.is_of_discs() { "m" } else { "rad" };
+    let agree = match report.reference_error {
+        Some(error) => format!("its own two methods agree to {error:.1e} {unit}"),
+        None => "its own two methods could not be compared".to_string(),
+    };
+    if report.trusted.is_none() {
+        return format!("Trust neither model: the analytic one is no reference here, {agree}.");
+    }
+    let engine = match report.finer.last() {
+        Some(finer) if finer.passed => format!("The engine passes with [engine] {}.", finer.setting),
+        Some(finer) => format!("The engine does not pass with [engine] {} either.", finer.setting),
+        None => "No finer setting of the engine was run.".to_string(),
+    };
+    format!("Trust the analytic model: {agree}. {engine}")
 }
 
 fn checks(checks: &[CheckReport]) -> Report {

@@ -106,7 +106,7 @@ fn forces(all: &[ForcesReport]) -> Report {
         ]
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();
-    let mut text = Report::from("contact forces at rest (2.32), without weight\n").and(table(&rows));
+    let mut text = Report::from("contact forces at rest, without weight\n").and(table(&rows));
     for of in all {
         let cause = match of.ejection {
             "proximal" => {
@@ -129,12 +129,12 @@ fn birglen(all: &[ForcesReport]) -> Report {
         return text;
     };
     text.push_str(&format!(
-        "T (1.10) = {}, t = ({}, {}) N·mm\n",
+        "transmission T = {}, torques t = ({}, {}) N·mm\n",
         matrix(transmission, 1.0),
         number(torques_n_m[0] * 1e3),
         number(torques_n_m[1] * 1e3)
     ));
-    let head = row(["μ_s", "J (1.8), mm", "f1, N", "f2, N", "f1 − F21, N", "f2 − F22, N"]);
+    let head = row(["μ_s", "Jacobian J, mm", "f1, N", "f2, N", "f1 − F21, N", "f2 − F22, N"]);
     let line = |of: &ForcesReport| {
         let b = &of.birglen;
         let difference = |i: usize| {
@@ -190,7 +190,7 @@ pub(super) fn closure(found: &ClosureReport, of: &str, pure: Option<[f64; 3]>) -
         _ => {}
     }
     text.push_str(&format!(
-        "necessary count (1.19): {} contacts + {} motors {} {} freedoms of the fingers + {} of the object + 1, {}\n",
+        "necessary count: {} contacts + {} motors {} {} freedoms of the fingers + {} of the object + 1, {}\n",
         n.contacts,
         n.motors,
         if n.met { "≥" } else { "<" },
