@@ -204,6 +204,7 @@ impl From<SceneError> for Failure {
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
+    interrupt::survive_file_limits();
     let matches = command_line().try_get_matches().unwrap_or_else(|error| meant(error).exit());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if cli.quiet {
