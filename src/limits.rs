@@ -9,6 +9,8 @@ pub use phalanx_core::limits::{MOST_DISCS, MOST_PICTURES, MOST_PROBLEMS, MOST_SA
 
 /// Bytes of a scene or study file.
 pub const LARGEST_SCENE_BYTES: u64 = 1 << 20;
+/// Bytes of the explorer's packed module: twelve times what it has.
+pub const LARGEST_MODULE_BYTES: u64 = 16 << 20;
 /// Samples on the grid of a run that is validated: several such runs are held in memory, 1,600 bytes a sample.
 pub const MOST_VALIDATED_SAMPLES: f64 = 2e5;
 /// Bytes of a table that is read: ten times as many are held in memory.

@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::overrides::positive;
 use super::progress::Count;
-use super::saved::save;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
+use super::targets::reserve;
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
@@ -75,7 +74,7 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
     only_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/offset.toml").map_err(Failure::bad_input)?;
     let source = Source { layers: scene::layers(&args.scene)?, settings: args.set.settings().to_vec() };
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let folder = reserve(&[("the scene", &files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
     let plan = Plan { model: args.model.into(), error_m, places: args.places, tolerance_m: args.finely };
     let load = |offset_m: f64| source.placed(error_m, offset_m);
@@ -93,10 +92,8 @@ pub fn run(args: &CaptureArgs) -> Result<Status, Failure> {
     })?;
     let report = CaptureReport::from(&found);
     if let Some(folder) = folder {
-        folder.fill(|out| {
-            let texts = [report.json(), capture_csv(&report), plot::capture(&found), report.report().to_string()];
-            FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
-        })?;
+        let texts = [report.json(), capture_csv(&report), plot::capture(&found), report.report().to_string()];
+        folder.write(&FILES, &texts)?;
     }
     answer(&report, args.json)?;
     Ok(Status::Done)

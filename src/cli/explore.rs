@@ -8,11 +8,14 @@ use clap::Args;
 
 use super::browser::Browser;
 use super::output::show;
-use super::own::{Form, writable};
-use super::run_page::{apart, opened, temporary};
+use super::own::Form;
+use super::run_page::{opened, temporary};
 use super::saved::save;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
+use super::targets::{Kind, NONE, reserve};
 use super::{Failure, Status, VERSION};
+use crate::files::read_at_most;
+use crate::limits::LARGEST_MODULE_BYTES;
 use crate::page::{Start, explorer_page, is_packed, whole};
 use crate::scene::words::SceneKind;
 use crate::wording::Report;
@@ -57,16 +60,15 @@ pub struct ExploreArgs {
 /// Runs the command.
 pub fn run(args: &ExploreArgs) -> Result<Status, Failure> {
     let start = start(args)?;
-    let module = module(args.module.as_deref())?;
+    let (file, module) = module(args.module.as_deref())?;
     let wanted = args.open || args.out.is_none();
     let browser =
         wanted.then(Browser::find).transpose().map_err(|why| Failure::bad_input(why.replace("--html", "-o")))?;
     let target = match &args.out {
         Some(target) => {
-            if let Some(scene) = &args.scene {
-                apart("-o", target, scene, None)?;
-            }
-            writable(target, Form::Page)?;
+            let scene = args.scene.as_deref().map(files).unwrap_or_default();
+            let page = ("-o", Some(target.as_path()), Kind::File(Form::Page));
+            reserve(&[("the scene", &scene), ("the module", &[file])], &[page], NONE)?;
             target.clone()
         }
         None => temporary("-o")?,
@@ -110,21 +112,27 @@ fn field(line: &str) -> Option<(String, String)> {
 }
 
 /// The module's bytes.
-fn module(given: Option<&Path>) -> Result<Vec<u8>, Failure> {
+fn module(given: Option<&Path>) -> Result<(PathBuf, Vec<u8>), Failure> {
     let named = env::var_os(VARIABLE).filter(|name| !name.is_empty()).map(PathBuf::from);
     let beside = env::current_exe().ok().map(|program| program.with_file_name(MODULE));
     let path = given.map(Path::to_path_buf).or(named).or(beside).unwrap_or_else(|| MODULE.into());
-    let bytes = fs::read(&path).map_err(|error| {
+    let refused = |why: String| {
         Failure::bad_input(format!(
-            "the explorer needs its module {}, which cannot be read: {error}\n  = help: {HOW}; or name one with --module FILE, or in {VARIABLE}",
+            "the explorer needs its module {}, which cannot be read: {why}\n  = help: {HOW}; or name one with --module FILE, or in {VARIABLE}",
             path.display()
         ))
-    })?;
+    };
+    if fs::metadata(&path).is_ok_and(|found| !found.is_file()) {
+        return Err(refused("that is not a regular file".to_string()));
+    }
+    let too_large = || refused(format!("it is larger than {} MiB, and no module is", LARGEST_MODULE_BYTES >> 20));
+    let bytes =
+        read_at_most(&path, LARGEST_MODULE_BYTES).map_err(|error| refused(error.to_string()))?.ok_or_else(too_large)?;
     if !is_packed(&bytes) {
         return Err(Failure::bad_input(format!(
             "{} is no packed module of the explorer: it does not begin as what gzip writes\n  = help: {HOW}",
             path.display()
         )));
     }
-    Ok(bytes)
+    Ok((path, bytes))
 }

@@ -11,12 +11,11 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::own::Form;
 use super::saved::{broken, save};
-use crate::files::{checksum as sum_up, replace};
+use crate::files::{Staging, checksum as sum_up, read_at_most, replace};
+use crate::limits::LARGEST_SCENE_BYTES;
 
 /// Checksums of what was written, by name.
-const CHECKSUMS: &str = ".phalanx";
-/// Where files are until all are there.
-const STAGING: (&str, &str) = (".phalanx-", ".tmp");
+pub const CHECKSUMS: &str = ".phalanx";
 
 /// The latest checksum of each file and the one before: a process that was killed may have left either.
 type Checksums = BTreeMap<String, Vec<String>>;
@@ -25,7 +24,7 @@ type Checksums = BTreeMap<String, Vec<String>>;
 #[derive(Debug)]
 pub struct Folder {
     out: PathBuf,
-    staging: tempfile::TempDir,
+    staging: Staging,
 }
 
 impl Folder {
@@ -41,11 +40,12 @@ impl Folder {
         fs::create_dir_all(out).map_err(|error| {
             Failure::bad_input(format!("cannot make the directory {place}: {error}; give one where you may write"))
         })?;
-        let checksums = checksums(out);
-        names.iter().try_for_each(|name| refuse_foreign(out, name, &checksums)).map_err(Failure::bad_input)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(STAGING.0).suffix(STAGING.1);
-        let staging = builder.tempdir_in(out).map_err(|error| {
+        let checksums = checksums(out).map_err(Failure::bad_input)?;
+        let entries = fs::read_dir(out).into_iter().flatten().flatten();
+        let found = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let mut own = found.filter(|found| names.iter().any(|name| fits(name, found)));
+        own.try_for_each(|name| refuse_foreign(out, &name, &checksums)).map_err(Failure::bad_input)?;
+        let staging = Staging::within(out).map_err(|error| {
             Failure::bad_input(format!(
                 "cannot write to {place}: {}; give a directory where you may write",
                 error.kind()
@@ -66,9 +66,14 @@ impl Folder {
         write(self.staging.path()).and_then(|()| self.keep()).map_err(named)
     }
 
+    /// Writes texts by their names, all or none.
+    pub fn write(self, names: &[&str], texts: &[String]) -> Result<(), Failure> {
+        self.fill(|staging| names.iter().zip(texts).try_for_each(|(name, text)| save(&staging.join(name), text)))
+    }
+
     fn keep(&self) -> Result<(), Failure> {
         let names = files(self.staging.path()).map_err(|error| broken(&self.out, error))?;
-        let mut checksums = checksums(&self.out);
+        let mut checksums = checksums(&self.out).map_err(Failure::incomplete)?;
         names.iter().try_for_each(|name| refuse_foreign(&self.out, name, &checksums)).map_err(Failure::incomplete)?;
         for name in names.iter().filter(|name| Form::of_name(name).is_none()) {
             let path = self.staging.path().join(name);
@@ -109,11 +114,10 @@ impl Folder {
     }
 }
 
-/// Writes texts by their names, all or none.
-pub fn write_all(out: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
-    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    let folder = Folder::open(out, &names)?;
-    folder.fill(|staging| files.iter().try_for_each(|(name, text)| save(&staging.join(name), text)))
+/// Whether a name is one of those that `pattern` stands for: itself, or with any text for `*`.
+pub fn fits(pattern: &str, name: &str) -> bool {
+    pattern == name
+        || pattern.split_once('*').is_some_and(|(start, end)| name.starts_with(start) && name.ends_with(end))
 }
 
 /// Moves a file to its place; what stands there and is no regular file (a link, a pipe) is written through.
@@ -158,9 +162,25 @@ fn refuse_foreign(out: &Path, name: &str, checksums: &Checksums) -> Result<(), S
     }
 }
 
-/// What the directory says of its files; nothing where it does not.
-fn checksums(out: &Path) -> Checksums {
-    fs::read(out.join(CHECKSUMS)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+/// The checksums in the directory; refuses a file of that name that phalanx did not write.
+fn checksums(out: &Path) -> Result<Checksums, String> {
+    let path = out.join(CHECKSUMS);
+    if !path.exists() {
+        return Ok(Checksums::new());
+    }
+    let bytes = if path.is_file() { read_at_most(&path, LARGEST_SCENE_BYTES) } else { Ok(None) };
+    let found: Option<Checksums> = bytes.ok().flatten().and_then(|bytes| match bytes.is_empty() {
+        true => Some(Checksums::new()),
+        false => serde_json::from_slice(&bytes).ok(),
+    });
+    let is_sum = |text: &String| text.len() == 8 && u32::from_str_radix(text, 16).is_ok();
+    found.filter(|found| found.values().flatten().all(is_sum)).ok_or_else(|| {
+        format!(
+            "cannot write {}: it holds checksums of the files beside it, but that one was not written by phalanx, so it is left alone; \
+             give another --out, or delete it first",
+            path.display()
+        )
+    })
 }
 
 fn checksum(path: &Path) -> io::Result<String> {
@@ -201,28 +221,6 @@ mod tests {
 
     fn texts(out: &Path) -> [String; 2] {
         NAMES.map(|name| fs::read_to_string(out.join(name)).expect("there"))
-    }
-
-    #[test]
-    fn files_are_replaced_together_and_only_as_they_were_written() {
-        let directory = tempfile::tempdir().expect("a directory");
-        let out = directory.path().join("out");
-        fill(&out, "first").expect("an empty directory");
-        fill(&out, "second").expect("nothing but our files");
-        assert_eq!(texts(&out), ["second", "second"]);
-        fs::write(out.join(NAMES[1]), "second, with a note").expect("written");
-        let message = fill(&out, "third").expect_err("a note of somebody's").message;
-        assert!(message.contains("figures/table.csv") && message.contains("give another --out"), "{message}");
-        assert_eq!(texts(&out), ["second", "second, with a note"]);
-        fs::remove_file(out.join(NAMES[1])).expect("removed");
-        fs::create_dir(out.join(NAMES[1])).expect("made");
-        let message = fill(&out, "fourth").expect_err("a directory").message;
-        assert!(message.contains("that is a directory"), "{message}");
-        assert_eq!(fs::read_to_string(out.join(NAMES[0])).expect("there"), "second");
-        let staged = fs::read_dir(&out)
-            .expect("there")
-            .filter(|entry| entry.as_ref().expect("readable").file_name().to_string_lossy().starts_with(STAGING.0));
-        assert_eq!(staged.count(), 0, "nothing is left lying about");
     }
 
     #[test]

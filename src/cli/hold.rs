@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::overrides::positive;
-use super::own::{Form, writable};
+use super::own::Form;
 use super::progress::Count;
 use super::saved::save;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
+use super::targets::{Kind, reserve};
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::plot;
@@ -145,10 +145,8 @@ impl From<AxisArg> for Axis {
 pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
     let scene = gripper(args)?;
     let plan = plan(args)?;
-    if let Some(path) = &args.svg {
-        writable(path, Form::Picture)?;
-    }
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let svg = ("--svg", args.svg.as_deref(), Kind::File(Form::Picture));
+    let folder = reserve(&[("the scene", &files(&args.scene))], &[svg], ("--out", args.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
     let mut tell = |done: u64, total: u64| count.show(done as usize, total as usize, "runs");
@@ -164,10 +162,8 @@ pub fn run(args: &HoldArgs) -> Result<Status, Failure> {
     })?;
     let report = HoldReport::from(&found);
     if let Some(folder) = folder {
-        folder.fill(|out| {
-            let texts = [report.json(), hold_csv(&report), plot::hold(&found), report.report().to_string()];
-            FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
-        })?;
+        let texts = [report.json(), hold_csv(&report), plot::hold(&found), report.report().to_string()];
+        folder.write(&FILES, &texts)?;
     }
     if let Some(path) = &args.svg {
         save(path, &plot::hold(&found))?;

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 
-use super::folder::write_all;
 use super::output::print;
+use super::targets::reserve;
 use super::{Cli, Failure, Status};
 
 /// Print the manual page of phalanx, or write one for it and for each of its commands.
@@ -30,13 +30,17 @@ pub fn run(args: &ManArgs) -> Result<Status, Failure> {
         print(pages.first().map_or("", |(_, page)| page))?;
         return Ok(Status::Done);
     };
-    let files: Vec<(&str, String)> = pages.iter().map(|(name, page)| (name.as_str(), page.clone())).collect();
+    let (names, texts): (Vec<&str>, Vec<String>) =
+        pages.iter().map(|(name, page)| (name.as_str(), page.clone())).unzip();
     // The directory is no --out here.
-    write_all(dir, &files).map_err(|Failure { message, status }| Failure {
-        message: message.replace("another --out", "another directory"),
-        status,
-    })?;
-    print(&format!("wrote {} pages to {}\n", files.len(), dir.display()))?;
+    let folder = reserve(&[], &[], ("", Some(dir), &names));
+    folder.and_then(|folder| folder.map_or(Ok(()), |folder| folder.write(&names, &texts))).map_err(
+        |Failure { message, status }| Failure {
+            message: message.replace("another --out", "another directory"),
+            status,
+        },
+    )?;
+    print(&format!("wrote {} pages to {}\n", names.len(), dir.display()))?;
     Ok(Status::Done)
 }
 

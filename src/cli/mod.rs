@@ -40,6 +40,7 @@ mod replay_verify;
 mod reproduce;
 mod run;
 mod run_page;
+mod samples;
 mod saved;
 pub mod scene;
 mod scene_figure;
@@ -56,6 +57,7 @@ mod sweep;
 mod sweep_merge;
 mod sweep_progress;
 mod sweep_shard;
+mod targets;
 mod terminal;
 mod validate;
 mod validate_args;
@@ -204,6 +206,7 @@ impl From<SceneError> for Failure {
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
+    interrupt::survive_file_limits();
     let matches = command_line().try_get_matches().unwrap_or_else(|error| meant(error).exit());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if cli.quiet {

@@ -6,13 +6,14 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::folder::write_all;
+use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{answer, note, print, show};
-use super::own::{Form, writable};
+use super::own::Form;
 use super::progress::Count;
 use super::saved::save;
 use super::study_args::StudyArgs;
+use super::targets::{Kind, reserve};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -22,7 +23,7 @@ use crate::report::optimize::{OptimisationReport, optimisation_list};
 use crate::report::sweep::SweepWork;
 use crate::study::optimize::{self, Design, Found, Listener, Optimisation, Optimised};
 use crate::study::store::{Found as Stored, Store, open};
-use crate::study::sweep::{Row, summary};
+use crate::study::sweep::{Row, sources, summary};
 use crate::table::{self, Table};
 
 /// Search for the best designs: variables within bounds, objectives and constraints on what simulations come to.
@@ -93,15 +94,22 @@ pub fn run(args: &OptimizeArgs) -> Result<Status, Failure> {
         return Ok(Status::Done);
     };
     table::format(out).map_err(Failure::bad_input)?;
-    writable(out, Form::Designs)?;
-    for (path, form) in [(&args.plot, Form::Picture), (&args.html, Form::Page)] {
-        path.as_ref().map_or(Ok(()), |path| writable(path, form))?;
-    }
-    search(args, &of, out)
+    let runs = runs_beside(out);
+    let targets = [
+        ("--out", Some(out.as_path()), Kind::File(Form::Designs)),
+        ("the runs of --out", Some(&runs), Kind::Results),
+        ("--plot", args.plot.as_deref(), Kind::File(Form::Picture)),
+        ("--html", args.html.as_deref(), Kind::File(Form::Page)),
+    ];
+    let folder = reserve(&[("the study", &sources(file))], &targets, ("--scenes", args.scenes.as_deref(), &FILES))?;
+    search(args, &of, out, folder)
 }
 
+/// Files of `--scenes`.
+const FILES: [&str; 2] = ["start.toml", "design-*.toml"];
+
 /// Makes the runs that are not there yet, and says what was found.
-fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, Failure> {
+fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path, folder: Option<Folder>) -> Result<Status, Failure> {
     let place = runs_beside(out);
     let (store, mut runs_table) = match open(of.study(), &place, u64::MAX, args.how.restart)? {
         Stored::Complete(table) => {
@@ -147,7 +155,7 @@ fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path) -> Result<Status, 
     table::write(out, &optimize::table(of, &found)).map_err(Failure::incomplete)?;
     let now = SweepWork::new(runs, simulations, threads, wall_s);
     let report = OptimisationReport::new((of, &found), reasons, now, args.best);
-    write_others(args, of, &found, &report)?;
+    write_others(args, of, &found, &report, folder)?;
     answer(&report, args.how.json)?;
     Ok(if found.front.is_empty() { Status::CheckFailed } else { Status::Done })
 }
@@ -158,6 +166,7 @@ fn write_others(
     of: &Optimisation,
     found: &Found,
     report: &OptimisationReport<'_>,
+    folder: Option<Folder>,
 ) -> Result<(), Failure> {
     let scenes: Vec<(u64, String)> = found
         .front
@@ -171,12 +180,11 @@ fn write_others(
     if let Some(path) = &args.html {
         save(path, &report_page(&report.paper(plot::optimisation(of, found, true), &scenes)))?;
     }
-    if let Some(directory) = &args.scenes {
+    if let Some(folder) = folder {
         let start = ("start.toml".to_string(), scene(of, found.start()));
         let files = scenes.into_iter().map(|(number, text)| (format!("design-{number}.toml"), text));
-        let files: Vec<(String, String)> = std::iter::once(start).chain(files).collect();
-        let files: Vec<(&str, String)> = files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
-        write_all(directory, &files)?;
+        let (names, texts): (Vec<String>, Vec<String>) = std::iter::once(start).chain(files).unzip();
+        folder.write(&names.iter().map(String::as_str).collect::<Vec<_>>(), &texts)?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Failure, terminal};
-use crate::wording::{Report, Reported};
+use crate::wording::{Report, Reported, acts};
 
 /// Whether only results, warnings and errors are wanted: asked for once, before the command begins.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -19,13 +19,9 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// The text without what a terminal would obey: control characters and those that turn the order of letters around are shown as
-/// JSON writes them, so that a document stays one. Names in scenes and logs are others' words.
-fn visible(text: &str) -> Cow<'_, str> {
-    let acts = |c: char| {
-        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        turns || c.is_control() && !matches!(c, '\n' | '\t')
-    };
+/// The text without commands to a terminal: they are shown as JSON writes them, so that a document stays one. Names in scenes and
+/// logs are others' words.
+pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(acts) {
         return Cow::Borrowed(text);
     }
@@ -39,10 +35,35 @@ fn visible(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
+/// Whether standard output could be written to when the process began. Rust puts /dev/null in place of a closed one before `main`,
+/// and drops what a read-only one refuses: all results would be lost without a word.
+static WRITABLE: AtomicBool = AtomicBool::new(true);
+
+#[cfg(unix)]
+#[used]
+#[cfg_attr(not(target_vendor = "apple"), unsafe(link_section = ".init_array"))]
+#[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__mod_init_func"))]
+static BEFORE_MAIN: extern "C" fn() = look;
+
+/// One system call, which needs nothing of Rust's runtime.
+#[cfg(unix)]
+extern "C" fn look() {
+    use rustix::fs::{OFlags, fcntl_getfl};
+    let flags = fcntl_getfl(rustix::stdio::stdout());
+    WRITABLE.store(flags.is_ok_and(|flags| flags & OFlags::RWMODE != OFlags::RDONLY), Ordering::Relaxed);
+}
+
+/// Standard output, if it is open for writing.
+pub fn stdout() -> io::Result<io::StdoutLock<'static>> {
+    match WRITABLE.load(Ordering::Relaxed) {
+        true => Ok(io::stdout().lock()),
+        false => Err(io::Error::other("it is closed, or not open for writing")),
+    }
+}
+
 /// Prints to stdout. A reader that has seen enough (`| head`) is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(visible(text).as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout().and_then(|mut out| out.write_all(visible(text).as_bytes()).and_then(|()| out.flush())) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::incomplete(format!("cannot write to standard output: {error}")))
         }

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use super::Failure;
-use crate::files::probe;
+use crate::files::place;
 use crate::plot::PICTURE_MARK;
 use crate::report::optimize::is_designs;
 use crate::report::samples::is_samples;
@@ -80,17 +80,8 @@ fn head(path: &Path) -> io::Result<String> {
 
 /// Refuses a place for a file where none can be written, or where one stands that is not phalanx's; before anything is computed.
 pub fn writable(target: &Path, form: Form) -> Result<(), Failure> {
-    let place = target.display();
-    let refused = |why: String| Failure::bad_input(format!("cannot write {place}: {why}"));
-    if target.is_dir() {
-        return Err(refused("that is a directory; give the name of a file in it".to_string()));
-    }
-    if let Some(directory) = target.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
-        let directory = directory.display();
-        return Err(refused(format!(
-            "the directory {directory} does not exist; create it first (mkdir -p {directory}) or give another path"
-        )));
-    }
+    let refused = |why: String| Failure::bad_input(format!("cannot write {}: {why}", target.display()));
+    place(target).map_err(refused)?;
     // Pipes and devices are written to as they are, and not read.
     let file = fs::metadata(target).is_ok_and(|found| found.is_file());
     let unreadable = |error: io::Error| refused(format!("the file there cannot be read ({error}); give another name"));
@@ -100,39 +91,5 @@ pub fn writable(target: &Path, form: Form) -> Result<(), Failure> {
             form.name()
         )));
     }
-    probe(target).map_err(|error| refused(format!("{error}; give a file in a directory where you may write")))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_own_files_of_the_same_form_give_way() {
-        let directory = tempfile::tempdir().expect("a directory");
-        let at = directory.path().join("file");
-        let page = format!("<!doctype html>\n<html><head>{PAGE_MARK}</head></html>");
-        let picture = format!("<svg>\n{PICTURE_MARK}\n</svg>");
-        let texts = [(Form::Page, page.as_str()), (Form::Picture, &picture), (Form::Ranking, "place,r_wc\n1,0.5\n")];
-        for (of, text) in texts {
-            fs::write(&at, text).expect("written");
-            for form in [Form::Page, Form::Picture, Form::Log, Form::Samples, Form::Ranking] {
-                // A ranking has more columns than these two.
-                let own = form == of && of != Form::Ranking;
-                assert_eq!(writable(&at, form).is_ok(), own, "{form:?} over {of:?}");
-            }
-        }
-        for form in [Form::Page, Form::Log, Form::Samples, Form::Ranking] {
-            fs::write(&at, "name = \"mine\"\n").expect("written");
-            let message = writable(&at, form).expect_err("a scene").message;
-            assert!(message.contains("left alone") && message.contains("give another name"), "{message}");
-            fs::write(&at, "").expect("written");
-            assert!(writable(&at, form).is_ok(), "{form:?} over an empty file");
-        }
-        let message = writable(&directory.path().join("no/x.html"), Form::Page).expect_err("no directory").message;
-        assert!(
-            message.contains("does not exist; create it first (mkdir -p") && !message.contains(".x.html"),
-            "{message}"
-        );
-    }
+    Ok(())
 }

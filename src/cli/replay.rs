@@ -1,17 +1,21 @@
 //! `phalanx replay`: what a log says of its run; whether simulating again gives the same; two logs side by side; samples as
 //! a table; the good part of a damaged log.
 
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::slice;
 
 use super::interrupt::Interrupt;
 use super::output::answer;
-use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, defects, refuse_the_log};
-use super::replay_read::{Listeners, read, tabulate};
-use super::{Failure, Status, replay_against, replay_page, replay_recover, replay_verify};
-use crate::files::replace;
-use crate::log::Reading;
+use super::own::Form;
+use super::replay_args::{ReplayArgs, defects};
+use super::replay_page::{Reels, Tee, undrawable};
+use super::replay_read::{Listeners, bad_log, head};
+use super::samples::{self, tabulated};
+use super::saved::save;
+use super::targets::{Kind, NONE, reserve};
+use super::{Failure, Status, replay_against, replay_recover, replay_verify};
+use crate::log::{LogSink, Reading, read_any_file};
+use crate::page::{Page, page};
+use crate::wording::Reported;
 
 /// Runs the command.
 pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
@@ -22,60 +26,49 @@ pub fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     if let Some(target) = &args.recover {
         return replay_recover::run(args, target, &interrupt);
     }
-    if let Some(other) = &args.against {
-        return replay_against::run(args, other, &interrupt);
-    }
-    match (&args.csv, &args.html) {
-        (Some(path), _) => csv(args, path, &interrupt),
-        (None, Some(path)) => replay_page::run(args, path, &interrupt),
-        (None, None) => {
-            let mut listeners = Listeners::new(&args.log, &interrupt)?;
-            let reading = read(&args.log, &mut listeners)?;
-            summarise(args, &reading, &listeners)
-        }
+    match &args.against {
+        Some(other) => replay_against::run(args, other, &interrupt),
+        None => one(args, &interrupt),
     }
 }
 
-/// Prints the summary, and says on stderr what of the log is lost.
-fn summarise(args: &ReplayArgs, reading: &Reading, listeners: &Listeners<'_>) -> Result<Status, Failure> {
-    let report = listeners.report(args.log.display().to_string(), reading);
-    answer(&report, args.json)?;
-    Ok(defects(&args.log, reading, &report))
+/// Reads the log once: for its summary, unless the table goes where that would, its table and its page.
+fn one(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failure> {
+    let path = &args.log;
+    let csv = samples::file(args.csv.as_deref(), args.json)?;
+    let reels = args.html.as_ref().map(|_| Reels::new(path, &head(path)?)).transpose()?;
+    let mut listeners = Listeners::new(path, interrupt)?;
+    let html = ("--html", args.html.as_deref(), Kind::File(Form::Page));
+    let csv_target = ("--csv", csv, Kind::File(Form::Samples));
+    reserve(&[("the log", slice::from_ref(path))], &[csv_target, html], NONE)?;
+    let (read, reels) = match reels {
+        Some(mut reels) => (read(args, &mut Tee(&mut listeners, &mut reels)), Some(reels)),
+        None => (read(args, &mut listeners), None),
+    };
+    listeners.done();
+    let Some(reading) = read? else { return Ok(Status::Done) };
+    let mut report = listeners.report(path.display().to_string(), &reading);
+    report.csv = csv.map(|csv| csv.display().to_string());
+    if let (Some(target), Some(reels)) = (&args.html, reels) {
+        undrawable(path, &reading)?;
+        let (title, description) = reels.about();
+        let film = reels.film(path, report.model.as_deref().unwrap_or("run"), report.report())?;
+        save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
+        report.page = Some(target.display().to_string());
+    }
+    if csv.is_some() || args.csv.is_none() {
+        answer(&report, args.json)?;
+    }
+    Ok(defects(path, &reading, &report))
 }
 
-/// Writes the samples, and the summary unless they go to where it would.
-fn csv(args: &ReplayArgs, path: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
-    let mut listeners = Listeners::new(&args.log, interrupt)?;
-    if path == Path::new("-") {
-        if args.json {
-            return Err(Failure::bad_input(
-                "--csv - and --json would both write to standard output; give --csv the name of a file, or leave out --json",
-            ));
-        }
-        let mut out = BufWriter::new(io::stdout().lock());
-        let Some(reading) = tabulate(&args.log, &mut listeners, &mut out)? else { return Ok(Status::Done) };
-        return match out.flush() {
-            // Whoever reads has seen enough (`| head`).
-            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-                Err(Failure::incomplete(format!("cannot write to standard output: {error}")))
-            }
-            _ => {
-                let report = listeners.report(args.log.display().to_string(), &reading);
-                Ok(defects(&args.log, &reading, &report))
-            }
-        };
-    }
-    refuse_the_log(&args.log, path, "--csv")?;
-    writable(path, Form::Samples)?;
-    let mut outcome = Err(Failure::incomplete(format!("cannot write {}", path.display())));
-    let written = replace(path, |out| {
-        outcome = tabulate(&args.log, &mut listeners, out);
-        // Half of what was asked for is no file; the failure itself says why.
-        outcome.as_ref().map_or(Err(io::ErrorKind::Other.into()), |_| Ok(()))
-    });
-    match (outcome?, written) {
-        (Some(reading), Ok(())) => summarise(args, &reading, &listeners),
-        (_, Err(error)) => Err(Failure::incomplete(format!("cannot write {}: {error}", path.display()))),
-        (None, Ok(())) => Ok(Status::Done),
+/// Reads the log, and writes its table if there is to be one; `None` if the reader of that takes no more.
+fn read<S: LogSink>(args: &ReplayArgs, sink: &mut S) -> Result<Option<Reading>, Failure> {
+    let bad = |error| bad_log(&args.log, &error);
+    let Some(csv) = &args.csv else { return read_any_file(&args.log, sink).map(Some).map_err(bad) };
+    match tabulated(csv, Vec::new(), sink, |table| read_any_file(&args.log, table).map_err(bad)) {
+        (_, Ok(false)) => Ok(None),
+        (Err(failure), _) | (_, Err(failure)) => Err(failure),
+        (Ok(reading), Ok(true)) => Ok(Some(reading)),
     }
 }

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::answer;
-use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, defects, refuse_the_log};
+use super::own::Form;
+use super::replay_args::{ReplayArgs, defects};
 use super::replay_page::{Reels, undrawable};
 use super::replay_pair::{common, notes};
 use super::replay_read::head;
 use super::replay_side::Side;
 use super::saved::{PAGE, save};
+use super::targets::{Kind, reserve};
 use super::{Failure, Status};
 use crate::log::Reading;
 use crate::page::{Note, Page, page};
@@ -44,11 +44,9 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             kind(kinds[1])
         )));
     }
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
-    if let Some(target) = &args.html {
-        paths.into_iter().try_for_each(|path| refuse_the_log(path, target, "--html"))?;
-        writable(target, Form::Page)?;
-    }
+    let html = ("--html", args.html.as_deref(), Kind::File(Form::Page));
+    let logs = paths.map(Path::to_path_buf);
+    let folder = reserve(&[("the log", &logs)], &[html], ("--out", args.out.as_deref(), &FILES))?;
     // A page that is asked for must be possible; one among other files is left out where it is not.
     let mut films = match (&args.html, &args.out) {
         (Some(_), _) => Some([Reels::new(paths[0], &heads[0])?, Reels::new(paths[1], &heads[1])?]),

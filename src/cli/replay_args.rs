@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::Status;
 use super::output::complain;
-use super::{Failure, Status};
 use crate::log::Reading;
 use crate::report::replay::ReplayReport;
 
@@ -43,12 +43,12 @@ pub struct ReplayArgs {
 
     /// Write all samples to a file of comma-separated values, one line each, every column with its SI unit; - is standard
     /// output
-    #[arg(long, value_name = "FILE", group = "mode")]
+    #[arg(long, value_name = "FILE", conflicts_with = "mode")]
     pub(super) csv: Option<PathBuf>,
 
     /// Write a page that opens in any browser, offline: the bodies in motion, plots, events; with --against both logs laid
     /// over each other. A run of more samples than a page can hold is thinned out, and the page says so
-    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["verify", "csv", "recover"])]
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["verify", "recover"])]
     pub(super) html: Option<PathBuf>,
 
     /// Write what can be read of a damaged or truncated log as a whole, indexed one; nothing is made up, and what is
@@ -71,15 +71,4 @@ pub(super) fn defects(log: &Path, reading: &Reading, report: &ReplayReport) -> S
     let lines = report.complaints();
     lines.iter().for_each(|line| complain(line));
     if lines.is_empty() { status } else { Status::CheckFailed }
-}
-
-/// A slip of the hand must not cost the log.
-pub(super) fn refuse_the_log(log: &Path, target: &Path, flag: &str) -> Result<(), Failure> {
-    match (log.canonicalize(), target.canonicalize()) {
-        (Ok(source), Ok(place)) if source == place => Err(Failure::bad_input(format!(
-            "{flag} {} is the log itself, which must stay as it is; give another file",
-            target.display()
-        ))),
-        _ => Ok(()),
-    }
 }

@@ -2,19 +2,13 @@
 
 use std::path::Path;
 
-use super::interrupt::Interrupt;
-use super::output::answer;
-use super::own::{Form, writable};
-use super::replay_args::{ReplayArgs, defects, refuse_the_log};
-use super::replay_read::{Listeners, attached, bad_log, head};
-use super::saved::save;
+use super::replay_read::attached;
 use super::{Failure, Status};
-
-use crate::log::{self, Concerns, LogSink, Reading};
-use crate::page::{Film, Page, Reel, page};
+use crate::log::{Concerns, LogSink, Reading};
+use crate::page::{Film, Reel};
 use crate::scene::Scene;
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
-use crate::wording::{Report, Reported};
+use crate::wording::Report;
 
 /// A run kept for a page, in bounded memory: one of many samples is thinned out.
 pub(super) struct Reels {
@@ -22,26 +16,6 @@ pub(super) struct Reels {
     reel: Box<Reel>,
     /// Whether the samples are of what the scene has.
     fits: bool,
-}
-
-/// Runs the command for one log.
-pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
-    let path = &args.log;
-    let mut reels = Reels::new(path, &head(path)?)?;
-    refuse_the_log(path, target, "--html")?;
-    writable(target, Form::Page)?;
-    let mut listeners = Listeners::new(path, interrupt)?;
-    let reading = log::read_any_file(path, &mut Tee(&mut listeners, &mut reels));
-    listeners.done();
-    let reading = reading.map_err(|error| bad_log(path, &error))?;
-    undrawable(path, &reading)?;
-    let mut report = listeners.report(path.display().to_string(), &reading);
-    let (title, description) = reels.about();
-    let film = reels.film(path, report.model.as_deref().unwrap_or("run"), report.report())?;
-    save(target, &page(&Page { title, description, runs: vec![film], ..Page::default() }))?;
-    report.page = Some(target.display().to_string());
-    answer(&report, args.json)?;
-    Ok(defects(path, &reading, &report))
 }
 
 /// A page shows every part of a sample: without one of them there is none.

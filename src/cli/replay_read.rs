@@ -1,7 +1,7 @@
 //! Reading a log with everything that listens to it: the summary of either kind, the criteria, the table of samples.
 
 use std::cell::RefCell;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use super::Failure;
@@ -11,8 +11,6 @@ use super::progress::Progress;
 use crate::log::{self, LogSink, ReadError, Reading};
 pub(super) use crate::report::replay::attached;
 use crate::report::replay::{Heard, ReplayReport, Summary};
-use crate::report::samples::{csv_head, csv_sample};
-use crate::trace::columns::{Column, columns};
 use crate::trace::{Event, Layout, Sample, Sink, SinkError};
 
 /// Everything that listens to a log.
@@ -68,69 +66,11 @@ impl LogSink for Listeners<'_> {
     }
 }
 
-/// Writes every sample as a line, and passes everything on.
-struct Table<'l, 'a> {
-    out: &'l mut dyn Write,
-    listeners: &'l mut Listeners<'a>,
-    columns: Vec<Column>,
-    /// The columns have been named.
-    headed: bool,
-    gone: bool,
-}
-
-impl Table<'_, '_> {
-    fn written(&mut self, written: io::Result<()>) -> Result<(), SinkError> {
-        written.map_err(|source| {
-            self.gone = source.kind() == io::ErrorKind::BrokenPipe;
-            SinkError { what: "the table of samples".to_string(), source }
-        })
-    }
-}
-
-impl LogSink for Table<'_, '_> {
-    fn layout(&mut self, layout: &Layout) -> Result<(), SinkError> {
-        self.listeners.layout(layout)?;
-        self.columns = columns(layout);
-        Ok(())
-    }
-
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if !std::mem::replace(&mut self.headed, true) {
-            let head = csv_head(self.out, &self.columns);
-            self.written(head)?;
-        }
-        let line = csv_sample(self.out, &self.columns, sample);
-        self.written(line)?;
-        self.listeners.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.listeners.event(event)
-    }
-}
-
 /// Reads a log.
 pub(super) fn read(path: &Path, listeners: &mut Listeners<'_>) -> Result<Reading, Failure> {
     let reading = log::read_any_file(path, listeners).map_err(|error| bad_log(path, &error));
     listeners.progress.clear();
     reading
-}
-
-/// Reads a log and writes all its samples; nothing if whoever takes them takes no more.
-pub(super) fn tabulate(
-    path: &Path,
-    listeners: &mut Listeners<'_>,
-    out: &mut dyn Write,
-) -> Result<Option<Reading>, Failure> {
-    let mut table = Table { out, listeners, columns: Vec::new(), headed: false, gone: false };
-    let reading = log::read_any_file(path, &mut table);
-    let gone = table.gone;
-    listeners.progress.clear();
-    match reading {
-        Err(_) if gone => Ok(None),
-        Err(error) => Err(bad_log(path, &error)),
-        Ok(reading) => Ok(Some(reading)),
-    }
 }
 
 /// Watches a log being gone through message by message: shows how far that has come, and ends it at a signal.

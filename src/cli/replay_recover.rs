@@ -2,14 +2,16 @@
 
 use std::io;
 use std::path::Path;
+use std::slice;
 
 use super::interrupt::Interrupt;
 use super::output::answer;
-use super::replay_args::{ReplayArgs, losses, refuse_the_log};
+use super::own::Form;
+use super::replay_args::{ReplayArgs, losses};
 use super::replay_read::{Watch, bad_log, head};
-use super::run::unstarted;
+use super::targets::{Kind, NONE, reserve};
 use super::{Failure, Status};
-use crate::files::{probe, replace};
+use crate::files::replace;
 use crate::log::{self, ReadError, Recovery};
 use crate::report::replay::RecoveryReport;
 
@@ -17,14 +19,7 @@ use crate::report::replay::RecoveryReport;
 pub(super) fn run(args: &ReplayArgs, target: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let path = &args.log;
     let mut source = log::open_log(path).map_err(|error| bad_log(path, &error))?;
-    refuse_the_log(path, target, "--recover")?;
-    log::refuse_other_files(target, target).map_err(unstarted)?;
-    probe(target).map_err(|error| {
-        Failure::bad_input(format!(
-            "cannot write {}: {error}; give a file in a directory where you may write",
-            target.display()
-        ))
-    })?;
+    reserve(&[("the log", slice::from_ref(path))], &[("--recover", Some(target), Kind::File(Form::Log))], NONE)?;
     let source_name = path.file_name().and_then(|name| name.to_str()).unwrap_or("a log");
     let name = format!("the recovered log {}", target.display());
     let duration_s = head(path)?.metadata.get("duration_s").and_then(|text| text.parse().ok());

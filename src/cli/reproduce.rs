@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
 use super::output::{answer, note};
 use super::progress::Count;
 use super::saved::{broken, save};
+use super::targets::reserve;
 use super::volume_args::threads_or_all;
 use super::{Failure, Status};
 use crate::page::report_page;
@@ -52,7 +52,7 @@ pub struct ReproduceArgs {
 
 /// Runs the command.
 pub fn run(args: &ReproduceArgs) -> Result<Status, Failure> {
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let folder = reserve(&[], &[], ("--out", args.out.as_deref(), &FILES))?;
     let start = Instant::now();
     let mut count = Count::new();
     let interrupt = Interrupt::listen()?;

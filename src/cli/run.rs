@@ -9,15 +9,19 @@ use super::interrupt::Interrupt;
 use super::live::{Live, LiveArgs};
 use super::output::answer;
 use super::overrides::Overrides;
+use super::own::Form;
 use super::run_page::PageArgs;
-use super::set::SetArgs;
+use super::samples::{self, tabulated};
+use super::set::{SetArgs, files};
 use super::simulate::{Checking, Limits, simulate};
+use super::targets::{Kind, NONE, reserve};
 use super::words::ModelArg;
 use super::{Failure, Status, run_page, watch};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::Reel;
 use crate::report::document;
-use crate::trace::{Model, SinkError};
+use crate::trace::columns::columns;
+use crate::trace::{Layout, Model, SinkError};
 use crate::wording::{Reported, duration};
 
 /// Simulate a scene and print a summary: final state, contacts, energies, dynamic criteria or restitution.
@@ -44,6 +48,11 @@ pub struct RunArgs {
     /// when the new one is whole
     #[arg(long, value_name = "FILE.mcap")]
     pub(super) log: Option<PathBuf>,
+
+    /// Write all samples to a file of comma-separated values, as `phalanx replay --csv` does of the log; - is standard output, in
+    /// place of the summary
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
 
     #[command(flatten)]
     pub(super) page: PageArgs,
@@ -104,13 +113,29 @@ fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     args.overrides.apply(args.model(), &mut scene)?;
     let scene = &scene;
     let (name, duration_s) = (scene.name.as_str(), scene.duration_s);
-    let page = args.page.start(&args.scene, args.log.as_deref(), first)?;
+    let csv = samples::file(args.csv.as_deref(), args.json)?;
+    let targets = [
+        ("--log", args.log.as_deref(), Kind::Log),
+        ("--csv", csv, Kind::File(Form::Samples)),
+        ("--html", args.page.html.as_deref(), Kind::File(Form::Page)),
+    ];
+    reserve(&[("the scene", &files(&args.scene))], &targets, NONE)?;
+    let page = args.page.start(first)?;
     let mut reel = page.as_ref().map(|_| Reel::default());
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(name, duration_s, &interrupt)?;
     let log = started(args, scene, live.as_ref(), &interrupt)?;
     let limits = Limits { interrupt: &interrupt, until_s: f64::INFINITY, checking: args.checking() };
-    let run = simulate(args.model(), scene, log, &limits, &mut reel);
+    let (run, table) = match &args.csv {
+        None => (simulate(args.model(), scene, log, &limits, &mut reel), Ok(true)),
+        Some(path) => {
+            let columns = columns(&Layout::of(&scene.system));
+            let model = args.model();
+            let (run, table) =
+                tabulated(path, columns, &mut reel, |table| Ok(simulate(model, scene, log, &limits, table)));
+            (run?, table)
+        }
+    };
     let mut report = run.report(args.model(), scene);
     // A page is given to others: it does not say where the files are.
     let made = page.as_ref().zip(reel).map(|(page, reel)| {
@@ -119,12 +144,21 @@ fn once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     });
     report.page = made.as_ref().and_then(|made| made.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
+    report.csv = csv.filter(|_| table.is_ok()).map(|path| path.display().to_string());
     let kept = run.log.and_then(|log| log.map_or(Ok(()), LogFile::keep));
-    answer(&report, args.json)?;
+    if csv.is_some() || args.csv.is_none() {
+        answer(&report, args.json)?;
+    }
     if let Some(live) = live {
         live.end();
     }
-    run_page::ended(page.as_ref(), made, ended(args, duration_s, report.error.as_ref(), kept))
+    let ended = match table {
+        Ok(true) => ended(args, duration_s, report.error.as_ref(), kept),
+        // The reader of the table has seen enough.
+        Ok(false) => Ok(Status::Done),
+        Err(failure) => ended(args, duration_s, report.error.as_ref(), kept).and(Err(failure)),
+    };
+    run_page::ended(page.as_ref(), made, ended)
 }
 
 /// The log of a run, if there is to be one or the run is watched.

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::browser::Browser;
-use super::own::{Form, writable};
 use super::saved::save;
 use super::{Failure, Status};
 use crate::page::{Film, Page, page};
@@ -16,7 +15,7 @@ pub struct PageArgs {
     /// Write a page that opens in any browser, offline: the bodies in motion, plots, events. A run of more samples than a
     /// page can hold is thinned out, and the page says so
     #[arg(long, value_name = "FILE.html")]
-    html: Option<PathBuf>,
+    pub(super) html: Option<PathBuf>,
 
     /// Open the page in the browser; without --html it is made in the directory for temporary files
     #[arg(long)]
@@ -42,15 +41,11 @@ impl PageArgs {
     }
 
     /// Refuses what cannot be done before anything is simulated. Only the `first` of several runs opens its page.
-    pub fn start(&self, scene: &Path, log: Option<&Path>, first: bool) -> Result<Option<PageOrder>, Failure> {
+    pub fn start(&self, first: bool) -> Result<Option<PageOrder>, Failure> {
         let found = if self.open && first { Some(Browser::find()) } else { None };
         let browser = found.transpose().map_err(|why| Failure::bad_input(format!("--open: {why}")))?;
         let target = match (&self.html, &browser) {
-            (Some(target), _) => {
-                apart("--html", target, scene, log)?;
-                writable(target, Form::Page)?;
-                target.clone()
-            }
+            (Some(target), _) => target.clone(),
             (None, Some(_)) => temporary("--html")?,
             (None, None) => return Ok(None),
         };
@@ -93,24 +88,6 @@ pub(super) fn ended(
     };
     let status = run?;
     shown.map(|()| status)
-}
-
-/// A slip of the hand must cost neither the scene nor the log.
-pub(super) fn apart(flag: &str, target: &Path, scene: &Path, log: Option<&Path>) -> Result<(), Failure> {
-    let same = |other: &Path| match (target.canonicalize(), other.canonicalize()) {
-        (Ok(target), Ok(other)) => target == other,
-        _ => target == other,
-    };
-    let refused = |what: &str| {
-        Failure::bad_input(format!("{flag} {} is {what}; give another file, such as run.html", target.display()))
-    };
-    if same(scene) {
-        return Err(refused("the scene itself, which must stay as it is"));
-    }
-    if log.is_some_and(same) {
-        return Err(refused("the file of --log too"));
-    }
-    Ok(())
 }
 
 /// A file that nobody else has: the browser reads it when this process may be gone, so it stays.

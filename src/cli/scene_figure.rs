@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::answer::Answer;
-use super::own::{Form, writable};
-use super::set::SetArgs;
+use super::own::Form;
+use super::set::{SetArgs, files};
+use super::targets::{Kind, NONE, reserve};
 use crate::files::replace;
 use crate::plot::linkage;
 use crate::scene::words::SceneKind;
@@ -29,14 +30,8 @@ pub(super) fn answer(scene: &Path, set: &SetArgs, figure: &Path) -> Answer {
         }
         Err(error) => return Answer { stderr: format!("{error}\n"), ..Answer::default() },
     };
-    let same = matches!((scene.canonicalize(), figure.canonicalize()), (Ok(scene), Ok(figure)) if scene == figure);
-    if same {
-        return refused(format!(
-            "--figure {} is the scene itself, which must stay as it is; give another file",
-            figure.display()
-        ));
-    }
-    if let Err(error) = writable(figure, Form::Picture) {
+    let target = ("--figure", Some(figure), Kind::File(Form::Picture));
+    if let Err(error) = reserve(&[("the scene", &files(scene))], &[target], NONE) {
         return Answer { stderr: format!("{}\n", error.message), ..Answer::default() };
     }
     match replace(figure, |out| out.write_all(linkage(&found).svg.as_bytes())) {

@@ -1,13 +1,14 @@
 //! `phalanx select`: which designs of a sweep meet the criteria, and which of them is best.
 
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use clap::Args;
 
-use super::folder::Folder;
 use super::output::answer;
-use super::own::{Form, writable};
+use super::own::Form;
 use super::saved::save;
+use super::targets::{Kind, reserve};
 use super::{Failure, Status};
 use crate::criteria::Class;
 use crate::plot;
@@ -97,9 +98,10 @@ pub struct SelectArgs {
 pub fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
-        writable(path, Form::Ranking)?;
     }
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let ranking = ("--ranking", args.ranking.as_deref(), Kind::File(Form::Ranking));
+    let results = slice::from_ref(&args.results);
+    let folder = reserve(&[("the table of results", results)], &[ranking], ("--out", args.out.as_deref(), &FILES))?;
     let results = table::read(&args.results).map_err(Failure::bad_input)?;
     let selection = select(&results, &criteria(args)).map_err(|error| match error {
         SelectError::Table(_) | SelectError::Weight { .. } | SelectError::NoWeight => Failure::bad_input(error),

@@ -49,7 +49,8 @@ impl SetArgs {
 
 /// The files that a scene is made of; only itself where they cannot be told.
 pub fn files(scene: &Path) -> Vec<PathBuf> {
-    let layers = scene::layers(scene).unwrap_or_default();
+    // A pipe is read once.
+    let layers = if scene.is_file() { scene::layers(scene).unwrap_or_default() } else { Vec::new() };
     let files: Vec<PathBuf> = layers.into_iter().map(|layer| layer.file.into()).collect();
     if files.is_empty() { vec![scene.to_path_buf()] } else { files }
 }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::folder::write_all;
 use super::output::answer;
 use super::overrides::positive;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
+use super::targets::reserve;
 use super::words::RuleArg;
 use super::{Failure, Status};
 use crate::plot;
@@ -55,9 +55,13 @@ pub struct SizeArgs {
     json: bool,
 }
 
+/// Everything that is in the directory in the end.
+const FILES: [&str; 6] = ["size.txt", "size.json", "size.csv", "trajectory.svg", "springs.svg", "spring-types.svg"];
+
 /// Runs the command.
 pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let scene = args.set.load(&args.scene)?;
+    let folder = reserve(&[("the scene", &files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
     let usual = Asked::default();
     let asked = Asked {
         rule: args.rule.into(),
@@ -67,16 +71,16 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let found = size(&scene, asked).map_err(Failure::bad_input)?;
     let report = SizingReport::from(&found);
     let profile = &found.profile;
-    if let Some(out) = &args.out {
-        let files = [
-            ("size.txt", report.report().to_string()),
-            ("size.json", report.json()),
-            ("size.csv", sizing_csv(profile)),
-            ("trajectory.svg", plot::sizing_trajectory(&scene.name, profile)),
-            ("springs.svg", plot::sizing_springs(&scene.name, profile)),
-            ("spring-types.svg", plot::sizing_spring_types(&scene.name, profile)),
+    if let Some(folder) = folder {
+        let texts = [
+            report.report().to_string(),
+            report.json(),
+            sizing_csv(profile),
+            plot::sizing_trajectory(&scene.name, profile),
+            plot::sizing_springs(&scene.name, profile),
+            plot::sizing_spring_types(&scene.name, profile),
         ];
-        write_all(out, &files)?;
+        folder.write(&FILES, &texts)?;
     }
     answer(&report, args.json)?;
     Ok(Status::Done)

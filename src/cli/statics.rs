@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::answer;
-use super::own::{Form, writable};
+use super::own::Form;
 use super::saved::save;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
 use super::statics_gripper::{self, GripperArgs, Shared};
+use super::targets::{Kind, NONE, reserve};
 use super::{Failure, Status};
 use crate::grasp::finger::{GraspStudyError, Instead, grasp};
 use crate::plot;
@@ -75,9 +76,8 @@ impl StaticsArgs {
 
 /// Runs the command.
 pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
-    if let Some(path) = &args.svg {
-        writable(path, Form::Picture)?;
-    }
+    let svg = ("--svg", args.svg.as_deref(), Kind::File(Form::Picture));
+    reserve(&[("the scene", &files(&args.scene))], &[svg], NONE)?;
     let scene = args.set.load_any(&args.scene)?;
     match scene.kind() {
         SceneKind::Finger => {}

@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::folder::Folder;
 use super::interrupt::{self, Interrupt};
 use super::output::answer;
 use super::progress::Count;
-use super::saved::save;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
 use super::study_stability::{self, StabilityArgs};
+use super::targets::reserve;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::step_size::step_size_csv;
@@ -73,7 +72,8 @@ pub fn run(command: &StudyCommand) -> Result<Status, Failure> {
 
 fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     let scene = discs(args.scene.as_deref(), &args.set)?;
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let reads = args.scene.as_deref().map(files).unwrap_or_default();
+    let folder = reserve(&[("the scene", &reads)], &[], ("--out", args.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
     let mut reached = (0, 0);
@@ -92,7 +92,7 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     })?;
     if let Some(folder) = folder {
         let texts = [study.report().to_string(), study.json(), step_size_csv(&study), plot::step_size(&study)];
-        folder.fill(|out| FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text)))?;
+        folder.write(&FILES, &texts)?;
     }
     answer(&study, args.json)?;
     Ok(Status::Done)

@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::overrides::positive;
 use super::progress::Count;
-use super::saved::save;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
+use super::targets::reserve;
 use super::{Failure, Status};
 use crate::plot;
 use crate::report::stability::stability_csv;
@@ -90,7 +89,7 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
         )));
     }
     let grid = grid(args);
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let folder = reserve(&[("the scene", &files(&args.scene))], &[], ("--out", args.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
     let mut tell = |done, total, next: &str| count.show(done, total, next);
@@ -108,10 +107,8 @@ pub fn run(args: &StabilityArgs) -> Result<Status, Failure> {
         (error, _) => Failure::bad_input(error),
     })?;
     if let Some(folder) = folder {
-        folder.fill(|out| {
-            let texts = [study.json(), stability_csv(&study), plot::stability(&study), study.report().to_string()];
-            FILES.iter().zip(&texts).try_for_each(|(file, text)| save(&out.join(file), text))
-        })?;
+        let texts = [study.json(), stability_csv(&study), plot::stability(&study), study.report().to_string()];
+        folder.write(&FILES, &texts)?;
     }
     answer(&study, args.json)?;
     Ok(Status::Done)

@@ -11,6 +11,7 @@ use super::study_args::StudyArgs;
 use super::sweep_merge::{self, MergeArgs};
 use super::sweep_progress::SoFar;
 use super::sweep_shard::{self, Place, ShardOf, shard_of};
+use super::targets::{Kind, NONE, reserve};
 use super::volume_args::threads_or_all;
 use super::words::ModelArg;
 use super::{Failure, Status};
@@ -115,6 +116,7 @@ pub fn run(args: &SweepArgs) -> Result<Status, Failure> {
         show(&sweep_list(&study, args.limit.unwrap_or(LISTED)))?;
         return Ok(Status::Done);
     };
+    reserve(&[("the study", &sweep::sources(file))], &[("--out", Some(out), Kind::Results)], NONE)?;
     if let Some(of) = args.shard {
         let place = Place { out, threads: args.threads, restart: args.how.restart, json: args.how.json };
         return sweep_shard::run(&study, of, &place);

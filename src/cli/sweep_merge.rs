@@ -7,6 +7,7 @@ use clap::Args;
 use super::interrupt::Interrupt;
 use super::output::answer;
 use super::progress::Count;
+use super::targets::{Kind, NONE, reserve};
 use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork};
@@ -59,6 +60,8 @@ pub fn run(args: &MergeArgs) -> Result<Status, Failure> {
         study.model = model.into();
     }
     study.checked = args.check;
+    let reads = [("the study", &sweep::sources(&args.study)[..]), ("a part", &args.parts)];
+    reserve(&reads, &[("--out", Some(&args.out), Kind::Results)], NONE)?;
     let interrupt = Interrupt::listen()?;
     let mut count = Count::new();
     let mut tell = |rows: u64| count.show(rows as usize, study.runs() as usize, "rows joined");

@@ -1,9 +1,10 @@
 //! `phalanx validate`: the engine model against the analytic one, and speed against error.
 
-use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{print, show};
 use super::progress::Count;
+use super::set::files as scene_files;
+use super::targets::reserve;
 use super::validate_args::ValidateArgs;
 use super::validate_files::{files, write};
 use super::{Failure, Status};
@@ -18,7 +19,8 @@ use crate::wording::{Report, Reported, duration};
 pub fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
     let scene = &scene;
-    let folder = args.out.as_deref().map(|out| Folder::open(out, files(scene))).transpose()?;
+    let folder =
+        reserve(&[("the scene", &scene_files(&args.scene))], &[], ("--out", args.out.as_deref(), files(scene)))?;
     let interrupt = Interrupt::listen()?;
     let mut found = watched(scene, args, &interrupt)?;
     let mut report = ValidationReport::new(scene, &found, None);

@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::folder::Folder;
 use super::interrupt::Interrupt;
 use super::output::{answer, complain};
 use super::progress::Count;
-use super::set::SetArgs;
+use super::set::{SetArgs, files};
+use super::targets::reserve;
 use super::volume_args::{
     DataArg, Limits, List, Resolution, angle_limits, bases, fraction_limits, frictions, ratio_limits, resolution,
     threads,
@@ -109,7 +109,8 @@ pub struct VolumeArgs {
 /// Runs the command.
 pub fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = request(args)?;
-    let folder = args.out.as_deref().map(|out| Folder::open(out, &FILES)).transpose()?;
+    let reads = args.scene.as_deref().map(files).unwrap_or_default();
+    let folder = reserve(&[("the scene", &reads)], &[], ("--out", args.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
     let threads = args.threads.unwrap_or_else(all_cores);
     let mut count = Count::new();

@@ -17,8 +17,8 @@ use crate::wording::Reported;
 /// The volumes in three dimensions.
 const PAGE: &str = "page.html";
 
-/// Files of every volume; slices have the names of theirs.
-pub const FILES: [&str; 5] = ["table.txt", "table.json", "points.csv", "points.parquet", PAGE];
+/// Files of volumes.
+pub const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", PAGE, "slices-*.svg"];
 
 /// Writes everything, and says in the report what was written; the table that says so comes last.
 pub fn write(

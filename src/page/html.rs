@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{Note, Page, Picture};
 use crate::plot::theme::variables;
-use crate::wording::{Report, escaped};
+use crate::wording::{Report, acts, escaped};
 use phalanx_show::film::data;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
@@ -95,7 +95,7 @@ pub(super) fn in_script(json: &str) -> String {
         match c {
             '<' | '>' | '&' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
             // JSON takes those above 127 as they are.
-            c if c.is_control() => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c if acts(c) || c.is_control() => out.push_str(&format!("\\u{:04x}", u32::from(c))),
             other => out.push(other),
         }
     }

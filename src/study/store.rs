@@ -14,7 +14,8 @@ use fs4::{FileExt, TryLockError};
 
 use super::beside::{Beside, beside, beside_name};
 use super::sweep::{Study, columns, in_one_piece, sorted};
-use crate::files::{checksum, replace};
+use crate::files::{checksum, place, replace};
+use crate::log::is_at;
 use crate::table::{self, Column, Table, Value};
 
 /// How the file of unfinished results begins, of a search too.
@@ -66,22 +67,13 @@ pub enum Found {
 pub fn open(study: &Study, out: &Path, most: u64, restart: bool) -> Result<Found, StoreError> {
     table::format(out).map_err(StoreError::refused)?;
     in_one_piece(study, most).map_err(StoreError::refused)?;
-    if out.is_dir() {
-        return Err(StoreError::refused(format!("{} is a directory; give the name of a file in it", out.display())));
-    }
-    if let Some(directory) = out.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
-        let directory = directory.display();
-        return Err(StoreError::refused(format!(
-            "cannot write {}: the directory {directory} does not exist; create it first (mkdir -p {directory})",
-            out.display()
-        )));
-    }
+    place(out).map_err(|why| StoreError::refused(format!("cannot write {}: {why}", out.display())))?;
     let wanted = study.runs().min(most);
     let complete = |table: &Table| !restart && table.rows.len() as u64 >= wanted;
     if let Some(table) = finished(study, out).filter(complete) {
         return Ok(Found::Complete(table));
     }
-    let partial = with_suffix(out, ".partial.csv");
+    let [partial, _] = companions(out);
     refuse_foreign(study, out, &partial)?;
     let file = claim(out, &partial)?;
     let mut store = Store { out: out.to_path_buf(), partial, file, columns: columns(study), rows: Vec::new() };
@@ -268,29 +260,15 @@ fn claim(out: &Path, partial: &Path) -> Result<File, StoreError> {
             Err(TryLockError::Error(error)) => return Err(failed(error)),
         }
         // The command that held it may have removed it between the two.
-        if same_file(&file, partial) {
+        if is_at(&file, partial) {
             return Ok(file);
         }
     }
 }
 
-#[cfg(unix)]
-fn same_file(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    match (file.metadata(), fs::metadata(path)) {
-        (Ok(held), Ok(there)) => (held.dev(), held.ino()) == (there.dev(), there.ino()),
-        _ => false,
-    }
-}
-
-/// Elsewhere a file that is open is not removed.
-#[cfg(not(unix))]
-fn same_file(_: &File, _: &Path) -> bool {
-    true
-}
-
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(suffix);
-    PathBuf::from(name)
+/// The files beside results: rows until all are there, and the study.
+pub fn companions(out: &Path) -> [PathBuf; 2] {
+    let mut partial = OsString::from(out);
+    partial.push(".partial.csv");
+    [partial.into(), beside_name(out)]
 }

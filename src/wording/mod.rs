@@ -10,6 +10,6 @@
 pub mod quantity;
 mod selection;
 
-pub use phalanx_show::wording::{Report, Reported, duration, escaped, figures, report};
+pub use phalanx_show::wording::{Report, Reported, acts, duration, escaped, figures, report};
 pub use quantity::Quantity;
 pub use selection::{condition_name, criterion_key, criterion_name, percent_of};

@@ -94,27 +94,6 @@ fn a_run_writes_its_page() {
 }
 
 #[test]
-fn a_page_costs_neither_the_scene_nor_the_log() {
-    let directory = directory("cli_run_html_refused");
-    let text = fs::read_to_string(ANCHOR).expect("the anchor");
-    let scene = write(&directory, "scene.toml", &text);
-    let place = |name: &str| directory.join(name).to_str().expect("text").to_string();
-    let log = place("run.mcap");
-    for (page, part) in [
-        (scene.clone(), "the scene itself"),
-        (log.clone(), "the file of --log"),
-        (place("nowhere/run.html"), "cannot write"),
-        (place(""), "cannot write"),
-    ] {
-        let output = phalanx(&["run", &scene, "--log", &log, "--html", &page]);
-        assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""), "{page}");
-        assert!(stderr(&output).contains(part), "{}", stderr(&output));
-    }
-    assert_eq!(fs::read_to_string(&scene).expect("the scene"), text);
-    assert!(!Path::new(&log).exists());
-}
-
-#[test]
 fn a_run_that_stops_shows_how_far_it_came() {
     let directory = directory("cli_run_html_stopped");
     let page = directory.join("run.html");

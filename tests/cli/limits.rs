@@ -35,6 +35,7 @@ fn the_page_says_what_the_program_has() {
     };
     let rows = [
         ("a scene or study file", format!("{} MiB", limits::LARGEST_SCENE_BYTES >> 20)),
+        ("the explorer's module", format!("{} MiB", limits::LARGEST_MODULE_BYTES >> 20)),
         ("problems of such", format!("{}, of which {} are shown", limits::MOST_PROBLEMS, limits::SHOWN_PROBLEMS)),
         ("discs of a scene", limits::MOST_DISCS.to_string()),
         ("a table (CSV or Parquet)", format!("{} MiB", limits::LARGEST_TABLE_BYTES >> 20)),
@@ -80,6 +81,10 @@ fn files_without_an_end_or_sense_are_refused_soon() {
         let link = directory.join("zero.csv");
         std::os::unix::fs::symlink("/dev/zero", &link).expect("linked");
         refused(&["select", link.to_str().expect("text")], &["larger than 256 MiB", "some of its rows"]);
+        refused(&["explore", "--module", "/dev/zero"], &["/dev/zero", "not a regular file", "tools/explorer.sh"]);
+        let huge = directory.join("huge.wasm.gz");
+        fs::File::create(&huge).and_then(|file| file.set_len(1 << 40)).expect("a file with a hole");
+        refused(&["explore", "--module", huge.to_str().expect("text")], &["larger than 16 MiB"]);
     }
     let mut keys = String::new();
     for key in 0..70_000 {

@@ -81,9 +81,10 @@ fn a_file_that_is_asked_for_replaces_its_like_and_nothing_else() {
         done(&args);
     }
     // A ranking is not written over the results it is made from, nor a log over one of another program.
-    refused(&place, &["select", text(&results), "--no-form-closed", "--ranking", text(&results)], &["left alone"]);
+    refused(&place, &["select", text(&results), "--ranking", text(&results)], &["is the table of results itself"]);
+    // A header alone: profile "ros2", library "x".
     let mut other = Vec::from(mcap::MAGIC);
-    other.extend([7; 500]);
+    other.extend(b"\x01\x0d\0\0\0\0\0\0\0\x04\0\0\0ros2\x01\0\0\0x");
     let bag = place.join("bag.mcap");
     fs::write(&bag, other).expect("written");
     refused(&place, &["run", ANCHOR, "--log", text(&bag)], &["not an MCAP log that phalanx wrote"]);
@@ -103,6 +104,65 @@ fn a_place_that_is_none_is_refused_in_plain_words() {
         refused(&place, args, &["does not exist; create it first (mkdir -p"]);
         assert!(!stderr(&phalanx(args)).contains(".tmp"), "no name of a temporary file");
     }
+    let (nowhere, table) = (format!("{}/x/", place.display()), format!("{}/x.csv/", place.display()));
+    for args in [
+        &["run", ANCHOR, "--log", &nowhere][..],
+        &["run", ANCHOR, "--csv", &nowhere],
+        &["run", ANCHOR, "--html", &nowhere],
+        &["run", ANCHOR, "--html", text(&place)],
+        &["replay", text(&log), "--recover", &nowhere],
+        &["replay", text(&log), "--against", text(&log), "--html", &nowhere],
+        &["scene", "show", ANCHOR, "--figure", &nowhere],
+        &["hold", "scenes/gripper/cycle.toml", "--svg", &nowhere],
+        &["optimize", SEARCH, "--out", &table],
+        &["optimize", SEARCH, "--out", "no.csv", "--plot", &nowhere],
+        &["sweep", "scenes/studies/thesis.toml", "--out", &table],
+        &["select", ANCHOR, "--ranking", &table],
+    ] {
+        refused(&place, args, &["is a directory"]);
+    }
+}
+
+const SEARCH: &str = "scenes/studies/optimize-95.toml";
+
+#[test]
+fn outputs_of_one_command_spare_each_other_and_its_inputs() {
+    let place = directory("own_targets");
+    let at = |name: &str| place.join(name).to_str().expect("text").to_string();
+    let (a, log, linked, scene) = (at("a.csv"), at("run.mcap"), at("linked.html"), at("scenes/start.toml"));
+    done(&["run", ANCHOR, "--log", &log]);
+    fs::create_dir(place.join("scenes")).expect("made");
+    fs::copy(ANCHOR, &scene).expect("copied");
+    fs::write(place.join("empty.html"), "").expect("written");
+    fs::hard_link(place.join("empty.html"), &linked).expect("linked");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("scenes", place.join("link")).expect("linked");
+    let study = fs::read_to_string(SEARCH).expect("a study");
+    let (_, variables) = study.split_once("# Within the ends").expect("a comment before the variables");
+    fs::write(place.join("study.toml"), format!("scene = \"scenes/start.toml\"\n#{variables}")).expect("written");
+    let study = at("study.toml");
+    let optimize = |more: [&str; 2], theirs: &str| {
+        refused(&place, &["optimize", &study, "--out", &a, more[0], more[1]], &[more[0], theirs]);
+    };
+    optimize(["--html", &a], "the file of --out");
+    optimize(["--plot", &at("./a.runs.csv")], "the file of the runs of --out");
+    optimize(["--plot", &at("a.runs.csv.study.json")], "the file of the runs of --out");
+    optimize(["--html", &at("scenes/../a.runs.csv.partial.csv")], "the file of the runs of --out");
+    optimize(["--scenes", &at("scenes")], "which is the study itself, which must stay as it is");
+    optimize(["--plot", &study], "is the study itself");
+    let run = |args: &[&str], theirs: &str| refused(&place, &[&["run", &scene], args].concat(), &[theirs]);
+    run(&["--csv", &at("empty.html"), "--html", &linked], "the file of --csv");
+    run(&["--html", &scene], "the scene itself");
+    run(&["--log", &at("x.mcap"), "--html", &at("x.mcap")], "the file of --log");
+    run(&["--log", &at("x.mcap"), "--csv", &at("x.mcap.partial")], "the file of --log");
+    #[cfg(unix)]
+    run(&["--csv", &at("scenes/x"), "--html", &at("link/x")], "the file of --csv");
+    let two = ["replay", &log, "--against", &log, "--out", &at("two"), "--html", &at("two/page.html")];
+    refused(&place, &two, &["the file of --html"]);
+    refused(&place, &["replay", &log, "--csv", &a, "--html", &log], &["--html", "is the log itself"]);
+    done(&["run", &scene, "--csv", "/dev/null", "--html", "/dev/null"]);
+    // An empty file is nobody's loss.
+    done(&["run", &scene, "--html", &linked]);
 }
 
 /// What is written is the same, and done thrice.
@@ -125,6 +185,22 @@ fn directories_of_results_are_replaced_whole_or_not_at_all() {
             "stability.svg",
         ),
     ];
+    // Checksums that are none are somebody's file.
+    let foreign = place.join("foreign");
+    fs::create_dir(&foreign).expect("made");
+    let others: [&[&str]; 6] = [
+        &["capture", "scenes/gripper/offset.toml", "--out"],
+        &["hold", "scenes/gripper/cycle.toml", "--out"],
+        &["study", "step-size", "--out"],
+        &["reproduce", "--out"],
+        &["optimize", SEARCH, "--out", "no.csv", "--scenes"],
+        &["man"],
+    ];
+    fs::write(foreign.join(".phalanx"), "{\"notes.txt\": [\"mine\"]}").expect("written");
+    let with_out = commands.map(|(args, ..)| [args, &["--out"]].concat());
+    for args in with_out.iter().map(Vec::as_slice).chain(others) {
+        refused(&place, &[args, &[text(&foreign)]].concat(), &[".phalanx", "left alone"]);
+    }
     for (index, (args, report, picture)) in commands.into_iter().enumerate() {
         let out = place.join(format!("out-{index}"));
         let args = [args, &["--out", text(&out)]].concat();

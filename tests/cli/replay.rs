@@ -203,12 +203,21 @@ fn every_sample_is_a_line_of_the_table() {
     ] {
         let (log, csv) = (directory.join("run.mcap"), directory.join("run.csv"));
         let names = [&log, &csv].map(|path| path.to_str().expect("text"));
-        let output = phalanx(&["run", scene, "--log", names[0]]);
+        let (of_run, page) = (directory.join("of-run.csv"), directory.join("page.html"));
+        let of_run = of_run.to_str().expect("text");
+        let output = phalanx(&["run", scene, "--log", names[0], "--csv", of_run]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let output = phalanx(&["replay", names[0], "--csv", names[1], "--json"]);
+        assert!(stdout(&output).contains(&format!("\nsamples: {of_run}\n")), "{}", stdout(&output));
+        let html = page.to_str().expect("text");
+        let output = phalanx(&["replay", names[0], "--csv", names[1], "--html", html, "--json"]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let report = json(&output);
+        assert_eq!((&report["csv"], &report["page"]), (&names[1].into(), &html.into()));
+        assert!(page.exists());
         let text = fs::read_to_string(&csv).expect("the table");
+        assert_eq!(fs::read_to_string(of_run).expect("the table of the run"), text, "{scene}");
+        let output = phalanx(&["run", scene, "--csv", "-"]);
+        assert_eq!((output.status.code(), stdout(&output)), (Some(0), text.as_str()), "{scene}");
         let (heads, rows) = table(&text);
         assert_eq!((heads.len(), rows.len() as u64), (columns, report["samples"].as_u64().expect("a count")));
         assert!(rows.is_sorted_by(|a, b| a[0] <= b[0]));

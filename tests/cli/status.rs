@@ -67,7 +67,7 @@ fn logs_that_cannot_be_written_are_refused_before_the_run() {
     refused(&["run", ANCHOR, "--log", directory.to_str().expect("text")], &["is a directory"]);
     let scene = variant(&directory, "mine.toml", "");
     let before = fs::read(&scene).expect("the scene");
-    refused(&["run", &scene, "--log", &scene], &["not an MCAP log"]);
+    refused(&["run", &scene, "--log", &scene], &["the scene itself"]);
     assert_eq!(fs::read(&scene).expect("still there"), before);
 }
 
@@ -131,6 +131,19 @@ fn a_reader_that_leaves_is_no_error() {
         child.stderr.take().expect("piped").read_to_string(&mut message).expect("text");
         assert_eq!(child.wait().expect("ends").code(), Some(0), "{message}");
         assert_eq!(message, "");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn results_for_a_standard_output_that_is_closed_are_lost_with_status_3() {
+    for redirection in [">&-", "1</dev/null"] {
+        let script = format!("exec \"$@\" {redirection}");
+        let output =
+            Command::new("sh").args(["-c", &script, "sh", env!("CARGO_BIN_EXE_phalanx"), "run", ANCHOR]).output();
+        let output = output.expect("sh is there");
+        assert_eq!(output.status.code(), Some(3), "{redirection}: {}", stderr(&output));
+        assert!(stderr(&output).contains("cannot write to standard output"), "{}", stderr(&output));
     }
 }
 

@@ -195,7 +195,7 @@ fn bad_input_is_status_2() {
     let scene = variant(&directory, "mine.toml", "");
     let output = validate(&scene, &["--out", &scene]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("that is a file"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("the scene itself"), "{}", stderr(&output));
     assert!(fs::read_to_string(&scene).expect("still there").contains("experiment-95"));
 }
 

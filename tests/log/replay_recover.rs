@@ -218,7 +218,7 @@ fn the_command_writes_a_log_that_replays() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(json(&output)["messages"].as_u64() > Some(1000));
     let scene = write(&directory, "scene.toml", "name = \"precious\"\n");
-    for (target, part) in [(scene.as_str(), "not an MCAP log"), (&name(&broken), "the log itself")] {
+    for (target, part) in [(scene.as_str(), "not a log that phalanx wrote"), (&name(&broken), "the log itself")] {
         let output = phalanx(&["replay", &name(&broken), "--recover", target]);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         assert!(stderr(&output).contains(part), "{}", stderr(&output));

@@ -18,8 +18,6 @@ use phalanx_core::trace::SinkError;
 
 /// As much of a log as says whose it is.
 const HEAD_BYTES: u64 = 4096;
-/// The magic bytes and the header, before anything of ours.
-const BARE_BYTES: usize = 64;
 
 /// Why a log could not be started.
 #[derive(Debug, thiserror::Error)]
@@ -80,7 +78,7 @@ impl LogFile {
     /// # Errors
     /// [`LogError`] with the path, the reason and the way out.
     pub fn open(path: &Path) -> Result<Self, LogError> {
-        if path.is_dir() {
+        if path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator) {
             return Err(LogError::IsDirectory { path: path.to_path_buf(), suggestion: path.join("run.mcap") });
         }
         if let Some(directory) = path.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
@@ -182,7 +180,7 @@ pub fn partial_name(path: &Path) -> PathBuf {
 }
 
 /// A link stays a link: what it points to is replaced.
-fn behind_link(path: &Path) -> io::Result<PathBuf> {
+pub fn behind_link(path: &Path) -> io::Result<PathBuf> {
     if path.is_symlink() { fs::canonicalize(path) } else { Ok(path.to_path_buf()) }
 }
 
@@ -201,12 +199,11 @@ pub fn refuse_other_files(path: &Path, taken: &Path) -> Result<(), LogError> {
     if is_own(&head) { Ok(()) } else { Err(other) }
 }
 
-/// Whether a file begins as our logs do: with our name in the record that comes first. One that ends before that is empty but for
-/// what every such file begins with.
+/// Whether a file begins as our logs do: with our name in the header. One that ends before that says nothing yet.
 fn is_own(head: &[u8]) -> bool {
     let begins = head.starts_with(mcap::MAGIC) || mcap::MAGIC.starts_with(head);
     let named = head.windows(METADATA_NAME.len()).any(|part| part == METADATA_NAME.as_bytes());
-    begins && (named || head.len() <= BARE_BYTES)
+    begins && (named || head.len() <= mcap::MAGIC.len())
 }
 
 /// Opens the partial file and locks it, so that it belongs to this run alone.
@@ -229,9 +226,9 @@ fn claim(path: &Path, partial: &Path) -> Result<File, LogError> {
     }
 }
 
-/// Whether an open file is the one at this path.
+/// Whether an open file is the one at this path, and not one that was there before.
 #[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
+pub fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     match (file.metadata(), fs::metadata(path)) {
         (Ok(open), Ok(there)) => (open.dev(), open.ino()) == (there.dev(), there.ino()),
@@ -241,8 +238,8 @@ fn is_at(file: &File, path: &Path) -> bool {
 
 /// Elsewhere an open file is not moved away.
 #[cfg(not(unix))]
-fn is_at(_: &File, _: &Path) -> bool {
-    true
+pub fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
 }
 
 /// Makes a rename last through a loss of power, where directories can be synced.

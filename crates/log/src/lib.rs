@@ -77,7 +77,9 @@ mod writer;
 
 pub use beside::Beside;
 pub use core::{CHUNK_BYTES, Core, Feed, Severity};
-pub use file::{FileWriter, LogError, LogFile, create, create_with_feed, partial_name, refuse_other_files};
+pub use file::{
+    FileWriter, LogError, LogFile, behind_link, create, create_with_feed, is_at, partial_name, refuse_other_files,
+};
 pub use listeners::{Ran, simulate};
 pub use messages::{Contact, Disc, Energy, Impact, Limit, LimitImpact, Slip, State, stamp_ns};
 pub use metadata::RECOVERED_NAME;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use phalanx_core::scene::table::{Table, recall};
 use phalanx_core::scene::{Engine, Integrator, LogRates, Scene};
 use phalanx_core::trace::Model;
+use phalanx_core::units::LONGEST_S;
 
 /// Everything that a run was made with beside its scene file: what the command line had overridden is in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,9 +67,9 @@ impl Settings {
 pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, SettingsError> {
     let mut entries = Entries { metadata, used: ABOUT.map(str::to_string).to_vec() };
     let duration = entries.text("duration_s")?;
-    let allowed = |duration_s: &f64| duration_s.is_finite() && *duration_s > 0.0;
-    let duration_s = duration.parse().ok().filter(allowed);
-    let duration_s = duration_s.ok_or_else(|| wrong("duration_s".into(), duration, "a number above 0".into()))?;
+    let duration_s = duration.parse().ok().filter(|duration_s| 0.0 < *duration_s && *duration_s <= LONGEST_S);
+    let allowed = || format!("a number above 0, and {LONGEST_S} at most");
+    let duration_s = duration_s.ok_or_else(|| wrong("duration_s".into(), duration, allowed()))?;
     let model = entries.text("model")?;
     let solver = match model.as_str() {
         name if name == Model::Analytic.name() => Solver::Analytic(entries.section("integrator")?),
@@ -78,7 +79,11 @@ pub fn settings(metadata: &BTreeMap<String, String>) -> Result<Settings, Setting
             return Err(wrong("model".into(), model, format!("\"{analytic}\" or \"{engine}\"")));
         }
     };
-    let log = entries.section("log")?;
+    let log: LogRates = entries.section("log")?;
+    if let Some(excess) = log.excess(duration_s) {
+        let key = if excess.pictures { "log_picture_hz" } else { "log_numeric_hz" };
+        return Err(wrong(key.into(), excess.rate_hz.to_string(), format!("lower: {excess}")));
+    }
     let scene_file = entries.text("scene_file")?;
     entries.nothing_else()?;
     Ok(Settings { solver, duration_s, log, scene_file })

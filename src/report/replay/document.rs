@@ -24,6 +24,8 @@ pub struct ReplayReport {
     pub log: String,
     /// Path of the page as given; null if none was asked for.
     pub page: Option<String>,
+    /// Path of the table of samples as given; null if none was asked for.
+    pub csv: Option<String>,
     pub bytes: u64,
     /// Whether nothing of it is lost.
     pub whole: bool,
@@ -212,6 +214,7 @@ impl ReplayReport {
         ReplayReport {
             log,
             page: None,
+            csv: None,
             bytes: reading.bytes,
             whole: reading.is_whole(),
             losses: reading.losses.iter().map(Lost::from).collect(),

@@ -4,7 +4,8 @@ use super::document::ReplayReport;
 use super::summary::Summary;
 use crate::criteria::{AtRest, Criteria, GraspCriteria, GraspTracker, LinkOverlaps, Tracker, at_rest};
 use crate::invariants::EnergyAudit;
-use crate::log::{LARGEST_RECORD, LogSink, Reading, Solver, settings};
+use crate::limits::LARGEST_SCENE_BYTES;
+use crate::log::{LogSink, Reading, Solver, settings};
 use crate::scene::words::SceneKind;
 use crate::scene::{self, Scene, SceneError};
 use crate::trace::{Event, Layout, Model, Sample, Sink, SinkError};
@@ -115,7 +116,7 @@ fn audit(head: &Reading, scene: &Scene) -> Option<EnergyAudit> {
 
 /// The scene of a log, if it has one of a size that scenes have.
 pub fn attached(head: &Reading) -> Option<Result<Scene, SceneError>> {
-    let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() < LARGEST_RECORD)?;
+    let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() as u64 <= LARGEST_SCENE_BYTES)?;
     Some(scene::parse_any(text, name))
 }
 

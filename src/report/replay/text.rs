@@ -68,6 +68,9 @@ fn heading(report: &ReplayReport) -> String {
         let _ = write!(text, ", {} messages of channels that this phalanx does not know", report.unknown_messages);
     }
     text.push('\n');
+    if let Some(csv) = &report.csv {
+        let _ = writeln!(text, "samples: {csv}");
+    }
     if let Some(page) = &report.page {
         let _ = writeln!(text, "page: {page}");
     }

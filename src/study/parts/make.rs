@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::error::PartError;
 use super::info::{PartInfo, open, sound};
-use crate::files::probe;
+use crate::files;
 use crate::study::sweep::{Ran, Row, Shard, Study, Summary, run_range, sorted, summary};
 use crate::table::{self, Format, Groups, Table, TableError};
 
@@ -82,14 +82,10 @@ fn place(out: &Path) -> Result<(), PartError> {
             );
         }
     }
-    if fs::metadata(out).is_ok_and(|found| !found.is_file()) {
+    if fs::metadata(out).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return refused("that is not a file; give the name of one".to_string());
     }
-    if let Some(directory) = out.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
-        let directory = directory.display();
-        return refused(format!("the directory {directory} does not exist; create it first (mkdir -p {directory})"));
-    }
-    probe(out).or_else(|error| refused(format!("{error}; give a file in a directory where you may write")))
+    files::place(out).or_else(refused)
 }
 
 /// What came out of the runs of this very part, if it is there. Nothing else is replaced, but another part for `restart`, and an

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::cover::{gaps, overlaps};
 use super::error::PartError;
 use super::info::{open, sound};
-use crate::files::{Summed, replace};
+use crate::files::{self, Summed, replace};
 use crate::study::beside::{Beside, beside, beside_name};
 use crate::study::sweep::{Shard, Study, Summary, columns, summary};
 use crate::table::{self, Column, RowWriter, Table, Value};
@@ -72,15 +72,7 @@ fn place(study: &Study, out: &Path) -> Result<table::Format, PartError> {
     let refused = |reason: String| PartError::Place { file: file(), reason };
     let format = table::format(out)
         .map_err(|_| refused("a table is CSV or Parquet by its name, NAME.csv or NAME.parquet".to_string()))?;
-    if out.is_dir() {
-        return Err(refused("that is a directory; give the name of a file in it".to_string()));
-    }
-    if let Some(directory) = out.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.exists()) {
-        let directory = directory.display();
-        return Err(refused(format!(
-            "the directory {directory} does not exist; create it first (mkdir -p {directory})"
-        )));
-    }
+    files::place(out).map_err(refused)?;
     let help = "give another --out, or delete it first";
     let taken = |file: String, reason: &str| PartError::Taken { file, reason: reason.to_string(), help };
     let said = beside(out);

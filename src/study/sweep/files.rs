@@ -14,15 +14,17 @@ use crate::scene::file::{layers, read};
 /// As [`load`](super::load).
 pub fn files(path: &Path) -> Result<Vec<PathBuf>, StudyError> {
     load(path)?;
-    let (text, _) = read(path).map_err(StudyError::Invalid)?;
+    Ok(sources(path))
+}
+
+/// The same of a study or a search that has been read; only its own file where that is a pipe.
+pub fn sources(path: &Path) -> Vec<PathBuf> {
+    let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
     let document = DeTable::parse(&text).ok();
     let base = document.as_ref().and_then(|document| document.get_ref().get("scene")?.get_ref().as_str());
-    let mut files = vec![path.to_path_buf()];
-    if let Some(base) = base {
-        let base = path.parent().unwrap_or(Path::new("")).join(base);
-        files.extend(layers(&base).map_err(StudyError::Invalid)?.into_iter().map(|layer| PathBuf::from(layer.file)));
-    }
-    Ok(files)
+    let base = base.map(|base| path.parent().unwrap_or(Path::new("")).join(base));
+    let layers = base.and_then(|base| layers(&base).ok()).unwrap_or_default();
+    std::iter::once(path.to_path_buf()).chain(layers.into_iter().map(|layer| PathBuf::from(layer.file))).collect()
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub(in crate::study) use summary::grouped;
 
 pub use error::StudyError;
 pub use field::{Field, Holds, Point};
-pub use files::files;
+pub use files::{files, sources};
 pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};

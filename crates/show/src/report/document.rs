@@ -64,6 +64,8 @@ pub struct RunReport {
     pub log: Option<String>,
     /// Path of the page; null if none was asked for.
     pub page: Option<String>,
+    /// Path of the table of samples as given; null if none was asked for.
+    pub csv: Option<String>,
     /// Null if the run was not checked.
     pub check: Option<RunCheckReport>,
 }
@@ -141,6 +143,7 @@ impl RunReport {
             loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,
+            csv: None,
             check: None,
         }
     }

@@ -59,6 +59,9 @@ fn heading(report: &RunReport) -> Report {
     if let Some(log) = &report.log {
         let _ = writeln!(text, "log: {log}");
     }
+    if let Some(csv) = &report.csv {
+        let _ = writeln!(text, "samples: {csv}");
+    }
     if let Some(page) = &report.page {
         let _ = writeln!(text, "page: {page}");
     }

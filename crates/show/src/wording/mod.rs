@@ -10,6 +10,6 @@ mod escape;
 pub mod figures;
 pub mod report;
 
-pub use escape::escaped;
+pub use escape::{acts, escaped};
 pub use figures::duration;
 pub use report::{Report, Reported};

@@ -113,7 +113,7 @@ impl<M: Measured> Held for M {
     }
 
     fn recall(text: &str) -> Option<f64> {
-        Number::recall(text)
+        Number::recall(text).filter(|value| value.abs() <= M::DIMENSION.largest_si())
     }
 }
 
@@ -123,7 +123,7 @@ impl<M: Measured> Held for List<M> {
     }
 
     fn recall(text: &str) -> Option<Vec<f64>> {
-        text.split(' ').map(Number::recall).collect()
+        text.split(' ').map(M::recall).collect()
     }
 }
 
