@@ -98,7 +98,7 @@ pub fn statics<'py>(
 /// Spring and motor of a finger for a test trajectory (`phalanx size --json`).
 ///
 /// rule: "rigid" or "whole". closing_time: length of the trajectory, 10 ms if it is not given. preload: of the torsional spring that
-/// the constant one is compared with, 90 deg if it is not given. Texts with units, or numbers in s and rad.
+/// the constant one is compared with, that of the scene's own one or 90 deg if it is not given. Texts with units, or numbers in s and rad.
 #[pyfunction]
 #[pyo3(signature = (scene, rule = "rigid", closing_time = None, preload = None))]
 pub fn size<'py>(
@@ -117,7 +117,7 @@ pub fn size<'py>(
     let asked = Sizing {
         rule: words::word("rule", rule).map_err(wrong)?,
         closing_s: given(py, "closing_time", closing_time, Dimension::Time)?.unwrap_or(usual.closing_s),
-        preload_rad: given(py, "preload", preload, Dimension::Angle)?.unwrap_or(usual.preload_rad),
+        preload_rad: given(py, "preload", preload, Dimension::Angle)?,
     };
     let found = watch::free(py, |_| sized(&scene.scene, asked))?.map_err(|error| errors::argument(py, error))?;
     words::json(py, &SizingReport::from(&found).json())

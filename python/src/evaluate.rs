@@ -3,7 +3,7 @@
 use phalanx::study::sweep::{Field, Holds, MOST_RUNS, Point, columns, given};
 use phalanx::table::Value;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
 
 use super::scene::SceneLike;
 use super::table::Table;
@@ -46,11 +46,6 @@ pub fn evaluate(
         .map(|(value, field)| Given::read(&value, field))
         .collect::<PyResult<_>>()?;
     let count = length(py, &paths, &values)?;
-    if count as u64 > MOST_RUNS {
-        let message =
-            format!("error: {count} designs are more than {MOST_RUNS}, which are held in memory; give them in parts");
-        return Err(errors::sweep(py, message));
-    }
     let rows = (0..count).map(|row| values.iter().map(|value| value.at(row)).collect()).collect();
     let study = study.with_rows(rows);
     let found = study::rows(py, &study, threads, u64::MAX)?;
@@ -87,15 +82,11 @@ impl Given {
         let of_lists = || {
             value.get_item(0).is_ok_and(|first| first.is_instance_of::<PyList>() || first.is_instance_of::<PyTuple>())
         };
-        if several && (!lists || value.len()? == 0 || of_lists()) {
-            return Ok(Given::Each(value.try_iter()?.map(|one| point(&one?, field)).collect::<PyResult<_>>()?));
-        }
         // A series of pandas or Polars, a generator: whatever can be gone through.
-        if !several
-            && !value.is_instance_of::<PyString>()
-            && let Ok(items) = value.try_iter()
-        {
-            return Ok(Given::Each(items.map(|one| point(&one?, field)).collect::<PyResult<_>>()?));
+        let each_design =
+            if several { !lists || value.len()? == 0 || of_lists() } else { !value.is_instance_of::<PyString>() };
+        if each_design && let Ok(items) = value.try_iter() {
+            return each(items, field);
         }
         Ok(Given::One(point(value, field)?))
     }
@@ -106,6 +97,22 @@ impl Given {
             Given::Each(points) => points[row].clone(),
         }
     }
+}
+
+/// A value for each design, no more than are taken; Ctrl-C is heard meanwhile.
+fn each(items: Bound<'_, PyIterator>, field: &Field) -> PyResult<Given> {
+    let py = items.py();
+    let mut points = Vec::new();
+    for item in items {
+        if points.len() as u64 == MOST_RUNS {
+            let message =
+                format!("error: there are more than {MOST_RUNS} designs, all held in memory; give them in parts");
+            return Err(errors::sweep(py, message));
+        }
+        py.check_signals()?;
+        points.push(point(&item?, field)?);
+    }
+    Ok(Given::Each(points))
 }
 
 /// How many designs there are.

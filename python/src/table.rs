@@ -8,11 +8,17 @@ use arrow_array::{Array, ArrayRef, BooleanArray, PrimitiveArray, RecordBatch, St
 use arrow_schema::{DataType, Field};
 use phalanx::study::sweep::summary;
 use phalanx::table::{self, Column, Kind, Value};
+use phalanx::wording::figures::figure;
+use phalanx::wording::report;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
 use super::{columns, errors, words};
+
+/// Rows that `print` shows, and how wide they may be.
+const SHOWN: usize = 5;
+const WIDTH: usize = 100;
 
 /// What a sweep found: a row for each run, columns as in the tables of `phalanx sweep`, figures in SI.
 #[pyclass(frozen, module = "phalanx")]
@@ -157,5 +163,22 @@ impl Table {
         let statuses = self.summary(py)?.get_item("by_status")?;
         let (runs, columns) = (self.batch.num_rows(), self.batch.num_columns());
         Ok(format!("<phalanx.Table of {runs} runs and {columns} columns, {statuses}>"))
+    }
+
+    /// The first rows, columns in groups as wide as a terminal, and how many rows there are.
+    fn __str__(&self, py: Python<'_>) -> PyResult<String> {
+        let first = rows(&self.batch.slice(0, self.batch.num_rows().min(SHOWN)));
+        let head = first.columns.iter().map(|column| column.name.clone()).collect();
+        let shown = |value: &Value| match value {
+            Value::Number(number) => figure(*number, 5),
+            Value::Missing => "–".to_string(),
+            Value::Text(text) if text.chars().count() > 20 => text.chars().take(19).chain(['…']).collect(),
+            other => other.text(),
+        };
+        let cells = first.rows.iter().map(|row| row.iter().map(shown).collect());
+        let text = report::table(&std::iter::once(head).chain(cells).collect::<Vec<Vec<String>>>()).fitted(WIDTH);
+        let more = self.batch.num_rows() - first.rows.len();
+        let more = if more > 0 { format!("and {more} more rows\n") } else { String::new() };
+        Ok(format!("{text}{more}{}", self.__repr__(py)?))
     }
 }

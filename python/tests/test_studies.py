@@ -1,6 +1,7 @@
 """Sweeps, arrays of designs, parts."""
 
 
+import itertools
 import tempfile
 import unittest
 from pathlib import Path
@@ -128,6 +129,10 @@ class Sweep(unittest.TestCase):
         self.assertEqual(table["run"].dtype, np.int64)
         self.assertEqual(table["force_positive"].dtype, bool)
         self.assertIn("completed", repr(table))
+        for part in ["design.base_m", "0.012", "and 25 more rows", repr(table)]:
+            self.assertIn(part, str(table))
+        with self.assertRaisesRegex(phalanx.StudyError, "more than 1000000 designs"):
+            phalanx.evaluate(ANCHOR, {"design.base": itertools.repeat(0.0155)})
 
     def test_what_is_wrong_with_a_study_has_its_place(self):
         with tempfile.TemporaryDirectory() as directory:

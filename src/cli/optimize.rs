@@ -19,7 +19,7 @@ use super::words::ModelArg;
 use super::{Failure, Status};
 use crate::page::report_page;
 use crate::plot;
-use crate::report::optimize::{OptimisationReport, optimisation_list};
+use crate::report::optimize::{OptimisationReport, optimisation_list, scene_file};
 use crate::report::sweep::SweepWork;
 use crate::study::optimize::{self, Design, Found, Listener, Optimisation, Optimised};
 use crate::study::store::{Found as Stored, Store, open};
@@ -67,7 +67,8 @@ pub struct OptimizeArgs {
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
 
-    /// Write each design of the front as a scene there, design-N.toml, and start.toml; the directory is made if need be
+    /// Write each design of the front as a scene there, design-N.toml with leading zeros, and start.toml; the table names the file of each
+    /// design it compares, such as the compromise; the directory is made if need be
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
 
@@ -154,7 +155,8 @@ fn search(args: &OptimizeArgs, of: &Optimisation, out: &Path, folder: Option<Fol
     let reasons = summary(&runs_table).map_err(Failure::incomplete)?.reasons;
     table::write(out, &optimize::table(of, &found)).map_err(Failure::incomplete)?;
     let now = SweepWork::new(runs, simulations, threads, wall_s);
-    let report = OptimisationReport::new((of, &found), reasons, now, args.best);
+    let mut report = OptimisationReport::new((of, &found), reasons, now, args.best);
+    report.scenes = args.scenes.is_some();
     write_others(args, of, &found, &report, folder)?;
     answer(&report, args.how.json)?;
     Ok(if found.front.is_empty() { Status::CheckFailed } else { Status::Done })
@@ -172,7 +174,7 @@ fn write_others(
         .front
         .iter()
         .map(|&index| &found.designs[index])
-        .map(|design| (design.number, scene(of, design)))
+        .map(|design| (design.number, scene(of, found, design)))
         .collect();
     if let Some(path) = &args.plot {
         save(path, &plot::optimisation(of, found, false))?;
@@ -181,8 +183,9 @@ fn write_others(
         save(path, &report_page(&report.paper(plot::optimisation(of, found, true), &scenes)))?;
     }
     if let Some(folder) = folder {
-        let start = ("start.toml".to_string(), scene(of, found.start()));
-        let files = scenes.into_iter().map(|(number, text)| (format!("design-{number}.toml"), text));
+        let start = ("start.toml".to_string(), scene(of, found, found.start()));
+        let names = found.front.iter().map(|&index| scene_file(found, &found.designs[index]));
+        let files = names.zip(scenes.into_iter().map(|(_, text)| text));
         let (names, texts): (Vec<String>, Vec<String>) = std::iter::once(start).chain(files).unzip();
         folder.write(&names.iter().map(String::as_str).collect::<Vec<_>>(), &texts)?;
     }
@@ -190,8 +193,10 @@ fn write_others(
 }
 
 /// A design as a scene file, with what it came to in its head.
-fn scene(of: &Optimisation, design: &Design) -> String {
-    let mut text = format!("# Design {} of the search \"{}\"", design.number, of.name().escape_debug());
+fn scene(of: &Optimisation, found: &Found, design: &Design) -> String {
+    let is_compromise = found.compromise().is_some_and(|index| found.designs[index].number == design.number);
+    let rank = if is_compromise { ", the compromise" } else { "" };
+    let mut text = format!("# Design {} of the search \"{}\"{rank}", design.number, of.name().escape_debug());
     let first = if of.conditions() > 1 { ", under the first of its conditions" } else { "" };
     let _ = write!(text, "{first}:");
     for (objective, value) in of.objectives.iter().zip(&design.judged.values) {

@@ -41,7 +41,8 @@ pub struct SizeArgs {
     #[arg(long, value_name = "TIME", value_parser = closing_time)]
     closing_time: Option<f64>,
 
-    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight [default: 90 deg]
+    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight [default: the
+    /// preload of the scene's own torsional spring, or 90 deg]
     #[arg(long, value_name = "ANGLE", value_parser = preload)]
     preload: Option<f64>,
 
@@ -66,7 +67,7 @@ pub fn run(args: &SizeArgs) -> Result<Status, Failure> {
     let asked = Asked {
         rule: args.rule.into(),
         closing_s: args.closing_time.unwrap_or(usual.closing_s),
-        preload_rad: args.preload.unwrap_or(usual.preload_rad),
+        preload_rad: args.preload,
     };
     let found = size(&scene, asked).map_err(Failure::bad_input)?;
     let report = SizingReport::from(&found);

@@ -25,12 +25,15 @@ pub struct Place<'a> {
     pub json: bool,
 }
 
-/// Reads `3/7`.
+/// Reads `3/7`: digits alone, as scripts count, so that one part has one name.
 pub fn shard_of(text: &str) -> Result<ShardOf, String> {
-    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.trim().parse().ok()?, n.trim().parse().ok()?)));
+    let plain = |digits: &str| digits.parse().ok().filter(|number: &u64| number.to_string() == digits);
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((plain(k)?, plain(n)?)));
     match numbers {
         Some((number, of)) if 0 < number && number <= of => Ok(ShardOf { number, of }),
-        _ => Err("expected K/N with K from 1 to N: 1/8 is the first of eight parts".to_string()),
+        _ => Err("expected K/N with K from 1 to N, both in digits without signs, spaces or leading zeros: 1/8 is the first of \
+                  eight parts"
+            .to_string()),
     }
 }
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::plot::colours;
 use crate::plot::theme::Colour;
 use crate::study::volume::{Axes, Point, Quantity, Sized, Volume, Worst};
+use crate::wording;
 
 /// Most values an axis has on the page; finer ones are thinned out.
 pub const MOST_VALUES: usize = 40;
@@ -114,13 +115,13 @@ pub fn is_thinned(axes: &Axes) -> bool {
 }
 
 fn quantity(quantity: Quantity) -> QuantityData {
-    let (unit, factor) = quantity.shown();
+    let shown = wording::Quantity::of(quantity.column());
     QuantityData {
         key: quantity.key(),
         column: quantity.column(),
         name: quantity.name(),
-        unit,
-        factor,
+        unit: shown.unit,
+        factor: shown.scale,
         signed: quantity == Quantity::Pfp,
         flag: quantity == Quantity::FormClosed,
         worst: match quantity.worst() {

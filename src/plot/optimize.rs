@@ -19,7 +19,8 @@ type Place<'a> = dyn Fn(&Design) -> Option<(f64, f64)> + 'a;
 /// The picture. Of several objectives the first is compared with each of the others; of one, every design is shown in the order in which it
 /// was looked at. Designs that miss a constraint are not shown, except the start. Where it is `linked`, the front's leads to `#design-N`.
 pub fn optimisation(of: &Optimisation, found: &Found, linked: bool) -> String {
-    let quantities: Vec<Quantity> = of.objectives.iter().map(|of| Quantity::of(&of.figure.name)).collect();
+    let quantities: Vec<Quantity> =
+        of.objectives.iter().map(|of| Quantity::new(&of.figure.name, &of.figure.holds)).collect();
     let value = |design: &Design, at: usize| Some(design.judged.values[at]? * quantities[at].scale);
     let panels = (of.objectives.len() - 1).max(1);
     let title = format!("{}: the designs that meet all constraints", of.name());

@@ -7,6 +7,7 @@ use super::colours::Scale;
 use super::svg::{Pixel, Svg};
 use super::theme::{Colour, INK, PAPER, SOFT, UNSTABLE};
 use crate::study::volume::{Axes, Axis, Cell, Quantity, Volume, cells, intersection_cells, percent};
+use crate::wording;
 
 /// Most panels side by side.
 const ACROSS: usize = 5;
@@ -149,7 +150,7 @@ fn marks(axis: &Axis) -> Vec<(f64, String)> {
 
 /// The colours and what they stand for.
 fn bar(svg: &mut Svg, quantity: Quantity, scale: &Scale, left: f64, below: f64) {
-    let (unit, factor) = quantity.shown();
+    let wording::Quantity { unit, scale: factor, .. } = wording::Quantity::of(quantity.column());
     let (top, right, beside) = (HEAD, left + 20.0, left + 26.0);
     if *scale == Scale::Flag {
         for (y, value, text) in [(top + 9.0, 1.0, "closed"), (top + 35.0, 0.0, "not closed")] {

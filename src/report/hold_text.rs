@@ -2,13 +2,12 @@
 
 use super::hold::{HoldReport, LimitReport, LoadReport, SizeReport};
 use crate::wording::duration;
-use crate::wording::figures::{G_M_S2, figure, row};
-use crate::wording::report::{Report, Reported, Table};
+use crate::wording::figures::{G_M_S2, figure};
+use crate::wording::report::{Report, Reported};
 
 /// A table for people, and what it comes to.
 impl Reported for HoldReport {
     fn report(&self) -> Report {
-        let bound = millimetres(self.slip_bound_m);
         let begins = match self.begins {
             "at rest" => "where the object is at rest",
             "still moving" => "where the scene ends, and the object still moves",
@@ -18,36 +17,24 @@ impl Reported for HoldReport {
         };
         let mut text = Report::from(format!("{}: {} model{}\n", self.scene, self.model, what(self)));
         text.push(Report::paragraph(&format!(
-            "Loads from {} on, {begins}; without any, the object slips by {} mm in the same time.\nThe largest peak accelerations at which it \
-             slips less than {bound} mm and is held, and at which it is held:\n\n",
+            "Loads from {} on, {begins}; without any, the object slips by {} mm in the same time. {} runs.\nUnder each load, by the peak \
+             acceleration of the palm:\n\n",
             duration(self.begins_s),
-            millimetres(self.unloaded_slip.displacement_m)
+            millimetres(self.unloaded_slip.displacement_m),
+            self.runs
         )));
-        let size = size_head(self);
-        let mut rows = vec![
-            row([load_head(self), "slips less", "", size.0, "then", "is held", "", "then", "at rest", "runs"]),
-            row(["", "m/s²", "g", size.1, "", "m/s²", "g", "", "m/s²", ""]),
-        ];
         for load in &self.loads {
-            let ([slips, slips_g], [drops, drops_g]) = (limit(&load.slips, self), limit(&load.drops, self));
-            let then = |limit: &LimitReport| limit.ended_by.unwrap_or("–").to_string();
-            let size = load.slips.held_size.map_or("–".to_string(), size_figure);
-            let runs = load.runs.len().to_string();
-            let at_rest = match (load.quasi_static, load.quasi_static_m_s2) {
-                (_, Some(most)) => figure(most, 4),
-                (word, None) => word.unwrap_or("–").to_string(),
-            };
-            let (slips_then, drops_then) = (then(&load.slips), then(&load.drops));
-            rows.push(vec![name(load), slips, slips_g, size, slips_then, drops, drops_g, drops_then, at_rest, runs]);
+            text.push_str(&format!("{}: {}\n", name(load), sentence(load, self)));
         }
-        text.push(Table::new(&rows).heads(2));
         text.push_str("\n");
         if self.loads.iter().any(|load| load.quasi_static.is_some()) {
             text.push(Report::paragraph(
-                "at rest: the largest acceleration, there and back, that some forces balance of the contacts that press when loads begin.\n",
+                "Balance at rest is that of the contacts that press when loads begin, there and back.\n",
             ));
         }
-        for line in least(self).into_iter().chain(self.loads.iter().flat_map(|load| remarks(load, self))) {
+        for line in
+            least(self).into_iter().chain(beyond(self)).chain(self.loads.iter().flat_map(|load| remarks(load, self)))
+        {
             text.push(Report::paragraph(&format!("{line}\n")));
         }
         text
@@ -69,60 +56,68 @@ fn what(report: &HoldReport) -> String {
     }
 }
 
-fn load_head(report: &HoldReport) -> &'static str {
-    match report.loads.first().map(|load| load.load) {
-        Some("pulse") => "pulse to",
-        Some("vibration") => "vibration",
-        _ => "load",
-    }
+/// What comes of the object under one load.
+fn sentence(load: &LoadReport, report: &HoldReport) -> String {
+    let bound = millimetres(report.slip_bound_m);
+    let up_to = |limit: &LimitReport, size: &str| {
+        let mark = if limit.monotone && limit.unfinished == 0 { "" } else { " *" };
+        let most = if limit.failed_m_s2.is_none() { ", the largest tried" } else { "" };
+        limit.held_m_s2.map(|held| format!("up to {}{mark}{most}", peak(held, size)))
+    };
+    let size = load.slips.held_size.map_or(String::new(), |size| format!(", {}", size_words(size)));
+    let fate = load.drops.ended_by.unwrap_or("dropped");
+    let slips = match (up_to(&load.slips, &size), load.slips.failed_m_s2) {
+        (Some(up_to), _) => format!("the object slips less than {bound} mm {up_to}"),
+        (None, Some(failed)) => {
+            format!("the object slips by more than {bound} mm at {}, the smallest tried,", peak(failed, ""))
+        }
+        (None, None) => return "no run under this load could be finished *".to_string(),
+    };
+    let drops = match (up_to(&load.drops, ""), load.drops.failed_m_s2) {
+        (Some(_), None) if load.slips.failed_m_s2.is_none() => ", and is held".to_string(),
+        (Some(up_to), None) => format!(" and is held {up_to}"),
+        (Some(up_to), Some(_)) => format!(" and is held {up_to}, above which it is {fate}"),
+        (None, Some(_)) => format!(" and is {fate} there"),
+        (None, None) => String::new(),
+    };
+    let at_rest = match (load.quasi_static, load.quasi_static_m_s2) {
+        (_, Some(most)) => format!("; contacts at rest balance {} m/s²", figure(most, 4)),
+        (Some(word), None) => {
+            format!("; contacts at rest balance {word}{}", if word == "any" { " acceleration" } else { "" })
+        }
+        (None, None) => String::new(),
+    };
+    format!("{slips}{drops}{at_rest}")
 }
 
-/// What the size of these loads is, and its unit.
-fn size_head(report: &HoldReport) -> (&'static str, &'static str) {
-    match report.loads.first() {
-        Some(load) if load.load == "pulse" => ("going", "mm"),
-        Some(load) if load.load == "vibration" => ("amplitude", "mm or deg"),
-        _ => ("taking", "ms"),
-    }
+/// A peak acceleration, also in g.
+fn peak(m_s2: f64, size: &str) -> String {
+    format!("{} m/s² ({} g{size})", figure(m_s2, 4), figure(m_s2 / G_M_S2, 3))
 }
 
-fn size_figure(size: SizeReport) -> String {
+fn size_words(size: SizeReport) -> String {
     let SizeReport { distance_m, amplitude_m, amplitude_rad, time_s } = size;
-    let thousandths = distance_m.or(amplitude_m).or(time_s).map(|si| si * 1e3);
-    let text = thousandths.or(amplitude_rad.map(f64::to_degrees)).map_or("–".to_string(), |value| figure(value, 3));
-    if amplitude_rad.is_some() { format!("{text}°") } else { text }
+    let words = [
+        distance_m.map(|si| format!("over {} mm", millimetres(si))),
+        amplitude_m.map(|si| format!("amplitude {} mm", millimetres(si))),
+        amplitude_rad.map(|si| format!("amplitude {}°", figure(si.to_degrees(), 3))),
+        time_s.map(|si| format!("in {} ms", millimetres(si))),
+    ];
+    words.into_iter().flatten().collect()
 }
 
 /// Which load it is.
 fn name(load: &LoadReport) -> String {
-    let along = |rad: f64| {
-        let degrees = rad.to_degrees();
-        let towards = match degrees.round() as i64 {
-            0 => ", +x",
-            90 => ", +y (out of the palm)",
-            180 => ", −x",
-            270 => ", −y (into it)",
-            _ => "",
-        };
-        format!("{}°{towards}", figure(degrees, 4).trim_end_matches('0').trim_end_matches('.').replace("–", "0"))
-    };
     match (load.direction_rad, load.axis.zip(load.frequency_hz)) {
-        (Some(0.0), _) => "0°, +x".to_string(),
-        (Some(rad), _) => along(rad),
+        (Some(rad), _) => {
+            let degrees = (rad.to_degrees() * 10.0).round() / 10.0;
+            let towards = [", +x", ", +y (out of the palm)", ", −x", ", −y (into it)"];
+            let quarter = [0.0, 90.0, 180.0, 270.0].iter().position(|of| *of == degrees);
+            format!("{degrees}°{}", quarter.map_or("", |quarter| towards[quarter]))
+        }
         (None, Some((axis, frequency_hz))) => format!("{axis}, {} Hz", figure(frequency_hz, 4)),
         (None, None) => "move".to_string(),
     }
-}
-
-/// The limit as accelerations and as multiples of gravity.
-fn limit(limit: &LimitReport, report: &HoldReport) -> [String; 2] {
-    let mark = if limit.monotone && limit.unfinished == 0 { "" } else { " *" };
-    [1.0, G_M_S2].map(|unit| match (limit.held_m_s2, limit.failed_m_s2) {
-        (Some(held), Some(_)) => format!("{}{mark}", figure(held / unit, 4)),
-        (Some(held), None) => format!("≥ {}{mark}", figure(held / unit, 4)),
-        (None, Some(failed)) => format!("< {}{mark}", figure(failed / unit, 4)),
-        (None, None) => format!("?{}", if report.unfinished > 0 { " *" } else { "" }),
-    })
 }
 
 /// The load that it holds least of.
@@ -132,12 +127,26 @@ fn least(report: &HoldReport) -> Option<String> {
         return Some("Nothing that was tried makes it slip by more.".to_string());
     };
     match load.slips.held_m_s2 {
-        _ if report.loads.len() == 1 => None,
-        Some(held) => {
-            Some(format!("Least: {} m/s² ({} g), {}.", figure(held, 4), figure(held / G_M_S2, 3), name(load)))
-        }
+        Some(_) if report.loads.len() == 1 => None,
+        Some(held) => Some(format!("Least: {}, {}.", peak(held, ""), name(load))),
         None => Some(format!("Least: less than {} m/s², {}; ask from less on: --from.", figure(failed, 4), name(load))),
     }
+}
+
+/// What to do about limits that lie beyond the largest load.
+fn beyond(report: &HoldReport) -> Option<String> {
+    let ends = |load: &&LoadReport| {
+        load.to_m_s2 == report.to_m_s2 && (load.slips.failed_m_s2.is_none() || load.drops.failed_m_s2.is_none())
+    };
+    let count = report.loads.iter().filter(ends).count();
+    let loads = if count == 1 { "1 load".to_string() } else { format!("{count} loads") };
+    (count > 0).then(|| {
+        format!(
+            "{loads} of {}: a limit is not reached at {} m/s², the largest tried; raise --to.",
+            report.loads.len(),
+            figure(report.to_m_s2, 4)
+        )
+    })
 }
 
 /// What must be said of a load beside its figures.

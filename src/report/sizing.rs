@@ -30,7 +30,7 @@ impl<'a> From<&'a Sized> for SizingReport<'a> {
             scene: &found.scene,
             profile: &found.profile,
             rule: found.asked.rule,
-            preload_rad: found.asked.preload_rad,
+            preload_rad: found.preload_rad,
             given_motor_n_m: found.given_motor_n_m,
             given_spring_n_m: found.given_spring_n_m,
         }

@@ -17,13 +17,14 @@ pub struct Asked {
     pub rule: Rule,
     /// Length of the test trajectory.
     pub closing_s: f64,
-    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight.
-    pub preload_rad: f64,
+    /// How far the torsional spring that the constant one is compared with is turned where the finger is straight; `None`: as far as the
+    /// scene's own, a right angle where it has none with a preload.
+    pub preload_rad: Option<f64>,
 }
 
 impl Default for Asked {
     fn default() -> Self {
-        Asked { rule: Rule::Rigid, closing_s: CLOSING_S, preload_rad: 0.5 * PI }
+        Asked { rule: Rule::Rigid, closing_s: CLOSING_S, preload_rad: None }
     }
 }
 
@@ -32,6 +33,8 @@ impl Default for Asked {
 pub struct Sized {
     pub scene: String,
     pub asked: Asked,
+    /// Preload of the torsional spring.
+    pub preload_rad: f64,
     pub profile: Profile,
     /// Torques that the scene itself has, where it has constant ones.
     pub given_motor_n_m: Option<f64>,
@@ -67,10 +70,16 @@ pub fn size(scene: &Scene, asked: Asked) -> Result<Sized, SizeError> {
         gravity_m_s2: scene.system.gravity_m_s2,
         closing_s: asked.closing_s,
     };
+    let own_rad = scene.finger().spring.and_then(|spring| match spring.kind {
+        SpringKind::Torsional { preload_rad, .. } => Some(preload_rad).filter(|preload_rad| *preload_rad > 0.0),
+        SpringKind::Constant { .. } => None,
+    });
+    let preload_rad = asked.preload_rad.or(own_rad).unwrap_or(0.5 * PI);
     Ok(Sized {
         scene: scene.name.clone(),
         asked,
-        profile: profile(&scene.finger().linkage, &task, asked.preload_rad, SAMPLES)?,
+        preload_rad,
+        profile: profile(&scene.finger().linkage, &task, preload_rad, SAMPLES)?,
         given_motor_n_m: match scene.finger().motor.actuation {
             Actuation::Constant { torque_n_m } => Some(torque_n_m),
             _ => None,

@@ -1,7 +1,9 @@
 //! Columns and keys as people read them: a short name, and a unit of everyday size.
 
-use super::figures::figure;
+use super::figures::{figure, resolved};
+use crate::study::sweep::{Holds, held_by};
 use crate::table::Value;
+use crate::units::Dimension;
 
 /// How a column of SI values is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,40 +14,47 @@ pub struct Quantity {
     pub unit: &'static str,
     /// Shown value per SI value.
     pub scale: f64,
+    dimension: Option<Dimension>,
 }
 
-/// Suffixes of names, what they are shown in, and the factor; longer ones before those they end in.
-const UNITS: [(&str, &str, f64); 19] = [
-    ("_n_s_per_m", "N·s/m", 1.0),
-    ("_kg_per_m3", "kg/m³", 1.0),
-    ("_kg_m3", "kg/m³", 1.0),
-    ("_kg_m2", "kg·m²", 1.0),
-    ("_n_m_rad", "N·m/rad", 1.0),
-    ("_rad_s2", "rad/s²", 1.0),
-    ("_rad_s", "rad/s", 1.0),
-    ("_m_s2", "m/s²", 1.0),
-    ("_m_s", "m/s", 1.0),
-    ("_n_m", "N·mm", 1e3),
-    ("_n_s", "mN·s", 1e3),
-    ("_percent", "%", 1.0),
-    ("_rad", "°", 180.0 / std::f64::consts::PI),
-    ("_kg", "g", 1e3),
-    ("_hz", "Hz", 1.0),
-    ("_j", "J", 1.0),
-    ("_s", "ms", 1e3),
-    ("_m", "mm", 1e3),
-    ("_n", "N", 1.0),
-];
+/// What a quantity is shown in, and the factor.
+fn shown(dimension: Dimension) -> (&'static str, f64) {
+    match dimension {
+        Dimension::Length => ("mm", 1e3),
+        Dimension::Angle => ("°", 180.0 / std::f64::consts::PI),
+        Dimension::Time => ("ms", 1e3),
+        Dimension::Mass => ("g", 1e3),
+        Dimension::Force => ("N", 1.0),
+        Dimension::Torque => ("N·mm", 1e3),
+        Dimension::Speed => ("m/s", 1.0),
+        Dimension::AngularRate => ("rad/s", 1.0),
+        Dimension::Acceleration => ("m/s²", 1.0),
+        Dimension::Density => ("kg/m³", 1.0),
+        Dimension::Inertia => ("g·mm²", 1e9),
+        Dimension::Frequency => ("Hz", 1.0),
+        Dimension::Pressure => ("MPa", 1e-6),
+        Dimension::AngularStiffness => ("N·mm/rad", 1e3),
+        Dimension::LinearDamping => ("N·s/m", 1.0),
+        Dimension::AngularDamping => ("N·m·s/rad", 1.0),
+    }
+}
 
 impl Quantity {
+    /// Of a column of results.
     pub fn of(column: &str) -> Quantity {
-        let last = column.rsplit('.').next().unwrap_or(column);
-        match UNITS.iter().find(|(suffix, ..)| last.len() > suffix.len() && last.ends_with(suffix)) {
-            Some(&(suffix, unit, scale)) => {
-                Quantity { name: last[..last.len() - suffix.len()].to_string(), unit, scale }
-            }
-            None => Quantity { name: last.to_string(), unit: "", scale: 1.0 },
-        }
+        Quantity::new(column, &held_by(column).unwrap_or(Holds::Number))
+    }
+
+    /// Of what holds such values: their unit is that of their dimension, however they are called.
+    pub fn new(name: &str, holds: &Holds) -> Quantity {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        let (suffix, (unit, scale), dimension) = match holds {
+            Holds::Quantity(of) => (of.suffix(), shown(*of), Some(*of)),
+            Holds::Percent => ("percent", ("%", 1.0), None),
+            _ => ("", ("", 1.0), None),
+        };
+        let bare = last.strip_suffix(suffix).and_then(|last| last.strip_suffix('_')).filter(|_| !suffix.is_empty());
+        Quantity { name: bare.unwrap_or(last).to_string(), unit, scale, dimension }
     }
 
     /// Name and unit: `base, mm`.
@@ -55,7 +64,7 @@ impl Quantity {
 
     /// A value without its unit.
     pub fn number(&self, value_si: f64, digits: usize) -> String {
-        trimmed(&figure(value_si * self.scale, digits))
+        trimmed(&figure(self.dimension.map_or(value_si, |of| resolved(value_si, of)) * self.scale, digits))
     }
 
     /// Any value without its unit; nothing is a dash.
@@ -98,8 +107,12 @@ mod tests {
             ("pfp_n", -3.0, "pfp, N", "-3"),
             ("tts_s", 6.9e-3, "tts, ms", "6.9"),
             ("mass_kg", 0.0, "mass, g", "0"),
-            ("gravity_m_s2", 9.81, "gravity, m/s²", "9.81"),
+            ("pfp_n", -8e-11, "pfp, N", "0"),
+            ("rebound_percent", 2.5, "rebound, %", "2.5"),
+            ("spring.stiffness_n_m_per_rad", 0.0844, "stiffness, N·mm/rad", "84.4"),
+            ("limit.damping_n_m_s_per_rad", 1e9, "damping, N·m·s/rad", "1.000e9"),
             ("n", 2.0, "n", "2"),
+            ("of_nobody_n_m", 2.0, "of_nobody_n_m", "2"),
         ] {
             let quantity = Quantity::of(column);
             assert_eq!((quantity.label().as_str(), quantity.number(value, 4).as_str()), (label, number));

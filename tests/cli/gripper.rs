@@ -7,6 +7,7 @@ use serde_json::Value;
 use crate::support::cli::{ANCHOR, directory, json, phalanx, stderr, stdout, write};
 
 const GRIPPER: &str = "scenes/gripper/offset.toml";
+const HOLD: &str = "scenes/gripper/hold.toml";
 
 fn done(args: &[&str]) -> Value {
     let output = phalanx(args);
@@ -214,7 +215,6 @@ fn what_is_captured_is_a_table_and_a_picture() {
 /// The study's runs are runs like any other: the scene with the same move says the same.
 #[test]
 fn what_is_held_is_what_a_run_with_the_same_move_says() {
-    const HOLD: &str = "scenes/gripper/hold.toml";
     let dir = directory("cli_gripper_hold");
     let out = dir.join("hold").display().to_string();
     let svg = dir.join("polar.svg").display().to_string();
@@ -252,7 +252,12 @@ fn what_is_held_is_what_a_run_with_the_same_move_says() {
     }
     assert_eq!(fs::read(&svg).expect("the picture"), fs::read(format!("{out}/hold.svg")).expect("the picture"));
     let text = fs::read_to_string(format!("{out}/hold.txt")).expect("text");
-    for part in ["+y (out of the palm)", "where the object is at rest", "slips less than 0.500 mm", "Least: "] {
+    for part in [
+        "+y (out of the palm)",
+        "where the object is at rest",
+        "palm): the object slips less than 0.500 mm up to ",
+        "Least: ",
+    ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
     let lines = fs::read_to_string(format!("{out}/hold.csv")).expect("text").lines().count();
@@ -297,9 +302,17 @@ fn vibrations_and_moves_have_their_own_figures() {
         (vec!["hold", GRIPPER, "--along", "x"], "--vibration"),
         (vec!["hold", GRIPPER, "--vibration", "50 Hz", "--along", "x,x"], "an axis twice"),
         (vec!["hold", GRIPPER, "--slip", "0 mm"], "more than 0"),
+        (vec!["hold", HOLD, "--vibration", "1e-300 Hz"], "a run may take 3600 s; give a higher frequency"),
+        (vec!["hold", HOLD, "--move", "--from", "1e-300 m/s^2"], "a larger --from"),
     ] {
         let output = phalanx(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");
         assert!(stderr(&output).contains(said), "{args:?}: {}", stderr(&output));
+    }
+    let low = phalanx(&["hold", HOLD, "--directions", "2", "--scan", "2", "--to", "2 m/s^2"]);
+    for part in
+        ["up to 2.000 m/s² (0.204 g, over 0.426 mm), the largest tried, and is held", "2 loads of 2", "raise --to."]
+    {
+        assert!(stdout(&low).contains(part), "{part}\n{}", stdout(&low));
     }
 }

@@ -49,6 +49,8 @@ fn the_json_has_the_chosen_rule_and_agrees_with_a_scene_that_sizes_itself() {
     let scene = write(&directory("size-scene"), "sized.toml", &format!("sizing = \"whole\"\n{design}"));
     let sized = json(&["size", &scene, "--json"]);
     assert_eq!(sized["given"], report["whole"]);
+    let torsional = json(&["size", "scenes/torsional-spring.toml", "--json"]);
+    assert_eq!(torsional["spring_types"][1]["preload_rad"], 110f64.to_radians(), "the scene's own");
     // Faster takes more, about as the square of the time.
     let fast = json(&["size", ANCHOR, "--closing-time", "5 ms", "--json"]);
     let ratio = fast["motor_n_m"].as_f64().unwrap() / report["rigid"]["motor_n_m"].as_f64().unwrap();

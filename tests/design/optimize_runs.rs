@@ -288,12 +288,15 @@ fn pictures_pages_and_scenes_are_of_the_front() {
         // The point in the picture leads to the scene, which is the file.
         assert!(page.contains(&format!("<a href=\"#design-{number}\"><circle")), "{number}");
         assert!(page.contains(&format!("id=\"design-{number}\"")), "{number}");
-        let scene = fs::read_to_string(scenes.join(format!("design-{number}.toml"))).expect("written");
+        let scene = fs::read_to_string(scenes.join(format!("design-{number:02}.toml"))).expect("written");
         assert!(page.contains(&scene.replace('"', "&quot;")), "{scene}");
-        assert!(scene.starts_with(&format!("# Design {number} of the search \"optimize-95\":")), "{scene}");
+        assert!(scene.starts_with(&format!("# Design {number} of the search \"optimize-95\"")), "{scene}");
     }
     assert_eq!(page.matches("<a href=\"#design-").count(), 2 * on_front.len(), "in the picture and in the table");
-    let best = scenes.join(format!("design-{}.toml", on_front[0]));
+    let files = said.lines().find(|line| line.starts_with("scene ")).expect("files of the designs that are compared");
+    let compromise = scenes.join(files.split_whitespace().last().expect("the compromise"));
+    assert!(fs::read_to_string(&compromise).expect("written").contains("\"optimize-95\", the compromise:"));
+    let best = scenes.join(format!("design-{:02}.toml", on_front[0]));
     for scene in [best, scenes.join("start.toml")] {
         done(&phalanx(&["run", &text(&scene)]));
     }
@@ -318,4 +321,42 @@ fn a_search_that_finds_nothing_says_what_was_nearest() {
         "{said}"
     );
     assert!(out.exists(), "what was looked at is written all the same");
+}
+
+#[test]
+fn units_are_those_of_fields_and_columns_however_they_are_called() {
+    let directory = directory("optimize_units");
+    let scene = fs::canonicalize("scenes/torsional-spring.toml").expect("ships");
+    let text = format!(
+        "scene = {scene:?}\n[[variables]]\nfield = \"spring.stiffness\"\nfrom = \"40 N*mm/rad\"\nto = \"160 N*mm/rad\"\n[[objectives]]\n\
+         column = \"tts_s\"\n[[objectives]]\ncolumns = [\"peak_f21_n\", \"peak_f22_n\"]\nname = \"peak\"\n[method]\npopulation = 4\n\
+         generations = 1\n"
+    );
+    let (study, out, page) =
+        (write(&directory, "spring.toml", &text), directory.join("s.csv"), directory.join("s.html"));
+    let output = search(&study, &out, &["--html", page.to_str().expect("text")]);
+    done(&output);
+    let any = ["--no-form-closed", "--no-static", "--no-pfp", "--class", "unstable"];
+    let runs = beside(&out, ".runs.csv");
+    let selected = phalanx(&[&["select", runs.to_str().expect("text")][..], &any].concat());
+    let page = fs::read_to_string(&page).expect("written");
+    for (said, label) in [
+        (stdout(&output), "stiffness, N·mm/rad      60"),
+        (stdout(&output), "peak, N"),
+        (page.as_str(), "stiffness, N·mm/rad"),
+        (page.as_str(), "peak, N"),
+        (stdout(&selected), "stiffness, N·mm/rad"),
+    ] {
+        assert!(said.contains(label), "{label}\n{said}");
+    }
+}
+
+#[test]
+fn a_search_is_ended_before_its_first_run_too() {
+    let directory = directory("optimize_setup");
+    let of = load(small(&directory, 2000, 1)).expect("sound");
+    let (asked, mut heard) = (std::sync::atomic::AtomicU64::new(0), Deaf(0));
+    let go_on = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) < 100;
+    let ended = run(&of, 1, Vec::new(), &go_on, &mut heard).expect("no other search");
+    assert!(ended.found.is_none() && heard.0 == 0, "{} runs", heard.0);
 }

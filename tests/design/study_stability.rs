@@ -178,7 +178,7 @@ fn what_cannot_be_mapped_is_refused() {
         "undamped.toml",
         &anchor.replace("[contact.friction]", "[contact]\nstiffness_si = 0\nexponent = 2.2\n[contact.friction]"),
     );
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 13] = [
         (&[discs], "scene of discs"),
         (&["scenes/gripper/design-95.toml"], "scene of a gripper"),
         (&["scenes/free-swing.toml"], "nothing can touch"),
@@ -186,6 +186,7 @@ fn what_cannot_be_mapped_is_refused() {
         (&[&undamped, "--damping", "0"], "one of them above 0"),
         (&[ANCHOR, "--steps", "1e-3"], "no unit"),
         (&[ANCHOR, "--steps", "20 ms"], "not shorter than the run"),
+        (&[ANCHOR, "--steps", "1e-300 s"], "takes more than 10000000 steps; give longer steps"),
         (&[ANCHOR, "--stiffness", "0,1"], "above 0"),
         (&[ANCHOR, "--stiffness", "1e301"], "must be finite"),
         (&[ANCHOR, "--damping=-1"], "from 0"),

@@ -342,7 +342,7 @@ fn arguments_of_parts_are_checked_before_anything_is_run() {
     let directory = directory("shards_arguments");
     let study = cheap(&directory, 50);
     let out = directory.join("part.parquet");
-    for shard in ["0/4", "5/4", "1", "1/0", "a/b", "-1/4"] {
+    for shard in ["0/4", "5/4", "1", "1/0", "a/b", "-1/4", "1/ 4", " 1/4", "+1/4", "01/4", "1/04"] {
         refused(&[&study, "--shard", shard, "--out", text(&out)], &["expected K/N"]);
     }
     refused(&[&study, "--shard", "1/4", "--limit", "3", "--out", text(&out)], &["--limit", "cannot be used with"]);

@@ -2,6 +2,8 @@
 
 const PREFIXES = [["p", 1e-12], ["n", 1e-9], ["µ", 1e-6], ["m", 1e-3], ["", 1], ["k", 1e3], ["M", 1e6], ["G", 1e9]];
 const DEGREE = 180 / Math.PI;
+// Smaller results are rounding: Dimension::resolution_si.
+const RESOLUTION = { N: 1e-9, "N·m": 1e-12, m: 1e-12, rad: 1e-12, "m/s": 1e-12, "rad/s": 1e-12 };
 
 const minus = (text) => text.replace("-", "−");
 
@@ -19,6 +21,7 @@ function shownUnit(unit, size) {
 function withUnit(value, unit, digits = 5) {
   if (value === undefined || Number.isNaN(value)) return "–";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
+  if (Math.abs(value) < RESOLUTION[unit]) value = 0;
   const shown = shownUnit(unit, Math.abs(value));
   const scaled = value * shown.factor;
   const space = shown.unit === "°" ? "" : "\u202f";

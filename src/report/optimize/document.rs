@@ -21,6 +21,9 @@ pub struct OptimisationReport<'a> {
     /// How many designs of the front are told to people.
     #[serde(skip)]
     pub most: usize,
+    /// Whether each design of the front is a scene file.
+    #[serde(skip)]
+    pub scenes: bool,
     pub name: String,
     pub model: &'static str,
     pub algorithm: &'static str,
@@ -112,6 +115,7 @@ impl<'a> OptimisationReport<'a> {
             of,
             found,
             most,
+            scenes: false,
             name: of.name().to_string(),
             model: Model::name(of.study().model),
             algorithm: of.method.algorithm.name(),
@@ -147,6 +151,12 @@ pub(super) fn chosen(of: &Optimisation, found: &Found) -> Vec<(String, usize)> {
     let mut all: Vec<(String, usize)> = of.objectives.iter().enumerate().filter_map(best).collect();
     all.extend(found.compromise().map(|index| ("compromise".to_string(), index)));
     all
+}
+
+/// File of a design among the scenes of the front: the order of names is that of numbers.
+pub fn scene_file(found: &Found, design: &Design) -> String {
+    let width = found.designs.len().to_string().len();
+    format!("design-{:0width$}.toml", design.number)
 }
 
 impl GainReport {

@@ -10,5 +10,5 @@ mod document;
 mod paper;
 mod text;
 
-pub use document::{OptimisationReport, is_designs};
+pub use document::{OptimisationReport, is_designs, scene_file};
 pub use text::optimisation_list;

@@ -1,6 +1,6 @@
 //! Tables for people.
 
-use super::document::{OptimisationReport, chosen};
+use super::document::{OptimisationReport, chosen, scene_file};
 use crate::report::sweep::reasons;
 use crate::study::optimize::{Design, Found, Goal, Limit, Objective, Optimisation, gain};
 use crate::study::select::CLASSES;
@@ -8,14 +8,14 @@ use crate::study::sweep::Status;
 use crate::table::Value;
 use crate::wording::figures::figure;
 use crate::wording::quantity::Quantity;
-use crate::wording::report::{Report, Reported, Table, table};
+use crate::wording::report::{Cell, Report, Reported, Table, Tone, table};
 
 /// What is compared with the start, the front, and what it took.
 impl Reported for OptimisationReport<'_> {
     fn report(&self) -> Report {
         let OptimisationReport { of, found, most, .. } = self;
         let mut text = Report::from(format!("{}\n\n", headline(of)));
-        text.push(compared(of, found));
+        text.push(compared(of, found, self.scenes));
         if found.front.is_empty() {
             text.push(Report::paragraph(&format!("\n{}\n", nothing(of, found))));
         } else if of.objectives.len() > 1 {
@@ -109,69 +109,88 @@ fn headline(of: &Optimisation) -> String {
     )
 }
 
-/// The start beside the best ones: variables, objectives, what is gained, and the worst of the constraints.
-pub(super) fn compared(of: &Optimisation, found: &Found) -> Report {
+/// The start beside the best ones: variables, objectives, what is gained, the worst of the constraints, and their `scenes`.
+pub(super) fn compared(of: &Optimisation, found: &Found, scenes: bool) -> Table {
     let (chosen, labels) = (chosen(of, found), variable_labels(of));
     let mut designs: Vec<&Design> = vec![found.start()];
     designs.extend(chosen.iter().map(|(_, index)| &found.designs[*index]));
-    let names = chosen.iter().map(|(name, _)| match name.strip_prefix("best ") {
-        Some(column) => format!("best {}", Quantity::of(column).name),
+    let goal = |name: &str| of.objectives.iter().find(|of| name.strip_prefix("best ") == Some(&of.figure.name));
+    let names = chosen.iter().map(|(name, _)| match goal(name) {
+        Some(of) => format!("best {}", goal_of(of).name),
         None => name.clone(),
     });
-    let head = ["design".to_string(), "start".to_string()].into_iter().chain(names).collect();
-    let mut rows: Vec<Vec<String>> = vec![head];
-    rows.push(line("number", &designs, |design| design.number.to_string()));
+    let head = ["design".to_string(), "start".to_string()].into_iter().chain(names).map(Cell::new).collect();
+    let mut rows: Vec<Vec<Cell>> = vec![head];
+    let mut line = |name: &str, cell: &dyn Fn(&Design) -> Cell| {
+        rows.push(std::iter::once(Cell::new(name)).chain(designs.iter().map(|design| cell(design))).collect());
+    };
+    line("number", &|design| Cell::new(design.number.to_string()));
     for (at, variable) in of.variables.iter().enumerate() {
         let quantity = Quantity::of(&variable.column());
-        rows.push(line(&labels[at], &designs, |design| quantity.value(&design.points[at].value, 4)));
+        line(&labels[at], &|design| Cell::new(quantity.value(&design.points[at].value, 4)));
     }
     for (at, objective) in of.objectives.iter().enumerate() {
-        let quantity = Quantity::of(&objective.figure.name);
-        rows.push(line(&quantity.label(), &designs, |design| match design.judged.values[at] {
-            Some(value) => quantity.number(value, 5),
-            None => "–".to_string(),
-        }));
-        let start = designs[0].judged.values[at];
-        rows.push(line("  gain, %", &designs, |design| {
-            let share = gain(objective.goal, start, design.judged.values[at]).filter(|_| design.number != 1);
-            share.map_or(String::new(), |share| format!("{:+.1}", 100.0 * share).replace('-', "−"))
-        }));
+        let quantity = goal_of(objective);
+        line(&quantity.label(), &|design| match design.judged.values[at] {
+            Some(value) => {
+                Cell { figure: Some((objective.figure.name.clone(), value)), ..Cell::new(quantity.number(value, 5)) }
+            }
+            None => Cell::new("–"),
+        });
+        let start = found.start().judged.values[at];
+        line("  gain, %", &|design| match gain(objective.goal, start, design.judged.values[at])
+            .filter(|_| design.number != 1)
+        {
+            Some(share) => Cell {
+                tone: if share >= 0.0 { Tone::Good } else { Tone::Bad },
+                ..Cell::new(format!("{:+.1}", 100.0 * share).replace('-', "−"))
+            },
+            None => Cell::new(""),
+        });
     }
     for (at, constraint) in of.constraints.iter().enumerate() {
         let quantity = Quantity::of(&constraint.column);
-        rows.push(line(&constraint_words(of, at), &designs, |design| match &design.judged.worst[at] {
-            Value::Flag(true) => "yes".to_string(),
-            Value::Flag(false) => "no".to_string(),
-            value => quantity.value(value, 4),
-        }));
+        line(&constraint_words(of, at), &|design| match &design.judged.worst[at] {
+            Value::Flag(flag) => Cell::new(if *flag { "yes" } else { "no" }),
+            value => Cell::new(quantity.value(value, 4)),
+        });
     }
-    rows.push(line("meets all", &designs, |design| if design.is_feasible() { "yes" } else { "no" }.to_string()));
-    table(&rows)
+    line("meets all", &|design| Cell::new(if design.is_feasible() { "yes" } else { "no" }));
+    if scenes {
+        let files = designs[1..].iter().map(|design| scene_file(found, design));
+        rows.push(["scene", "start.toml"].map(String::from).into_iter().chain(files).map(Cell::new).collect());
+    }
+    Table::new(&rows)
 }
 
-fn line(name: &str, designs: &[&Design], cell: impl Fn(&Design) -> String) -> Vec<String> {
-    std::iter::once(name.to_string()).chain(designs.iter().map(|design| cell(design))).collect()
+/// An objective, in the unit of its columns.
+fn goal_of(objective: &Objective) -> Quantity {
+    Quantity::new(&objective.figure.name, &objective.figure.holds)
 }
 
-/// Members of the front from end to end, at most so many.
-pub(super) fn front(of: &Optimisation, found: &Found, most: usize) -> Report {
-    let shown = spread(&found.front, most);
-    let of_all = if shown.len() < found.front.len() { format!(", {} of them", shown.len()) } else { String::new() };
-    let mut text = Report::from(format!("front: {} designs{of_all}\n", found.front.len()));
+/// Members of the front by their objectives and variables, their numbers leading to their scenes.
+pub(super) fn members(of: &Optimisation, found: &Found, shown: &[usize]) -> Table {
     let quantities: Vec<Quantity> = of.variables.iter().map(|variable| Quantity::of(&variable.column())).collect();
-    let goals: Vec<Quantity> = of.objectives.iter().map(|of| Quantity::of(&of.figure.name)).collect();
+    let goals: Vec<Quantity> = of.objectives.iter().map(goal_of).collect();
     let head = std::iter::once("design".to_string());
-    let head = head.chain(goals.iter().map(Quantity::label)).chain(variable_labels(of)).collect();
+    let head = head.chain(goals.iter().map(Quantity::label)).chain(variable_labels(of)).map(Cell::new).collect();
     let row = |index: &usize| {
         let design = &found.designs[*index];
         let objectives = goals.iter().zip(&design.judged.values);
         let objectives = objectives.map(|(of, value)| value.map_or("–".to_string(), |value| of.number(value, 5)));
         let variables = quantities.iter().zip(&design.points).map(|(of, point)| of.value(&point.value, 4));
-        std::iter::once(design.number.to_string()).chain(objectives).chain(variables).collect()
+        let number = Cell { link: Some(format!("design-{}", design.number)), ..Cell::new(design.number.to_string()) };
+        std::iter::once(number).chain(objectives.chain(variables).map(Cell::new)).collect()
     };
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(shown.iter().map(row)).collect();
-    text.push(Table::new(&rows));
-    text
+    let rows: Vec<Vec<Cell>> = std::iter::once(head).chain(shown.iter().map(row)).collect();
+    Table::new(&rows)
+}
+
+/// Members of the front from end to end, at most so many.
+fn front(of: &Optimisation, found: &Found, most: usize) -> Report {
+    let shown = spread(&found.front, most);
+    let of_all = if shown.len() < found.front.len() { format!(", {} of them", shown.len()) } else { String::new() };
+    Report::from(format!("front: {} designs{of_all}\n", found.front.len())).and(members(of, found, &shown))
 }
 
 /// So many of a list, evenly, both ends among them.

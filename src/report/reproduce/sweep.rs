@@ -5,7 +5,8 @@ use super::parts::{compared, of_section};
 use crate::criteria::Class;
 use crate::plot;
 use crate::study::reproduce::{Chaos, Checks, DRIFT_S, Reproduction, Variation};
-use crate::study::select::{CLASSES, Classes, RunStatus, Selection};
+use crate::study::select::{CLASSES, Classes, Selection};
+use crate::study::sweep::Status;
 use crate::wording::figures::figure;
 use crate::wording::report::{Cell, Report};
 use crate::wording::{condition_name, duration, percent_of};
@@ -56,9 +57,8 @@ fn classes(section: Report, selection: &Selection) -> Report {
 
 /// What became of the runs that did not come to their end.
 fn broken(section: Report, selection: &Selection) -> Report {
-    let failed: usize = selection.classes.iter().map(|of| of.statuses[RunStatus::Failed as usize]).sum();
-    let stable =
-        selection.runs.iter().filter(|run| run.status == RunStatus::Failed && run.force_positive == Some(true));
+    let failed: usize = selection.classes.iter().map(|of| of.statuses[Status::Failed as usize]).sum();
+    let stable = selection.runs.iter().filter(|run| run.status == Status::Failed && run.force_positive == Some(true));
     match failed {
         0 => section,
         _ => section.words(format!(

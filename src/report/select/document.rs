@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::criteria::Class;
-use crate::study::select::{CLASSES, Criterion, Parts, RunStatus, Selection, Side, Weights};
-use crate::study::sweep::Reason;
+use crate::study::select::{CLASSES, Criterion, Parts, Selection, Side, Weights};
+use crate::study::sweep::{Reason, Status};
 use crate::table::Value;
 use crate::wording::{criterion_key, criterion_name};
 
@@ -151,15 +151,15 @@ impl<'a> SelectionReport<'a> {
 
 fn classes(selection: &Selection) -> Vec<ClassesReport> {
     let one = |(condition, of): (&crate::study::select::Condition, &crate::study::select::Classes)| {
-        let status = |status: RunStatus| of.statuses[status as usize];
+        let status = |status: Status| of.statuses[status as usize];
         ClassesReport {
             condition: condition.values.iter().map(|(column, value)| (column.clone(), value.clone())).collect(),
             runs: of.runs,
             statuses: StatusesReport {
-                completed: status(RunStatus::Completed),
-                filtered: status(RunStatus::Filtered),
-                refused: status(RunStatus::Refused),
-                failed: status(RunStatus::Failed),
+                completed: status(Status::Completed),
+                filtered: status(Status::Filtered),
+                refused: status(Status::Refused),
+                failed: status(Status::Failed),
             },
             cannot_grasp: of.cannot_grasp,
             statically_stable: of.statically_stable,

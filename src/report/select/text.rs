@@ -2,9 +2,10 @@
 
 use super::document::SelectionReport;
 use crate::criteria::Class;
-use crate::study::select::{CLASSES, Candidate, Ranked, RunStatus, Selection};
-use crate::study::sweep::Reason;
-use crate::wording::figures::{figure, row};
+use crate::study::select::{CLASSES, Candidate, Ranked, Selection};
+use crate::study::sweep::{Reason, Status};
+use crate::units::Dimension;
+use crate::wording::figures::{figure, resolved, row};
 use crate::wording::quantity::Quantity;
 use crate::wording::report::{Report, Reported, table};
 use crate::wording::{condition_name, criterion_name, percent_of};
@@ -59,8 +60,8 @@ fn classes(selection: &Selection) -> Report {
         let cells = (0..selection.conditions.len()).map(cell);
         rows.push(std::iter::once(name.to_string()).chain(cells).collect());
     };
-    for (index, status) in RunStatus::ALL.into_iter().enumerate() {
-        if status == RunStatus::Completed || selection.classes.iter().any(|of| of.statuses[index] > 0) {
+    for (index, status) in Status::ALL.into_iter().enumerate() {
+        if status == Status::Completed || selection.classes.iter().any(|of| of.statuses[index] > 0) {
             line(status.name(), &|condition| {
                 (selection.classes[condition].statuses[index], selection.classes[condition].runs)
             });
@@ -126,11 +127,12 @@ fn ranking(selection: &Selection, most: usize) -> Report {
     let mut rows = vec![head.chain(figures.into_iter().map(String::from)).collect::<Vec<_>>()];
     let line = |ranked: &Ranked| {
         let run = &selection.runs[ranked.run_index];
-        let some = |value: Option<f64>, scale: f64| value.map_or("–".to_string(), |value| figure(value * scale, 4));
+        let force = |value: Option<f64>| value.map_or("–".to_string(), |n| figure(resolved(n, Dimension::Force), 4));
         let fixed = |value: f64| if value.is_nan() { "–".to_string() } else { format!("{value:.3}") };
         let mut cells = vec![ranked.place.to_string(), run.run.to_string(), run.design.to_string()];
         cells.extend(axes.iter().map(|(axis, quantity)| quantity.value(&run.axes[*axis], 4)));
-        cells.extend([some(run.pfp_n, 1.0), some(run.tts_s, 1e3), some(run.f21_n, 1.0), some(run.f22_n, 1.0)]);
+        let tts_ms = run.tts_s.map_or("–".to_string(), |tts_s| figure(tts_s * 1e3, 4));
+        cells.extend([force(run.pfp_n), tts_ms, force(run.f21_n), force(run.f22_n)]);
         let parts = ranked.parts;
         cells.extend([parts.pfp, parts.tts, parts.f21, parts.f22, ranked.r_wc].map(fixed));
         cells

@@ -3,6 +3,7 @@
 use super::attempt::Found;
 use crate::criteria::Fate;
 use crate::scene::WrongKind;
+use crate::units::LONGEST_S;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +38,11 @@ pub enum HoldError {
          table.present=false"
     )]
     Table { peak_m_s2: f64 },
+    #[error(
+        "a run under these loads would go on for {over_s:.2e} s, and a run may take {LONGEST_S} s; give a higher frequency \
+         (--vibration), a larger --from of a --move, a shorter --pulse, or an earlier --at"
+    )]
+    TooLong { over_s: f64 },
     #[error("it was stopped after {done} runs")]
     Stopped { done: u64 },
 }

@@ -44,6 +44,7 @@ use crate::numeric::elementary::{ln, log2};
 use crate::scene::{Axis, Scene};
 use crate::study::pool;
 use crate::trace::Sample;
+use crate::units::LONGEST_S;
 
 use prepared::Prepared;
 
@@ -115,6 +116,12 @@ pub fn hold(
     let stopped = || HoldError::Stopped { done: done.load(Ordering::Relaxed) };
     let prepared = prepare::prepare(scene, &plan, go_on)?.ok_or_else(stopped)?;
     let cases = cases(&plan.loads);
+    // The scene's own move takes longest under the smallest load.
+    let over = |case: &Case| case.load(&prepared.stage, plan.from_m_s2).over_s + AFTER_S;
+    let over_s = cases.iter().map(over).fold(0.0, f64::max);
+    if over_s > LONGEST_S {
+        return Err(HoldError::TooLong { over_s });
+    }
     let highest = clearance::highest(&prepared, &plan, &cases)?;
     let unloaded = unloaded(&prepared, &plan, &cases, go_on)?.ok_or_else(stopped)?;
     let sample = beginning(&prepared, &plan, go_on)?.ok_or_else(stopped)?;

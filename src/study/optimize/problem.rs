@@ -1,6 +1,6 @@
 //! What is optimised: variables, objectives, constraints, and how it is searched.
 
-use crate::study::sweep::{Field, Point, Range, Spacing, Study};
+use crate::study::sweep::{Field, Holds, Point, Range, Spacing, Study};
 use crate::table::Kind;
 use crate::trace::Model;
 
@@ -104,6 +104,8 @@ pub struct Figure {
     pub name: String,
     pub columns: Vec<String>,
     pub of: Of,
+    /// What all of the columns hold; plain numbers where they differ.
+    pub holds: Holds,
     /// Where the columns are in a row.
     pub(super) cells: Vec<usize>,
 }

@@ -11,9 +11,9 @@ use crate::scene::entry::{Entry, Section};
 use crate::scene::nearest;
 use crate::scene::words::SceneKind;
 use crate::study::select::CLASSES;
-use crate::study::sweep::{Anything, found};
+use crate::study::sweep::{Anything, Holds, found};
 use crate::table::Kind;
-use crate::units::{self, Dimension};
+use crate::units;
 
 /// All objectives that can be made out; what is wrong is noted. `before`: how many cells of a row stand before the results.
 pub fn objectives(
@@ -49,17 +49,22 @@ fn objective(c: &mut Checker<'_>, raw: &Section<RawObjective>, kind: SceneKind, 
             return None;
         }
     };
-    let mut cells = Vec::new();
+    let (mut cells, mut all) = (Vec::new(), Vec::new());
     for (column, span) in &columns {
-        let (cell, of) = column_of(c, column, span.clone(), kind, before)?;
-        if !matches!(of, Kind::Number | Kind::Integer) {
+        let (cell, holds) = column_of(c, column, span.clone(), kind, before)?;
+        if !matches!(holds.kind(), Kind::Number | Kind::Integer) {
             let message = format!("`{column}` has no numbers, so it cannot be made small or large");
             let help = "make it a constraint: [[constraints]] with column and equals or at_least";
             c.push(span.clone(), message, "no numbers", help);
             return None;
         }
         cells.push(cell);
+        all.push(holds);
     }
+    let holds = match &all[..] {
+        [first, others @ ..] if others.iter().all(|other| other == first) => (*first).clone(),
+        _ => Holds::Number,
+    };
     let columns: Vec<String> = columns.into_iter().map(|(column, _)| column).collect();
     let name = name.unwrap_or_else(|| match (&columns[..], of) {
         ([one], _) => one.clone(),
@@ -67,7 +72,7 @@ fn objective(c: &mut Checker<'_>, raw: &Section<RawObjective>, kind: SceneKind, 
         (all, Of::Smallest) => format!("smallest_{}", all.join("_")),
         (all, Of::Sum) => format!("sum_{}", all.join("_")),
     });
-    Some(Objective { figure: Figure { name, columns, of, cells }, goal, over })
+    Some(Objective { figure: Figure { name, columns, of, holds, cells }, goal, over })
 }
 
 /// The names of several columns.
@@ -92,10 +97,10 @@ fn column_of(
     span: Option<Span<usize>>,
     kind: SceneKind,
     before: usize,
-) -> Option<(usize, Kind)> {
+) -> Option<(usize, &'static Holds)> {
     let all = found(kind);
     if let Some(at) = all.iter().position(|(name, _)| *name == column) {
-        return Some((before + at, all[at].1));
+        return Some((before + at, &all[at].1));
     }
     let names: Vec<&str> = all.iter().map(|(name, _)| *name).filter(|name| !name.starts_with("check")).collect();
     let label = nearest(column, &names).map_or("not a column".into(), |near| format!("did you mean \"{near}\"?"));
@@ -122,7 +127,7 @@ fn constraint(c: &mut Checker<'_>, raw: &Section<RawConstraint>, kind: SceneKind
     let column = c.get("column", &raw.column)?;
     let (cell, holds) = column_of(c, &column, raw.column.span(), kind, before)?;
     if !(raw.at_least.is_given() || raw.at_most.is_given() || raw.equals.is_given()) {
-        let help = match holds {
+        let help = match holds.kind() {
             Kind::Number | Kind::Integer => "give a bound: at_least = .. or at_most = ..",
             Kind::Flag => "say what has to hold: equals = true",
             Kind::Text if column == "class" => "say the worst class allowed: at_least = \"semi-stable\"",
@@ -131,11 +136,11 @@ fn constraint(c: &mut Checker<'_>, raw: &Section<RawConstraint>, kind: SceneKind
         c.missing("at_least", raw, help);
         return None;
     }
-    let limit = match holds {
+    let limit = match holds.kind() {
         Kind::Number | Kind::Integer => {
             c.unused("equals", &raw.equals, "on a column of numbers: give at_least and at_most");
-            let at_least = bound(c, "at_least", &raw.at_least, &column)?;
-            let at_most = bound(c, "at_most", &raw.at_most, &column)?;
+            let at_least = bound(c, "at_least", &raw.at_least, &column, holds)?;
+            let at_most = bound(c, "at_most", &raw.at_most, &column, holds)?;
             if let (Some(least), Some(most)) = (at_least, at_most)
                 && least > most
             {
@@ -147,7 +152,7 @@ fn constraint(c: &mut Checker<'_>, raw: &Section<RawConstraint>, kind: SceneKind
         }
         Kind::Flag | Kind::Text => {
             c.unused("at_most", &raw.at_most, "on a column without numbers");
-            return word(c, raw, &column, holds).map(|limit| Constraint { column, limit, cell });
+            return word(c, raw, &column, holds.kind()).map(|limit| Constraint { column, limit, cell });
         }
     };
     Some(Constraint { column, limit, cell })
@@ -191,20 +196,17 @@ fn word(c: &mut Checker<'_>, raw: &RawConstraint, column: &str, holds: Kind) -> 
 
 /// A bound in the unit of its column, or a quantity. `None` if it is wrong, `Some(None)` if it is not given.
 #[expect(clippy::option_option)]
-fn bound(c: &mut Checker<'_>, key: &str, entry: &Entry<Anything>, column: &str) -> Option<Option<f64>> {
+fn bound(c: &mut Checker<'_>, key: &str, entry: &Entry<Anything>, column: &str, holds: &Holds) -> Option<Option<f64>> {
     if !entry.is_given() {
         return Some(None);
     }
     let given = c.get(key, entry)?;
     let span = Some(given.span());
-    // The longest unit that the name ends in: `_n_m` is no length.
-    let ends = |of: &&Dimension| column.ends_with(&format!("_{}", of.suffix()));
-    let dimension = Dimension::ALL.iter().filter(ends).max_by_key(|of| of.suffix().len());
     match given.get_ref() {
         Any::Integer(integer) => Some(Some(*integer as f64)),
         Any::Float(number) if number.is_finite() => Some(Some(*number)),
-        Any::Text(text) => match dimension {
-            Some(dimension) => match units::parse(text, *dimension) {
+        Any::Text(text) => match holds {
+            Holds::Quantity(dimension) => match units::parse(text, *dimension) {
                 Ok(value) => Some(Some(value)),
                 Err(error) => {
                     let help = format!("write a number and its unit, as in \"{}\"", dimension.example());
@@ -212,7 +214,7 @@ fn bound(c: &mut Checker<'_>, key: &str, entry: &Entry<Anything>, column: &str) 
                     None
                 }
             },
-            None => {
+            _ => {
                 let message = format!("`{key}` is a text, but a bound of `{column}` is a plain number");
                 c.push(
                     span,

@@ -63,9 +63,15 @@ pub fn run(
     // The start has a generation of its own in CMA-ES.
     let most = of.method.generations + u64::from(of.method.algorithm == Algorithm::CmaEs);
     while generation < most && !search.is_over() {
-        let points: Vec<Vec<Point>> = search.ask().iter().map(|place| at(of, place)).collect();
-        let Some(rows) = simulated(of, threads, designs.len() as u64, &points, &mut known, go_on, listener, &mut done)?
-        else {
+        let places = search.ask();
+        // Before the first run of a generation of many thousands too.
+        let points = places.iter().map(|place| go_on().then(|| at(of, place))).collect::<Option<Vec<Vec<Point>>>>();
+        let before = designs.len() as u64;
+        let rows = match &points {
+            Some(points) => simulated(of, threads, before, points, &mut known, go_on, listener, &mut done)?,
+            None => None,
+        };
+        let (Some(points), Some(rows)) = (points, rows) else {
             done.wall_s = start.elapsed().as_secs_f64();
             return Ok(done);
         };

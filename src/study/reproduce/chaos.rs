@@ -12,7 +12,8 @@ use crate::check::{Check, PUSH, check_heard, pushed};
 use crate::criteria::{AtRest, Class, Tracker, at_rest};
 use crate::scene::Scene;
 use crate::study::pool;
-use crate::study::select::{Candidate, RunStatus, Selection};
+use crate::study::select::{Candidate, Selection};
+use crate::study::sweep::Status;
 use crate::table::Table;
 use crate::trace::{self, Model, RunError, Sink};
 
@@ -84,7 +85,7 @@ pub fn chaos(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Checks, Chaos), ReproduceError> {
     let jobs: Vec<usize> =
-        (0..selection.runs.len()).filter(|&run| selection.runs[run].status == RunStatus::Completed).collect();
+        (0..selection.runs.len()).filter(|&run| selection.runs[run].status == Status::Completed).collect();
     let work = |&run: &usize, _: &_| again(&scenes[run], selection.runs[run].force_positive == Some(true), go_on);
     let found: Vec<Again> = pool::map(threads, &jobs, work, |()| ()).into_iter().collect::<Result<_, _>>()?;
     let mut checks = Checks::default();

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::SelectError;
 use super::classes::CLASSES;
 use crate::criteria::Class;
+use crate::study::sweep::Status;
 use crate::table::{Table, Value};
 
 /// What a study varied: a column, and its values in the order in which the study went through them.
@@ -23,32 +24,6 @@ pub struct Condition {
     pub values: Vec<(String, Value)>,
 }
 
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum RunStatus {
-    Completed,
-    /// A static criterion of the study left it out.
-    Filtered,
-    /// The scene is not valid.
-    Refused,
-    /// The simulation did not end.
-    Failed,
-}
-
-impl RunStatus {
-    pub const ALL: [RunStatus; 4] = [RunStatus::Completed, RunStatus::Filtered, RunStatus::Refused, RunStatus::Failed];
-
-    /// The word in the table.
-    pub fn name(self) -> &'static str {
-        match self {
-            RunStatus::Completed => "completed",
-            RunStatus::Filtered => "filtered",
-            RunStatus::Refused => "refused",
-            RunStatus::Failed => "failed",
-        }
-    }
-}
-
 /// One run. What it has no figure of is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
@@ -60,7 +35,7 @@ pub struct Candidate {
     pub condition: usize,
     /// One for each axis.
     pub axes: Vec<Value>,
-    pub status: RunStatus,
+    pub status: Status,
     pub force_positive: Option<bool>,
     pub form_closed: Option<bool>,
     pub class: Option<Class>,
@@ -78,7 +53,7 @@ pub struct Candidate {
 impl Candidate {
     /// Whether it was simulated to the end, but has no class, for the finger cannot grasp its object.
     pub fn cannot_grasp(&self) -> bool {
-        self.status == RunStatus::Completed && self.class.is_none()
+        self.status == Status::Completed && self.class.is_none()
     }
 }
 
@@ -165,7 +140,7 @@ fn candidate(columns: &Columns, row: usize, axes: Vec<Value>) -> Result<Candidat
         allowed,
     };
     let status_text = columns.status[row].ok_or_else(|| absent("status"))?;
-    let status = RunStatus::ALL.into_iter().find(|status| status.name() == status_text);
+    let status = Status::ALL.into_iter().find(|status| status.name() == status_text);
     let status = status.ok_or_else(|| word("status", status_text, "completed, filtered, refused or failed"))?;
     let class = columns.class[row].map(|name| {
         class_named(name).ok_or_else(|| word("class", name, "stable, semi-stable, semi-unstable or unstable"))
@@ -200,7 +175,7 @@ fn candidate(columns: &Columns, row: usize, axes: Vec<Value>) -> Result<Candidat
         ("pfp_n", found.pfp_n.is_none()),
     ];
     // A row says why figures are missing, or it is not finished.
-    let must_have = status == RunStatus::Completed && found.reason.is_none();
+    let must_have = status == Status::Completed && found.reason.is_none();
     match needed.iter().find(|(_, absent)| must_have && *absent) {
         Some(&(column, _)) => Err(SelectError::Unfinished { row: row + 1, run, column }),
         None => Ok(found),

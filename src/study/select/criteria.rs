@@ -1,8 +1,9 @@
 //! What a run must meet, and whether it does.
 
-use super::candidates::{Candidate, RunStatus};
+use super::candidates::Candidate;
 use super::{SelectError, Weights};
 use crate::criteria::Class;
+use crate::study::sweep::Status;
 use crate::table::Table;
 
 /// What is asked of a design. The default is the thesis's §4.3: form-closed, statically stable, stable or semi-stable, and
@@ -95,7 +96,7 @@ impl SelectionCriteria {
 impl Criterion {
     /// Whether a run meets it; `bound` is the value of the bound's column.
     pub(super) fn judge(&self, run: &Candidate, bound: Option<f64>) -> Verdict {
-        let completed = run.status == RunStatus::Completed;
+        let completed = run.status == Status::Completed;
         let verdict = |holds: Option<bool>| match holds {
             Some(true) => Verdict::Holds,
             Some(false) => Verdict::Fails,

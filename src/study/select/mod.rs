@@ -20,7 +20,7 @@ mod error;
 mod ranking;
 mod tally;
 
-pub use candidates::{Axis, Candidate, Condition, RunStatus, class_named};
+pub use candidates::{Axis, Candidate, Condition, class_named};
 pub use classes::CLASSES;
 pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
 pub use error::SelectError;

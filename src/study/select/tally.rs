@@ -3,9 +3,10 @@
 use std::cmp::Reverse;
 use std::collections::HashSet;
 
+use super::Candidate;
 use super::classes::CLASSES;
 use super::criteria::{Criterion, Verdict};
-use super::{Candidate, RunStatus};
+use crate::study::sweep::Status;
 use crate::study::sweep::{Reason, grouped};
 
 /// What one criterion did.
@@ -55,7 +56,7 @@ pub struct Classes {
     pub runs: usize,
     /// Simulated to the end, without a class.
     pub cannot_grasp: usize,
-    /// In the order of [`RunStatus::ALL`].
+    /// In the order of [`Status::ALL`].
     pub statuses: [usize; 4],
     /// In the order of [`CLASSES`].
     pub dynamic: [usize; 4],
@@ -79,7 +80,7 @@ pub fn classes(runs: &[Candidate], conditions: usize) -> Vec<Classes> {
         Classes {
             runs: of.len(),
             cannot_grasp: count(&Candidate::cannot_grasp),
-            statuses: RunStatus::ALL.map(|status| count(&|run| run.status == status)),
+            statuses: Status::ALL.map(|status| count(&|run| run.status == status)),
             dynamic: CLASSES.map(|class| count(&|run| run.class == Some(class))),
             statically_stable: count(&|run| run.force_positive == Some(true)),
             statically_unstable: count(&|run| run.force_positive == Some(false)),

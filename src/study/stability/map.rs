@@ -152,6 +152,11 @@ pub enum StudyError {
     )]
     LongStep { step_s: f64, duration_s: f64 },
     #[error(
+        "with steps of {step_s:e} s the run of {duration_s:e} s takes more than {most} steps; give longer steps or a shorter `duration`, or \
+         raise max_steps under [engine]"
+    )]
+    ShortStep { step_s: f64, duration_s: f64, most: u64 },
+    #[error(
         "the stiffness factor {stiffness:e} with the damping factor {damping:e} leaves a contact with k = {k:e} and c_max = \
          {c:e}: both must be finite and one of them above 0; give other factors"
     )]

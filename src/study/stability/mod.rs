@@ -25,7 +25,7 @@ use std::time::Instant;
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
 use crate::scene::words::SceneKind;
-use crate::scene::{Response, Scene, Stepping};
+use crate::scene::{Engine, Response, Scene, Stepping};
 use crate::study::pool;
 use crate::trace::While;
 use crate::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
@@ -97,6 +97,10 @@ fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
     }
     if let Some(&step_s) = grid.steps_s.iter().find(|&&step_s| step_s >= scene.duration_s) {
         return Err(StudyError::LongStep { step_s, duration_s: scene.duration_s });
+    }
+    let most = scene.engine.max_steps.max(Engine::DEFAULT.max_steps);
+    if let Some(&step_s) = grid.steps_s.iter().find(|&&step_s| scene.duration_s / step_s > most as f64) {
+        return Err(StudyError::ShortStep { step_s, duration_s: scene.duration_s, most });
     }
     for (stiffness, damping) in grid.columns() {
         let contact = scaled(scene, stiffness, damping).finger().contact;

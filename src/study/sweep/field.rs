@@ -22,6 +22,8 @@ pub struct Field {
 pub enum Holds {
     Quantity(Dimension),
     Number,
+    /// Of results alone.
+    Percent,
     /// A whole number within bounds.
     Whole(i64, i64),
     Flag,
@@ -82,14 +84,11 @@ impl Field {
         }
     }
 
-    /// Kind of its column.
-    pub fn kind(&self) -> Kind {
-        match self.holds {
-            Holds::Quantity(_) | Holds::Number => Kind::Number,
-            Holds::Whole(..) => Kind::Integer,
-            Holds::Flag => Kind::Flag,
-            Holds::Word(_) | Holds::Text | Holds::List(_) => Kind::Text,
-        }
+    /// The field that has this column in scenes of that schema.
+    pub fn of_column(column: &str, schema: &Json) -> Option<Self> {
+        let paths = Dimension::ALL.into_iter().filter_map(|of| column.strip_suffix(of.suffix())?.strip_suffix('_'));
+        let fields = paths.chain([column]).filter_map(|path| Field::find(path, schema).ok());
+        fields.into_iter().find(|field| field.column() == column)
     }
 
     /// Reads a value given for the field in a study.
@@ -99,6 +98,16 @@ impl Field {
 }
 
 impl Holds {
+    /// Kind of a column of such values.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Holds::Quantity(_) | Holds::Number | Holds::Percent => Kind::Number,
+            Holds::Whole(..) => Kind::Integer,
+            Holds::Flag => Kind::Flag,
+            Holds::Word(_) | Holds::Text | Holds::List(_) => Kind::Text,
+        }
+    }
+
     /// What the part of a schema says.
     pub fn of(schema: &Json) -> Self {
         if let Some(unit) = schema.get("x-units").and_then(|units| units.get(0)).and_then(Json::as_str)
@@ -134,9 +143,11 @@ impl Holds {
         };
         match (self, found) {
             (Holds::Quantity(dimension), _) => quantity(key, value, *dimension).map(Value::Number),
-            (Holds::Number, Any::Integer(integer)) => Ok(Value::Number(*integer as f64)),
-            (Holds::Number, Any::Float(number)) if number.is_finite() => Ok(Value::Number(*number)),
-            (Holds::Number, _) => wrong("a plain number", "write a number such as 0.8 or 1e8, without quotes"),
+            (Holds::Number | Holds::Percent, Any::Integer(integer)) => Ok(Value::Number(*integer as f64)),
+            (Holds::Number | Holds::Percent, Any::Float(number)) if number.is_finite() => Ok(Value::Number(*number)),
+            (Holds::Number | Holds::Percent, _) => {
+                wrong("a plain number", "write a number such as 0.8 or 1e8, without quotes")
+            }
             (Holds::Whole(least, most), Any::Integer(integer)) if (least..=most).contains(&integer) => {
                 Ok(Value::Integer(*integer))
             }

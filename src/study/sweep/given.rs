@@ -105,7 +105,7 @@ impl Field {
                 let unit = dimension.units()[0].name;
                 Some(Point { text: format!("\"{si:?} {unit}\""), value: Value::Number(si) })
             }
-            Holds::Number => Some(Point { text: format!("{si:?}"), value: Value::Number(si) }),
+            Holds::Number | Holds::Percent => Some(Point { text: format!("{si:?}"), value: Value::Number(si) }),
             Holds::Whole(least, most) => {
                 let whole = si as i64;
                 let fits = whole as f64 == si && (least..=most).contains(&&whole);

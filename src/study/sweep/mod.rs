@@ -62,7 +62,7 @@ pub use files::{files, sources};
 pub use given::{GivenError, given};
 pub use raw::schema;
 pub use read::{load, parse};
-pub use row::{Row, Status, columns, sorted, table};
+pub use row::{Row, Status, columns, held_by, sorted, table};
 pub use run::{Ran, run, run_range, run_while};
 pub use shard::{Shard, ShardError, in_one_piece, range, shard};
 pub use summary::{Reason, Summary, summary};

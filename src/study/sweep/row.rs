@@ -3,8 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::Study;
+use super::field::{Field, Holds};
+use crate::scene::schema::schema_of;
 use crate::scene::words::SceneKind;
 use crate::table::{Column, Kind, Table, Value};
+use crate::units::Dimension;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,85 +49,93 @@ pub struct Row {
 }
 
 /// Columns after those of the axes, in order.
-pub(in crate::study) fn found(kind: SceneKind) -> &'static [(&'static str, Kind)] {
+pub(in crate::study) fn found(kind: SceneKind) -> &'static [(&'static str, Holds)] {
     if kind == SceneKind::Gripper { &OF_GRIPPER } else { &OF_FINGER }
 }
 
+const LENGTH: Holds = Holds::Quantity(Dimension::Length);
+const ANGLE: Holds = Holds::Quantity(Dimension::Angle);
+const TIME: Holds = Holds::Quantity(Dimension::Time);
+const MASS: Holds = Holds::Quantity(Dimension::Mass);
+const FORCE: Holds = Holds::Quantity(Dimension::Force);
+const TORQUE: Holds = Holds::Quantity(Dimension::Torque);
+const SPEED: Holds = Holds::Quantity(Dimension::Speed);
+
 /// Of grippers: lengths and forces of both fingers, what became of the object and where it is.
-const OF_GRIPPER: [(&str, Kind); 42] = [
-    ("palm_width_m", Kind::Number),
-    ("right_l21_m", Kind::Number),
-    ("left_l21_m", Kind::Number),
-    ("right_motor_n_m", Kind::Number),
-    ("left_motor_n_m", Kind::Number),
-    ("right_spring_n_m", Kind::Number),
-    ("left_spring_n_m", Kind::Number),
-    ("status", Kind::Text),
-    ("reason", Kind::Text),
-    ("grasp", Kind::Text),
-    ("grasped_s", Kind::Number),
-    ("tts_s", Kind::Number),
-    ("until_s", Kind::Number),
-    ("form_closed", Kind::Flag),
-    ("x_start_m", Kind::Number),
-    ("x_m", Kind::Number),
-    ("y_m", Kind::Number),
-    ("angle_rad", Kind::Number),
-    ("offset_ratio", Kind::Number),
-    ("speed_m_s", Kind::Number),
-    ("slip_m", Kind::Number),
-    ("slip_rad", Kind::Number),
-    ("contacts_lost", Kind::Integer),
-    ("link_overlap_m", Kind::Number),
-    ("right_proximal_first_s", Kind::Number),
-    ("left_proximal_first_s", Kind::Number),
-    ("right_distal_first_s", Kind::Number),
-    ("left_distal_first_s", Kind::Number),
-    ("right_proximal_n", Kind::Number),
-    ("right_distal_n", Kind::Number),
-    ("left_proximal_n", Kind::Number),
-    ("left_distal_n", Kind::Number),
-    ("palm_n", Kind::Number),
-    ("table_n", Kind::Number),
-    ("peak_right_proximal_n", Kind::Number),
-    ("peak_right_distal_n", Kind::Number),
-    ("peak_left_proximal_n", Kind::Number),
-    ("peak_left_distal_n", Kind::Number),
-    ("peak_palm_n", Kind::Number),
-    ("steps", Kind::Integer),
-    ("check", Kind::Text),
-    ("check_error_rad", Kind::Number),
+static OF_GRIPPER: [(&str, Holds); 42] = [
+    ("palm_width_m", LENGTH),
+    ("right_l21_m", LENGTH),
+    ("left_l21_m", LENGTH),
+    ("right_motor_n_m", TORQUE),
+    ("left_motor_n_m", TORQUE),
+    ("right_spring_n_m", TORQUE),
+    ("left_spring_n_m", TORQUE),
+    ("status", Holds::Text),
+    ("reason", Holds::Text),
+    ("grasp", Holds::Text),
+    ("grasped_s", TIME),
+    ("tts_s", TIME),
+    ("until_s", TIME),
+    ("form_closed", Holds::Flag),
+    ("x_start_m", LENGTH),
+    ("x_m", LENGTH),
+    ("y_m", LENGTH),
+    ("angle_rad", ANGLE),
+    ("offset_ratio", Holds::Number),
+    ("speed_m_s", SPEED),
+    ("slip_m", LENGTH),
+    ("slip_rad", ANGLE),
+    ("contacts_lost", Holds::Whole(0, i64::MAX)),
+    ("link_overlap_m", LENGTH),
+    ("right_proximal_first_s", TIME),
+    ("left_proximal_first_s", TIME),
+    ("right_distal_first_s", TIME),
+    ("left_distal_first_s", TIME),
+    ("right_proximal_n", FORCE),
+    ("right_distal_n", FORCE),
+    ("left_proximal_n", FORCE),
+    ("left_distal_n", FORCE),
+    ("palm_n", FORCE),
+    ("table_n", FORCE),
+    ("peak_right_proximal_n", FORCE),
+    ("peak_right_distal_n", FORCE),
+    ("peak_left_proximal_n", FORCE),
+    ("peak_left_distal_n", FORCE),
+    ("peak_palm_n", FORCE),
+    ("steps", Holds::Whole(0, i64::MAX)),
+    ("check", Holds::Text),
+    ("check_error_rad", ANGLE),
 ];
 
-const OF_FINGER: [(&str, Kind); 28] = [
-    ("l12_m", Kind::Number),
-    ("l21_m", Kind::Number),
-    ("l22_m", Kind::Number),
-    ("t22_m", Kind::Number),
-    ("mass_kg", Kind::Number),
-    ("trajectory_rad", Kind::Number),
-    ("motor_n_m", Kind::Number),
-    ("spring_n_m", Kind::Number),
-    ("static_f21_n", Kind::Number),
-    ("static_f22_n", Kind::Number),
-    ("static_pfp_n", Kind::Number),
-    ("force_positive", Kind::Flag),
-    ("form_closed", Kind::Flag),
-    ("status", Kind::Text),
-    ("reason", Kind::Text),
-    ("t_geo_s", Kind::Number),
-    ("tts_s", Kind::Number),
-    ("rebound_percent", Kind::Number),
-    ("class", Kind::Text),
-    ("class_reason", Kind::Text),
-    ("f21_n", Kind::Number),
-    ("f22_n", Kind::Number),
-    ("pfp_n", Kind::Number),
-    ("peak_f21_n", Kind::Number),
-    ("peak_f22_n", Kind::Number),
-    ("steps", Kind::Integer),
-    ("check", Kind::Text),
-    ("check_error_rad", Kind::Number),
+static OF_FINGER: [(&str, Holds); 28] = [
+    ("l12_m", LENGTH),
+    ("l21_m", LENGTH),
+    ("l22_m", LENGTH),
+    ("t22_m", LENGTH),
+    ("mass_kg", MASS),
+    ("trajectory_rad", ANGLE),
+    ("motor_n_m", TORQUE),
+    ("spring_n_m", TORQUE),
+    ("static_f21_n", FORCE),
+    ("static_f22_n", FORCE),
+    ("static_pfp_n", FORCE),
+    ("force_positive", Holds::Flag),
+    ("form_closed", Holds::Flag),
+    ("status", Holds::Text),
+    ("reason", Holds::Text),
+    ("t_geo_s", TIME),
+    ("tts_s", TIME),
+    ("rebound_percent", Holds::Percent),
+    ("class", Holds::Text),
+    ("class_reason", Holds::Text),
+    ("f21_n", FORCE),
+    ("f22_n", FORCE),
+    ("pfp_n", FORCE),
+    ("peak_f21_n", FORCE),
+    ("peak_f22_n", FORCE),
+    ("steps", Holds::Whole(0, i64::MAX)),
+    ("check", Holds::Text),
+    ("check_error_rad", ANGLE),
 ];
 
 /// The column of the verdict.
@@ -154,11 +165,19 @@ fn place(kind: SceneKind, cells: usize, name: &str) -> Option<usize> {
     Some(cells.checked_sub(found.len())? + found.iter().position(|(column, _)| *column == name)?)
 }
 
+/// What a column of results holds: one of every study's, or of a field that varies; `None` of any other column.
+pub fn held_by(column: &str) -> Option<Holds> {
+    let kinds = SceneKind::ALL;
+    let own = kinds.into_iter().flat_map(found).find(|(name, _)| *name == column).map(|(_, holds)| holds.clone());
+    own.or_else(|| Some(kinds.into_iter().find_map(|kind| Field::of_column(column, schema_of(kind)))?.holds))
+}
+
 /// The columns of a study's results: `run`, `design`, the axes, and what is found.
 pub fn columns(study: &Study) -> Vec<Column> {
     let first = [Column::new("run", Kind::Integer), Column::new("design", Kind::Integer)];
-    let axes = study.axes.iter().flat_map(|axis| &axis.fields).map(|field| Column::new(field.column(), field.kind()));
-    let found = found(study.kind).iter().map(|(name, kind)| Column::new(*name, *kind));
+    let axes =
+        study.axes.iter().flat_map(|axis| &axis.fields).map(|field| Column::new(field.column(), field.holds.kind()));
+    let found = found(study.kind).iter().map(|(name, holds)| Column::new(*name, holds.kind()));
     first.into_iter().chain(axes).chain(found).collect()
 }
 

@@ -77,16 +77,6 @@ impl Quantity {
         }
     }
 
-    /// The unit it is shown in, and the factor from SI to there.
-    pub fn shown(self) -> (&'static str, f64) {
-        match self {
-            Quantity::Pfp | Quantity::F21 | Quantity::F22 => ("N", 1.0),
-            Quantity::Spring | Quantity::Motor => ("N·mm", 1e3),
-            Quantity::Mass => ("g", 1e3),
-            Quantity::FormClosed => ("", 1.0),
-        }
-    }
-
     /// Its value in SI; form closure is 1 or 0.
     pub fn value(self, state: &State) -> f64 {
         match self {

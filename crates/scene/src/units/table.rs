@@ -123,6 +123,18 @@ impl Dimension {
         }
     }
 
+    /// Results of a smaller size are rounding, in SI: places and angles are computed to some 1e-16 of themselves, forces are those times
+    /// a stiffness. 0 of what is given rather than found.
+    pub const fn resolution_si(self) -> f64 {
+        match self {
+            Dimension::Force => 1e-9,
+            Dimension::Length | Dimension::Angle | Dimension::Torque | Dimension::Speed | Dimension::AngularRate => {
+                1e-12
+            }
+            _ => 0.0,
+        }
+    }
+
     /// The SI unit at the end of a name.
     pub const fn suffix(self) -> &'static str {
         match self {

@@ -1,7 +1,8 @@
 //! Keys of figures in words, and their values with units of everyday size.
 
+use crate::units::Dimension;
 use crate::wording::duration;
-use crate::wording::figures::figure;
+use crate::wording::figures::{figure, resolved};
 
 /// Endings of keys and the units they stand for; the longest first, where one ends another.
 const UNITS: [(&str, &str); 13] = [
@@ -70,6 +71,8 @@ pub fn label(key: &str) -> String {
 
 /// A figure for people.
 pub fn text(key: &str, value: f64) -> String {
+    let dimension = Dimension::ALL.into_iter().find(|of| of.units()[0].name.replace('*', "·") == unit(key));
+    let value = dimension.map_or(value, |of| resolved(value, of));
     match unit(key) {
         "" if value.fract() == 0.0 && value.abs() < 1e6 => format!("{value:.0}"),
         "" => figure(value, DIGITS),
@@ -98,6 +101,7 @@ mod tests {
             ("criteria.rebound_percent", 1.234_56, "rebound", "1.235 %"),
             ("final.q11_rad", 0.017_453_292_519_943_295, "final: q11", "1.000°"),
             ("energy.balance_j", 0.0, "energy: balance", "0 J"),
+            ("contacts.palm.final_tangential_n", 8.2036e-11, "palm: end friction", "0 N"),
             ("contacts.distal.touchdowns", 2.0, "distal: touch-downs", "2"),
         ] {
             assert_eq!((label(key).as_str(), text(key, value).as_str()), (said, shown), "{key}");

@@ -6,8 +6,9 @@ use super::named::Named;
 use super::states::{BodyReport, State, States};
 use crate::criteria::{Criteria, Fate};
 use crate::trace::{Energy, FingerState};
+use crate::units::Dimension;
 use crate::wording::duration;
-use crate::wording::figures::{figure, row};
+use crate::wording::figures::{figure, resolved, row};
 use crate::wording::report::{Report, table};
 
 /// What moves, as it is at the end: a table for each key of the document.
@@ -28,12 +29,21 @@ pub fn states(states: &States, end_s: f64) -> Vec<Report> {
         .collect()
 }
 
+/// An angle in degrees.
+fn turned(angle_rad: f64) -> f64 {
+    resolved(angle_rad, Dimension::Angle).to_degrees()
+}
+
 fn finger(last: &FingerState, end_s: f64) -> Report {
     let degrees = |angle: f64| format!("{:.6}", angle.to_degrees());
     table(&[
         row([&format!("at {}", duration(end_s)), "q11", "q21", "q22"]),
         row(["angle, deg", &degrees(last.q11_rad), &degrees(last.q21_rad), &degrees(last.q22_rad)]),
-        row(["rate, rad/s", &figure(last.qd11_rad_s, 5), &figure(last.qd21_rad_s, 5)]),
+        row([
+            "rate, rad/s",
+            &figure(resolved(last.qd11_rad_s, Dimension::AngularRate), 5),
+            &figure(resolved(last.qd21_rad_s, Dimension::AngularRate), 5),
+        ]),
     ])
 }
 
@@ -47,8 +57,8 @@ fn fingers(fingers: &Named<FingerState>, end_s: f64) -> Report {
             &degrees(last.q11_rad),
             &degrees(last.q21_rad),
             &degrees(last.q22_rad),
-            &figure(last.qd11_rad_s, 5),
-            &figure(last.qd21_rad_s, 5),
+            &figure(resolved(last.qd11_rad_s, Dimension::AngularRate), 5),
+            &figure(resolved(last.qd21_rad_s, Dimension::AngularRate), 5),
         ]));
     }
     table(&rows)
@@ -61,12 +71,12 @@ fn bodies<'a>(bodies: impl IntoIterator<Item = (&'a str, &'a BodyReport)>, end_s
         rows.push(row([
             name,
             body.motion,
-            &figure(body.x_m * 1e3, 7),
-            &figure(body.y_m * 1e3, 7),
-            &figure(body.angle_rad.to_degrees(), 6),
-            &figure(body.vx_m_s, 6),
-            &figure(body.vy_m_s, 6),
-            &figure(body.spin_rad_s, 6),
+            &figure(resolved(body.x_m, Dimension::Length) * 1e3, 7),
+            &figure(resolved(body.y_m, Dimension::Length) * 1e3, 7),
+            &figure(turned(body.angle_rad), 6),
+            &figure(resolved(body.vx_m_s, Dimension::Speed), 6),
+            &figure(resolved(body.vy_m_s, Dimension::Speed), 6),
+            &figure(resolved(body.spin_rad_s, Dimension::AngularRate), 6),
         ]));
     }
     table(&rows)
@@ -83,8 +93,8 @@ pub fn contacts(contacts: &Contacts) -> Option<Report> {
             &name,
             &milliseconds(of.first_s),
             &of.touchdowns.to_string(),
-            &figure(of.final_normal_n, 6),
-            &figure(of.final_tangential_n, 6),
+            &figure(resolved(of.final_normal_n, Dimension::Force), 6),
+            &figure(resolved(of.final_tangential_n, Dimension::Force), 6),
             &figure(of.peak_normal_n, 5),
             &of.max_penetration_m.map_or("–".to_string(), |depth_m| figure(depth_m * 1e6, 5)),
             &figure(of.impulse_n_s * 1e3, 5),
@@ -99,7 +109,7 @@ pub fn contacts(contacts: &Contacts) -> Option<Report> {
             &name,
             &milliseconds(of.first_s),
             &of.touchdowns.to_string(),
-            &figure(of.final_torque_n_m, 6),
+            &figure(resolved(of.final_torque_n_m, Dimension::Torque), 6),
             &figure(of.peak_torque_n_m, 5),
             &figure(of.max_penetration_rad * 1e6, 5),
             &figure(of.impulse_n_m_s * 1e3, 5),
@@ -171,7 +181,9 @@ pub fn grasp(report: &GraspReport) -> Report {
         None => "–",
     };
     let [displacement, rotation] = match report.slip {
-        Some(slip) => [figure(slip.displacement_m * 1e3, 4), figure(slip.rotation_rad.to_degrees(), 4)],
+        Some(slip) => {
+            [figure(resolved(slip.displacement_m, Dimension::Length) * 1e3, 4), figure(turned(slip.rotation_rad), 4)]
+        }
         None => ["–".to_string(), "–".to_string()],
     };
     let lost: u32 = report.contacts.iter().map(|(_, contact)| contact.times_lost).sum();
@@ -218,14 +230,15 @@ fn carried(cycle: &CycleReport) -> String {
         let until = cycle
             .releases_s
             .map_or("to the end".to_string(), |until_s| format!("to {} ms", milliseconds(Some(until_s))));
-        let (slip, turn) = (figure(slip.displacement_m * 1e6, 4), figure(slip.rotation_rad.to_degrees(), 4));
+        let (slip, turn) =
+            (figure(resolved(slip.displacement_m, Dimension::Length) * 1e6, 4), figure(turned(slip.rotation_rad), 4));
         text.push_str(&format!(
             "Carried from {} ms {until}: slip in the hand {slip} µm and {turn} deg.\n",
             milliseconds(Some(from_s))
         ));
     }
     if let Some(most) = cycle.brake_slip_rad.into_iter().flatten().reduce(f64::max) {
-        text.push_str(&format!("Blocked driven links turn by up to {} deg.\n", figure(most.to_degrees(), 4)));
+        text.push_str(&format!("Blocked driven links turn by up to {} deg.\n", figure(turned(most), 4)));
     }
     match (cycle.releases_s, cycle.opened_s.zip(cycle.opening_s)) {
         (Some(_), Some((opened_s, opening_s))) => {

@@ -1,5 +1,7 @@
 //! Cells of tables, and figures of a chosen number of digits.
 
+use crate::units::Dimension;
+
 /// One g, in which people count accelerations, m/s²: the gravity of a scene that says none.
 pub const G_M_S2: f64 = 9.81;
 
@@ -25,6 +27,11 @@ pub fn figure(value: f64, digits: usize) -> String {
     }
     let places = usize::try_from(decimals as i32 - exponent).unwrap_or(0);
     format!("{value:.places$}")
+}
+
+/// A result in SI, or 0 where it is below its resolution: its digits would be those of rounding. Documents keep them.
+pub fn resolved(value_si: f64, of: Dimension) -> f64 {
+    if value_si.abs() < of.resolution_si() { 0.0 } else { value_si }
 }
 
 /// A length of time in the unit that suits it.

@@ -5,7 +5,8 @@ use super::gripper::{
     GripperStaticsReport, HoldsReport, MotorReport,
 };
 use super::text::closure;
-use crate::wording::figures::{G_M_S2, duration, figure, row};
+use crate::units::Dimension;
+use crate::wording::figures::{G_M_S2, duration, figure, resolved, row};
 use crate::wording::report::{Report, Reported, table};
 
 /// The whole report, with a line end.
@@ -97,7 +98,7 @@ fn contacts(all: &[GripperContactReport]) -> Report {
         let angle = format!("{:.2}", ny.atan2(nx).to_degrees());
         let mut cells = vec![name, x, y, angle, figure(of.gap_m * 1e6, 4), of.mu_static.to_string()];
         let forces = [of.normal_n, of.tangential_n].into_iter().flatten();
-        cells.extend(forces.map(number));
+        cells.extend(forces.map(|force_n| number(resolved(force_n, Dimension::Force))));
         cells
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().map(line)).collect();

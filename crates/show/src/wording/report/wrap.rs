@@ -15,7 +15,7 @@ pub(super) fn longest_word(text: &str) -> usize {
 }
 
 /// Units that stay on the line of their number.
-const UNITS: [&str; 28] = [
+const UNITS: [&str; 29] = [
     "s",
     "ms",
     "µs",
@@ -41,6 +41,7 @@ const UNITS: [&str; 28] = [
     "rad/s",
     "mm/s",
     "m/s",
+    "m/s²",
     "N·mm/rad",
     "Hz",
     "%",
