@@ -2,6 +2,8 @@
 
 use toml::{Table, Value};
 
+use crate::scene::keys::element;
+
 /// A scene text with gaps.
 #[derive(Clone, Debug)]
 pub struct Template {
@@ -53,6 +55,7 @@ fn mark(index: usize) -> String {
 fn put(table: &mut Table, path: &str, value: Value) {
     match path.split_once('.') {
         None => {
+            table.retain(|known, _| element(known).is_none_or(|(pair, _)| pair != path));
             table.insert(path.to_string(), value);
         }
         Some((key, rest)) => {
