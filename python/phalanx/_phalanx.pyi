@@ -76,7 +76,8 @@ class Scene:
 
         `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`
 
-        A value is a text with its unit, a number where the field is one without a unit, True or False, or a list.
+        A value is a text with its unit, a number where the field is one without a unit, True or False, or a list; one element of a
+        pair is `object.centre[0]`.
         """
 
     @property

@@ -96,7 +96,8 @@ impl Scene {
     /// The same scene with other values in some fields, as `phalanx run --set` has them:
     /// `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`.
     ///
-    /// A value is a text with its unit, a number where the field is one without a unit, True or False, or a list.
+    /// A value is a text with its unit, a number where the field is one without a unit, True or False, or a list; one element of a pair
+    /// is `object.centre[0]`.
     fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyDict>) -> PyResult<Self> {
         let mut settings = self.settings.clone();
         for (field, value) in fields {

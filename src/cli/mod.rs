@@ -78,6 +78,7 @@ use clap::builder::styling::AnsiColor;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::scene::error::shortened;
 use crate::scene::{SceneError, nearest};
 
 /// Help of longer lines is tiring to read.
@@ -207,8 +208,8 @@ impl From<SceneError> for Failure {
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
     interrupt::survive_file_limits();
-    let matches = command_line().try_get_matches().unwrap_or_else(|error| meant(error).exit());
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let matches = command_line().try_get_matches().unwrap_or_else(|error| refuse(meant(error)));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| refuse(error));
     if cli.quiet {
         output::be_quiet();
     }
@@ -217,6 +218,16 @@ pub fn main() -> ExitCode {
         failure.status
     });
     ExitCode::from(status as u8)
+}
+
+/// Ends with what is wrong with the arguments, which may be longer than anybody reads.
+fn refuse(error: clap::Error) -> ! {
+    let text = error.render().to_string();
+    if error.use_stderr() && shortened(&text) != text {
+        output::complain(text.trim_end());
+        std::process::exit(error.exit_code());
+    }
+    error.exit()
 }
 
 /// The command line as it is read: help is as wide as the terminal, or as COLUMNS says.

@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Failure, terminal};
+use crate::scene::error::shortened;
 use crate::wording::{Report, Reported, acts};
 
 /// Whether only results, warnings and errors are wanted: asked for once, before the command begins.
@@ -93,7 +94,7 @@ pub fn note(words: &str) {
 
 /// Prints a warning or an error to stderr, as far as that takes it.
 pub fn complain(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "{}", visible(message));
+    let _ = writeln!(io::stderr().lock(), "{}", visible(&shortened(message)));
 }
 
 #[cfg(test)]

@@ -46,6 +46,9 @@ pub enum SceneCommand {
         /// Scene files (TOML)
         #[arg(required = true)]
         scenes: Vec<PathBuf>,
+
+        #[command(flatten)]
+        set: SetArgs,
     },
     /// Print the JSON Schema of scene files, for editors
     #[command(after_help = "Examples:\n  phalanx scene schema > scene.schema.json")]
@@ -78,14 +81,14 @@ pub fn answer(command: &SceneCommand) -> Answer {
             }
             Err(error) => Answer { stderr: format!("{error}\n"), ..Answer::default() },
         },
-        SceneCommand::Check { scenes } => check(scenes),
+        SceneCommand::Check { scenes, set } => check(scenes, set),
     }
 }
 
-fn check(files: &[PathBuf]) -> Answer {
+fn check(files: &[PathBuf], set: &SetArgs) -> Answer {
     let mut answer = Answer { good: true, ..Answer::default() };
     for file in files {
-        match scene::load_any(file) {
+        match set.load_any(file) {
             Ok(scene) => {
                 let _ = writeln!(answer.stdout, "{}: good: {}", file.display(), summary(&scene));
             }

@@ -52,6 +52,20 @@ fn units_and_commands_that_are_nearly_right_are_suggested() {
 }
 
 #[test]
+fn texts_that_nobody_reads_are_shortened_wherever_they_are_given() {
+    let (dir, long) = (directory("messages_long"), "a".repeat(100_000));
+    refused(&["run", ANCHOR, "--set", &long], &["there is no `=`"]);
+    refused(&["run", ANCHOR, "--set", &format!("{long}=1")], &["unknown key"]);
+    let words = format!("object.radius={}", "a ".repeat(50_000));
+    for args in [["run", ANCHOR, "--set", &words], ["hold", ANCHOR, "--from", &long]] {
+        assert!((10..3000).contains(&stderr(&phalanx(&args)).len()), "{}", stderr(&phalanx(&args)));
+    }
+    // A hundred keys are looked at, and the others cost nothing: this takes minutes where every key is compared with every other.
+    let keys: String = (0..60_000).map(|key| format!("k{key} = 1\n")).collect();
+    refused(&["run", &write(&dir, "keys.toml", &keys), "--set", "palm=false"], &["100 problems or more"]);
+}
+
+#[test]
 fn what_would_take_for_ever_or_give_nothing_is_refused() {
     refused(&["run", ANCHOR, "--duration", "1e300s"], &["too large", "3600 s at most"]);
     refused(&["volume", "--base", "155mm", "--resolution", "2"], &["no design exists", "must be below"]);

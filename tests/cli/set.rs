@@ -51,6 +51,7 @@ fn every_command_that_takes_a_scene_takes_fields() {
         (&["statics", ANCHOR][..], "motor.torque=400 N*mm"),
         (&["size", ANCHOR], "material.density=2000 kg/m^3"),
         (&["scene", "show", ANCHOR], "duration=7 ms"),
+        (&["scene", "check", ANCHOR], "duration=7 ms"),
         (&["scene", "show", ANCHOR, "--resolved"], "duration=7 ms"),
         (&["volume", ANCHOR, "--base", "15.5 mm", "--resolution", "3"], "material.density=4000 kg/m^3"),
         (&["study", "stability", ANCHOR, "--quick", "--json"], "duration=3 ms"),
@@ -80,6 +81,14 @@ fn what_cannot_be_set_is_told_as_in_a_file() {
         ("contact.friction.mu_static=-1", ["must be at least 0", "contact.friction.mu_static = -1"]),
         ("spring.type=torsional", ["`spring.stiffness` is missing", "--set:1:1"]),
         ("motor=1", ["must be a table", "[motor]"]),
+        ("gravity=9.81", ["`gravity` is a bare number", "write x and y: [\"0 m/s^2\", \"9.81 m/s^2\"]"]),
+        ("object.centre[2]=1 mm", ["unknown key `centre[2]` in [object]", "did you mean `centre`?"]),
+        ("bodies.l11.com[0]=1 mm", ["one element of `bodies.l11.com`", "give the whole pair"]),
+        ("t32=9 mm", ["two phalanges", "phalanx does not have this"]),
+        ("object.shape=box", ["every object is a disc", "give its radius"]),
+        ("ground_pivot=[\"0 mm\", \"1 mm\"]", ["one ground joint", "phalanx does not have this"]),
+        ("motor.profile=position", ["no controller", "profile = \"ramp\", \"reversal\" or \"table\""]),
+        ("contact.law=hunt-crossley", ["depth^exponent with a damper", "contact.friction.law = \"regularised\""]),
         ("mu_static", ["there is no `=`", "contact.friction.mu_static=0.6"]),
         ("a b=1", ["`a b` is no field", "points between"]),
     ] {
@@ -89,6 +98,69 @@ fn what_cannot_be_set_is_told_as_in_a_file() {
             assert!(stderr(&output).contains(word), "{field}: {word}\n{}", stderr(&output));
         }
     }
+}
+
+#[test]
+fn what_is_set_takes_along_what_has_no_effect_beside_it() {
+    let set = |file: &str, fields: &[&str]| {
+        let fields: Vec<_> = fields.iter().map(|field| scene::setting("--set", field).expect("a field")).collect();
+        scene::load_any_with(file, &fields)
+    };
+    let dir = directory("cli_set_off");
+    let bristle = "[contact.friction]\nmu_static = 0.8\nlaw = \"bristle\"\nbristle_relaxation = \"2 ms\"\n";
+    let own = write(&dir, "own.toml", &format!("extends = \"{}\"\n{bristle}", lift()));
+    let off = ["motor.brake=none", "table.present=false", "contact.friction.law=regularised"];
+    let plain = set(&own, &off).expect("a scene without them");
+    assert!(plain.finger().motor.brake.is_none() && plain.system.table.is_none());
+    assert!(plain.finger().contact.distal.friction.expect("friction").bristle.is_none());
+    // What a file itself leaves without effect is still wrong.
+    let wrong =
+        write(&dir, "wrong.toml", "extends = \"own.toml\"\n[motor]\nbrake = \"none\"\nbrake_torque = \"1 N*m\"\n");
+    for fields in [&[][..], &off] {
+        let error = set(&wrong, fields).expect_err("no effect").to_string();
+        assert!(error.contains("`motor.brake_torque` has no effect") && error.contains("wrong.toml:4"), "{error}");
+    }
+}
+
+#[test]
+fn one_element_of_a_pair_is_set_and_swept() {
+    let moved = |field: &str| finals(&[ANCHOR, "--set", "duration=3 ms", "--set", field]);
+    assert_eq!(moved("object.centre[0]=-14 mm"), moved("object.centre=[\"-14 mm\", \"20 mm\"]"));
+    assert_eq!(moved("gravity[0]=1 g"), moved("gravity=[\"9.81 m/s^2\", \"9.81 m/s^2\"]"));
+    let shown = phalanx(&["scene", "show", ANCHOR, "--set", "object.centre[1]=21 mm"]);
+    assert!(stdout(&shown).contains("\n\"centre[1]\" = \"21 mm\"\n"), "{}", stdout(&shown));
+    let dir = directory("cli_set_element");
+    let anchor = anchor(&dir);
+    let study = format!(
+        "scene = \"{anchor}\"\nset.duration = \"3 ms\"\n[[axes]]\nfield = \"object.centre[0]\"\nvalues = [\"-14 mm\", \"-15 mm\"]\n"
+    );
+    let (study, csv) = (write(&dir, "study.toml", &study), dir.join("results.csv").display().to_string());
+    let swept = phalanx(&["sweep", &study, "--out", &csv]);
+    assert_eq!(swept.status.code(), Some(0), "{}", stderr(&swept));
+    // How far the contact is from its joint, by the object's place.
+    let results = fs::read_to_string(&csv).expect("results");
+    assert!(["object.centre[0]_m", "14.9588 mm", "13.5352 mm"].iter().all(|part| results.contains(part)), "{results}");
+}
+
+#[test]
+fn a_move_is_given_by_its_peak_acceleration_in_g() {
+    let lift = lift();
+    let fast = ["--set", "duration=2 ms", "--set", "moves.lift.start=0 ms", "--set", "moves.lift.acceleration=1000 g"];
+    let run = |more: &[&str]| phalanx(&[&["run", &lift, "--no-check"], &fast[..], more].concat());
+    assert!(stdout(&run(&[])).contains("accelerates by up to 9810 m/s² (1000 g)"), "{}", stdout(&run(&[])));
+    let peak = json(&run(&["--json"]))["palm_peak_acceleration_m_s2"].as_f64().expect("a peak");
+    assert!((peak / 9810.0 - 1.0).abs() < 1e-7, "{peak}");
+    for (fields, words) in [
+        (&["moves.lift.time=4 ms"][..], "`moves.lift.acceleration` has no effect beside `time`"),
+        (&["moves.lift.y=0 mm", "moves.lift.angle=9 deg"], "without a way along x or y"),
+    ] {
+        let more: Vec<&str> = fields.iter().flat_map(|field| ["--set", field]).collect();
+        assert!(stderr(&run(&more)).contains(words), "{}", stderr(&run(&more)));
+    }
+}
+
+fn lift() -> String {
+    fs::canonicalize("scenes/gripper/lift.toml").expect("a shipped scene").display().to_string()
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn mistakes_are_named_with_their_place() {
     for (text, place, words) in [
         (format!("{HEAD}{OBJECTIVE}"), "", &["there are no [[variables]]"][..]),
         (format!("{HEAD}{VARIABLE}"), "", &["there are no [[objectives]]"]),
-        (variable("field = \"design.bas\"\nfrom = 1\nto = 2\n"), ":5:9", &["did you mean \"design.base\"?"]),
+        (variable("field = \"design.bas\"\nfrom = 1\nto = 2\n"), ":5:9", &["did you mean `base`?"]),
         (variable("field = \"palm\"\nfrom = true\nto = false\n"), ":6:8", &["has no range"]),
         (variable("field = \"design.base\"\nfrom = \"1 mm\"\n"), ":4:1", &["`to` is missing"]),
         (

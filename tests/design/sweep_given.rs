@@ -46,7 +46,7 @@ fn what_is_no_field_is_said() {
         Err(GivenError::Field { message, help }) => format!("{message}; {help}"),
         other => panic!("{other:?}"),
     };
-    assert!(refused(&["design.bse"]).starts_with("unknown field `design.bse`; did you mean \"design.base\"? keys in"));
+    assert!(refused(&["design.bse"]).starts_with("unknown key `bse` in [design]; did you mean `base`?; keys in"));
     assert!(refused(&["design"]).contains("is a table of a scene"));
     assert!(refused(&["design.base", "design.base"]).contains("there twice"));
 }

@@ -220,7 +220,7 @@ fn scene_commands_take_discs() {
     std::fs::write(&file, text).expect("write");
     let shown =
         answer(&SceneCommand::Show { scene: file.clone(), set: SetArgs::default(), figure: None, resolved: false });
-    let checked = answer(&SceneCommand::Check { scenes: vec![file.clone()] });
+    let checked = answer(&SceneCommand::Check { scenes: vec![file.clone()], set: Default::default() });
     let _ = std::fs::remove_file(&file);
     assert!(shown.good, "{shown:?}");
     assert_round_trip(&parse(&shown.stdout));

@@ -202,6 +202,25 @@ fn table_and_motors_as_bought() {
 }
 
 #[test]
+fn lengths_with_a_base_make_a_palm_and_moves_keep_their_names() {
+    let lengths =
+        "[lengths]\nbase = \"14 mm\"\nl21 = \"24 mm\"\nl22 = \"7.5 mm\"\nt22 = \"13 mm\"\nphi22 = \"120 deg\"\n";
+    let moves = "[moves.lift]\nx = \"1 mm\"\ny = \"-25 mm\"\nstart = \"1 ms\"\nacceleration = \"2 g\"\n\
+                 [vibrations.shake]\nx = \"1 um\"\nfrequency = \"1 kHz\"\n";
+    let scene = parse(&format!("kind = \"gripper\"\n{lengths}{DRIVE}[object]\nradius = \"18 mm\"\n{moves}"));
+    assert_eq!((scene.system.palm_width_m, scene.system.grasped().centre_m), (0.028, [0.0, 0.018]));
+    let text = show(&scene);
+    assert!(
+        text.contains("[moves.lift]\nx = \"1 mm\"\ny = \"-25 mm\"\n") && text.contains("[vibrations.shake]"),
+        "{text}"
+    );
+    comes_back(&scene);
+    let text = format!("kind = \"gripper\"\npalm_width = \"28 mm\"\n{lengths}{DRIVE}");
+    let error = scene::parse_any(&text, "test.toml").expect_err("twice").to_string();
+    assert!(error.contains("`lengths.base` has no effect beside palm_width"), "{error}");
+}
+
+#[test]
 fn shipped_grippers_say_what_they_are_and_come_back_bit_for_bit() {
     let files = ["scenes/gripper", "scenes/hard"].into_iter().flat_map(|directory| {
         let entries = std::fs::read_dir(directory).expect("scenes");

@@ -217,6 +217,13 @@ fn lengths_leave_l12_to_the_straight_configuration() {
     assert!(
         (scene.finger().initial.q21_rad - scene.finger().initial.q11_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12
     );
+    // A base places the object, whatever its radius, and so does the one that is proposed.
+    let lengths = LENGTHS.split("[object]").next().unwrap_or_default();
+    let missing = format!("{lengths}{DRIVE}[object]\nradius = \"15 mm\"\n");
+    let error = scene::parse(&missing, "test.toml").expect_err("no base").to_string();
+    assert!(error.contains("base = \"12.8 mm\"") && error.contains("[\"-12.8 mm\", \"15 mm\"]"), "{error}");
+    let scene = parse(&missing.replace("[lengths]", "[lengths]\nbase = \"12.8 mm\""));
+    assert_eq!(scene.object().expect("an object").centre_m, [-0.0128, 0.015]);
 }
 
 #[test]

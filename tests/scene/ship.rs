@@ -135,7 +135,7 @@ fn scene_command_shows_checks_and_explains() {
     assert_round_trip(&parse(&resolved.stdout));
 
     let files = vec!["scenes/free-swing.toml".into(), "tests/broken/unit-missing.toml".into()];
-    let checked = answer(&SceneCommand::Check { scenes: files });
+    let checked = answer(&SceneCommand::Check { scenes: files, set: Default::default() });
     assert!(!checked.good);
     assert!(checked.stdout.starts_with("scenes/free-swing.toml: good: l11 15.00"));
     assert!(checked.stderr.starts_with("error: `design.base`: `15.5` has no unit"));

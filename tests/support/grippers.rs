@@ -145,7 +145,8 @@ fn palm_motion(scene: &Value) -> Option<PalmMotion> {
         let (axis, ramp) = (axis(&one[0]), Ramp::Cubic);
         Vibration { axis, amplitude, frequency_hz, phase_rad, start_s, ramp_periods, ramp }
     });
-    let motion = PalmMotion { moves: moves.collect(), vibrations: vibrations.collect(), path: None };
+    let motion =
+        PalmMotion { moves: moves.collect(), vibrations: vibrations.collect(), path: None, ..PalmMotion::default() };
     (motion != PalmMotion::default()).then_some(motion)
 }
 

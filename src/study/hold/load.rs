@@ -42,18 +42,12 @@ pub struct Stage {
     pub lever_m: f64,
 }
 
-/// The peak acceleration of a move from rest to rest over a unit of length in a unit of time: of 420 u² (1 − u)² (1 − 2u), where
-/// 1 − 2u = 1/√5.
-pub fn unit_peak() -> f64 {
-    3.36 * 5f64.sqrt()
-}
-
 impl Case {
     /// How large the load is: how far a pulse goes, m, the amplitude of a vibration, m or rad, or how often the time of the scene's own
     /// move it takes.
     pub fn size(&self, stage: &Stage, peak_m_s2: f64) -> f64 {
         match *self {
-            Case::Pulse { length_s, .. } => peak_m_s2 * length_s * length_s / unit_peak(),
+            Case::Pulse { length_s, .. } => peak_m_s2 * length_s * length_s / Move::unit_peak(),
             Case::Vibration { axis, frequency_hz } => {
                 let arm = if axis == Axis::Angle { stage.lever_m } else { 1.0 };
                 peak_m_s2 / (powi(TAU * frequency_hz, 2) * arm)
@@ -115,7 +109,7 @@ mod tests {
         Stage {
             begins_s: 0.03,
             before: PalmMotion::default(),
-            own_peak_m_s2: unit_peak() * 0.3 / 0.04,
+            own_peak_m_s2: Move::unit_peak() * 0.3 / 0.04,
             own: PalmMotion { moves: vec![across], ..PalmMotion::default() },
             lever_m: 0.02,
         }

@@ -1,6 +1,5 @@
 //! What moves a palm, at another pace, later, or only for a while.
 
-use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::{PalmMotion, Path, Vibration};
 
 /// The same way in `factor` times the time, counted from 0; vibrations begin that much later, but keep their frequencies.
@@ -39,26 +38,9 @@ pub fn faded(vibration: &Vibration, from_s: f64) -> ([Vibration; 2], f64) {
 }
 
 /// The largest acceleration of a point of the palm in the world while moves and path last, m/s²: vibrations are left out.
-pub fn peak(motion: &PalmMotion, [x, y]: [f64; 2]) -> f64 {
+pub fn peak(motion: &PalmMotion, point_m: [f64; 2]) -> f64 {
     let moves = PalmMotion { vibrations: Vec::new(), ..motion.clone() };
-    let at = |time_s: f64| {
-        let pose = moves.pose(time_s);
-        let ([ax, ay, alpha], omega) = (pose.acceleration, pose.rate[2]);
-        let (sin, cos) = sin_cos(pose.place[2]);
-        let (rx, ry) = (cos * x - sin * y, sin * x + cos * y);
-        hypot(ax - alpha * ry - omega * omega * rx, ay + alpha * rx - omega * omega * ry)
-    };
-    let mut corners = vec![0.0];
-    while let Some(next) = corners.last().map(|last| moves.next_corner(*last)).filter(|next| next.is_finite()) {
-        corners.push(next);
-    }
-    // Near its top it is a parabola: with so many places it is right to 4e-8 of itself, a hundred times worse with a tenth of them.
-    const PLACES: usize = 10_000;
-    let pieces = corners.windows(2).flat_map(|pair| {
-        let (from, to) = (pair[0], pair[1]);
-        (0..=PLACES).map(move |index| from + (to - from) * index as f64 / PLACES as f64)
-    });
-    pieces.map(at).fold(0.0, f64::max)
+    moves.peak_m_s2(point_m, moves.arrives_s())
 }
 
 #[cfg(test)]
@@ -78,7 +60,7 @@ mod tests {
             ramp: Ramp::Quintic,
         };
         let across = Move { axis: Axis::X, distance: 0.3, start_s: 0.05, length_s: 0.2 };
-        PalmMotion { moves: vec![across], vibrations: vec![shake], path }
+        PalmMotion { moves: vec![across], vibrations: vec![shake], path, ..PalmMotion::default() }
     }
 
     #[test]
@@ -105,7 +87,7 @@ mod tests {
             moves: vec![Move { axis, distance, start_s: 0.0, length_s: 0.2 }],
             ..PalmMotion::default()
         };
-        let unit = 3.36 * 5f64.sqrt();
+        let unit = Move::unit_peak();
         let found = peak(&one(Axis::Y, 0.3), [0.0, 0.02]);
         assert!((found / (unit * 0.3 / 0.04) - 1.0).abs() < 1e-6, "{found}");
         // About the palm's middle by so little that nothing is centripetal.

@@ -104,7 +104,12 @@ fn over_by(motion: &PalmMotion, time_s: f64) -> PalmMotion {
     let moves = motion.moves.iter().filter(|one| one.start_s + one.length_s <= time_s);
     let vibrations = motion.vibrations.iter().filter(|one| one.start_s < time_s);
     let path = motion.path.as_ref().filter(|path| path.points().last().is_some_and(|last| last.0 <= time_s));
-    PalmMotion { moves: moves.copied().collect(), vibrations: vibrations.copied().collect(), path: path.cloned() }
+    PalmMotion {
+        moves: moves.copied().collect(),
+        vibrations: vibrations.copied().collect(),
+        path: path.cloned(),
+        ..PalmMotion::default()
+    }
 }
 
 /// The scene whose drives stay as they are at a time: nothing lets go or changes after it.

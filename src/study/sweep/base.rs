@@ -29,7 +29,7 @@ pub struct Base {
 /// Why there is no base scene: because of what the study says of it, or because of what its own file says.
 pub enum Refusal {
     Study(Problem),
-    Scene(SceneError),
+    Scene(SceneError, SceneKind),
 }
 
 /// Reads the scene file that a study names, from the study's directory; `span`: where it does.
@@ -42,9 +42,12 @@ pub fn load(scene: &str, study_file: &str, span: Option<Range<usize>>) -> Result
             "this file".to_string(),
             "name a scene file; its path is seen from the directory of the study".to_string(),
         )),
-        error => Refusal::Scene(error),
+        error => Refusal::Scene(error, SceneKind::Finger),
     })?;
-    of_layers(&layers, &[]).map_err(Refusal::Scene)
+    let kind = parse_layers(&layers, &[], |text, _| {
+        Ok(DeTable::parse(text).map_or(SceneKind::Finger, |document| kind_of(document.get_ref())))
+    });
+    of_layers(&layers, &[]).map_err(|error| Refusal::Scene(error, kind.unwrap_or(SceneKind::Finger)))
 }
 
 /// The base scene of these texts, see `scene::parse_layers`.
@@ -87,7 +90,7 @@ pub fn check(mut document: Spanned<DeTable<'_>>, path: &str, kind: SceneKind, pr
 fn leaves(table: &DeTable<'_>, schema: &Json, path: &str, problems: &mut Vec<Problem>) {
     for (key, value) in table {
         let key = key.get_ref().as_ref();
-        let (here, part) = (join(path, key), &schema["properties"][key]);
+        let (here, part) = (join(path, key), keys::child(schema, key).unwrap_or(&Json::Null));
         if let DeValue::Table(inner) = value.get_ref() {
             leaves(inner, part, &here, problems);
         } else if let Ok(given) = Any::deserialize(ValueDeserializer::from(value.clone())) {

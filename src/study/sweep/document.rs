@@ -54,7 +54,7 @@ pub(in crate::study) fn document<R: for<'de> Deserialize<'de>>(
     let named = named.map(|scene| base::load(&scene, file_name, entry.span()));
     let kind = match (&inline, &named) {
         (Some(inline), _) => base::kind_of(inline.get_ref()),
-        (None, Some(Ok(base))) => base.kind,
+        (None, Some(Ok(Base { kind, .. }) | Err(Refusal::Scene(_, kind)))) => *kind,
         (None, _) => SceneKind::Finger,
     };
     let mut part = |table: Spanned<DeTable<'_>>, path: &str| base::check(table, path, kind, &mut problems);
@@ -87,7 +87,7 @@ impl SceneParts {
         let (mut table, text) = match self.named {
             Some(Ok(Base { table, text, .. })) => (table, text),
             Some(Err(Refusal::Study(problem))) => return Err(refused(text, file_name, vec![problem])),
-            Some(Err(Refusal::Scene(error))) => return Err(StudyError::Invalid(error)),
+            Some(Err(Refusal::Scene(error, _))) => return Err(StudyError::Invalid(error)),
             None => (self.inline.unwrap_or_default(), String::new()),
         };
         super::template::merge(&mut table, self.set);

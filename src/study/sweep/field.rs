@@ -3,9 +3,10 @@
 use serde_json::Value as Json;
 use toml::Spanned;
 
+use crate::scene::Problem;
 use crate::scene::any::Any;
+use crate::scene::keys::{child, is_table, unknown};
 use crate::scene::kinds::{at, quantity, word};
-use crate::scene::{Problem, nearest};
 use crate::table::{Kind, Value};
 use crate::units::Dimension;
 
@@ -50,29 +51,31 @@ impl Field {
         let mut here = schema;
         let mut parent = String::new();
         for name in path.split('.') {
-            let Some(keys) = here.get("properties").and_then(Json::as_object) else {
+            if !is_table(here) {
                 return Err((
                     format!("`{path}` is no field of a scene: `{parent}` is a single value"),
                     "too long".to_string(),
                     format!("name the field itself: \"{parent}\""),
                 ));
-            };
-            let Some(found) = keys.get(name) else {
-                return Err(unknown(path, name, &parent, here, schema));
+            }
+            let Some(found) = child(here, name) else {
+                let Problem { message, label, help, .. } = unknown(name, &parent, 0..0, here, schema);
+                return Err((message, label, help));
             };
             here = found;
             parent = join(&parent, name);
         }
-        match here.get("properties").and_then(Json::as_object) {
-            Some(keys) => {
-                let fields: Vec<String> = keys.keys().map(|key| format!("\"{path}.{key}\"")).collect();
+        match is_table(here) {
+            true => {
+                let keys = here["properties"].as_object().into_iter().flat_map(|keys| keys.keys());
+                let fields: Vec<String> = keys.map(|key| format!("\"{path}.{key}\"")).collect();
                 Err((
                     format!("`{path}` is a table of a scene, but a field is a single value"),
                     "a table".to_string(),
                     format!("name one of its fields: {}", fields.join(", ")),
                 ))
             }
-            None => Ok(Field { path: path.to_string(), holds: Holds::of(here) }),
+            false => Ok(Field { path: path.to_string(), holds: Holds::of(here) }),
         }
     }
 
@@ -180,38 +183,13 @@ fn toml(value: &Any) -> String {
     match value {
         Any::Text(text) => toml::Value::from(text.as_str()).to_string(),
         Any::Integer(integer) => integer.to_string(),
-        Any::Float(number) => format!("{number:?}"),
+        Any::Float(number) | Any::Si(number) => format!("{number:?}"),
         Any::Flag(flag) => flag.to_string(),
         Any::List(items) => {
             let items: Vec<String> = items.iter().map(|item| toml(item.get_ref())).collect();
             format!("[{}]", items.join(", "))
         }
         Any::Table(_) => "{}".to_string(),
-    }
-}
-
-/// A path that leads nowhere, with what was probably meant.
-fn unknown(path: &str, name: &str, parent: &str, here: &Json, schema: &Json) -> Unknown {
-    let mut all = Vec::new();
-    paths(schema, "", &mut all);
-    let keys: Vec<&str> =
-        here.get("properties").and_then(Json::as_object).into_iter().flatten().map(|(key, _)| key.as_str()).collect();
-    let tail = format!(".{name}");
-    let label = match (nearest(name, &keys), all.iter().find(|other| other.ends_with(&tail))) {
-        (_, Some(other)) => format!("did you mean \"{other}\"?"),
-        (Some(near), None) => format!("did you mean \"{}\"?", join(parent, near)),
-        (None, None) => "not a field of a scene".to_string(),
-    };
-    let place =
-        if parent.is_empty() { "at the top level of a scene".to_string() } else { format!("in [{parent}] of a scene") };
-    (format!("unknown field `{}`", path.escape_debug()), label, format!("keys {place}: {}", keys.join(", ")))
-}
-
-/// Paths of all fields.
-fn paths(schema: &Json, path: &str, found: &mut Vec<String>) {
-    match schema.get("properties").and_then(Json::as_object) {
-        Some(keys) => keys.iter().for_each(|(key, part)| paths(part, &join(path, key), found)),
-        None => found.push(path.to_string()),
     }
 }
 

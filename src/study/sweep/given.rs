@@ -46,10 +46,8 @@ pub fn given(layers: &[Layer], settings: &[Layer], fields: &[&str], model: Model
     let base = base::of_layers(layers, settings).map_err(GivenError::Scene)?;
     let mut found: Vec<Field> = Vec::new();
     for path in fields {
-        let field = Field::find(path, schema_of(base.kind)).map_err(|(message, label, help)| {
-            let label = if label.contains('?') { format!("{label} ") } else { String::new() };
-            GivenError::Field { message, help: format!("{label}{help}") }
-        })?;
+        let field = Field::find(path, schema_of(base.kind))
+            .map_err(|(message, label, help)| GivenError::Field { message, help: format!("{label}; {help}") })?;
         if found.iter().any(|other| other.path == field.path) {
             let message = format!("the field `{path}` is there twice");
             return Err(GivenError::Field { message, help: "leave one of them out".to_string() });

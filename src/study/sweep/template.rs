@@ -2,6 +2,9 @@
 
 use toml::{Table, Value};
 
+use crate::scene::keys::element;
+use crate::scene::over::replaced;
+
 /// A scene text with gaps.
 #[derive(Clone, Debug)]
 pub struct Template {
@@ -53,6 +56,8 @@ fn mark(index: usize) -> String {
 fn put(table: &mut Table, path: &str, value: Value) {
     match path.split_once('.') {
         None => {
+            replaced(|key| key == path).for_each(|other| _ = table.remove(other));
+            table.retain(|known, _| element(known).is_none_or(|(pair, _)| pair != path));
             table.insert(path.to_string(), value);
         }
         Some((key, rest)) => {
@@ -67,6 +72,7 @@ fn put(table: &mut Table, path: &str, value: Value) {
 
 /// Puts the fields of one scene into another.
 pub fn merge(base: &mut Table, over: Table) {
+    replaced(|key| over.contains_key(key)).for_each(|other| _ = base.remove(other));
     for (key, value) in over {
         match (base.get_mut(&key), value) {
             (Some(Value::Table(inner)), Value::Table(more)) => merge(inner, more),
@@ -84,11 +90,13 @@ mod tests {
     #[test]
     fn values_stand_where_the_fields_are() {
         let base: Table =
-            "duration = \"20 ms\"\n[design]\nbase = \"1 mm\"\n[motor]\ntorque = \"1 N*m\"\n".parse().expect("TOML");
-        let fields = ["motor.torque", "contact.friction.mu_static", "design.base", "palm"];
+            "duration = \"20 ms\"\n[design]\nbase = \"1 mm\"\nl21_fraction = 1\n[motor]\ntorque = \"1 N*m\"\n"
+                .parse()
+                .expect("TOML");
+        let fields = ["motor.torque", "contact.friction.mu_static", "design.base", "palm", "design.l21"];
         let template = Template::new(base, &fields).expect("a template");
-        let text = template.fill(&["\"2 N*m\"", "0.8", "\"12 mm\"", "false"]);
-        let expected: Table = "duration = \"20 ms\"\npalm = false\ndesign.base = \"12 mm\"\nmotor.torque = \"2 N*m\"\n\
+        let text = template.fill(&["\"2 N*m\"", "0.8", "\"12 mm\"", "false", "\"24 mm\""]);
+        let expected: Table = "duration = \"20 ms\"\npalm = false\ndesign.base = \"12 mm\"\ndesign.l21 = \"24 mm\"\nmotor.torque = \"2 N*m\"\n\
                                contact.friction.mu_static = 0.8\n"
             .parse()
             .expect("TOML");

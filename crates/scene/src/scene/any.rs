@@ -16,6 +16,8 @@ pub enum Any {
     List(Vec<Spanned<Any>>),
     /// A table; of a date nothing is kept.
     Table(BTreeMap<String, Spanned<Any>>),
+    /// In SI, and in no file: the element of a pair that is not set, where the other one is.
+    Si(f64),
 }
 
 impl Any {
@@ -27,6 +29,7 @@ impl Any {
             Any::Flag(_) => "a truth value",
             Any::List(_) => "a list",
             Any::Table(_) => "a table or date",
+            Any::Si(_) => "a value in SI",
         }
     }
 }

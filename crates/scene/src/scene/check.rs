@@ -67,6 +67,9 @@ pub const ANY: Bound = Bound { allowed: |_| true, text: "any finite number" };
 pub const POSITIVE: Bound = Bound { allowed: |x| x > 0.0, text: "above 0" };
 pub const NOT_NEGATIVE: Bound = Bound { allowed: |x| x >= 0.0, text: "at least 0" };
 
+/// The label of keys that have no effect beside others.
+pub const NO_EFFECT: &str = "no effect";
+
 /// Collects what is wrong.
 pub struct Checker<'a> {
     pub text: &'a str,
@@ -170,7 +173,7 @@ impl<'a> Checker<'a> {
     pub fn unused_at(&mut self, key: &str, span: Option<Range<usize>>, why: &str) {
         if span.is_some() {
             let message = format!("`{key}` has no effect {why}");
-            self.push(span, message, "no effect", "remove it, or change what it depends on");
+            self.push(span, message, NO_EFFECT, "remove it, or change what it depends on");
         }
     }
 

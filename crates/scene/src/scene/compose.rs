@@ -3,15 +3,19 @@
 //! The texts are merged into one, in which every key and value stands to the letter, and which is read like any other. What is wrong
 //! with it is then said of the text it came from.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::SceneError;
-use super::error::Problem;
-use super::over::{EITHER, KINDS};
-use super::text::syntax;
+use super::check::NO_EFFECT;
+use super::error::{Problem, shortened};
+use super::keys::element;
+use super::locate::located;
+use super::over::{KINDS, replaced};
+use super::text::{parse_any, syntax};
 
 /// One of the texts of a scene, and what messages call it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,15 +57,26 @@ pub fn parse_layers<T>(
         if index > 0 {
             OWN.into_iter().for_each(|key| whole.remove(key));
         }
-        whole.take_over(over);
+        whole.merge(over, true);
     }
     let mut set = Table::default();
     for (index, layer) in settings.iter().enumerate() {
         set.merge(read(layer, files.len() + index)?, false);
     }
-    whole.take_over(set);
-    let mut merged = Merged::default();
-    merged.write(&whole, &mut Vec::new());
+    whole.merge(set, true);
+    let mut merged = Merged::of(&whole);
+    // Keys that have an effect below the last text, and none beside it, give way: `motor.brake = "none"` takes the brake's keys along.
+    let below = &files[..files.len() - usize::from(settings.is_empty())];
+    while let Err(error) = parse_any(&merged.text, &own.file) {
+        let before = parse_layers(below, &[], parse_any).map_or_else(|error| located(&error), |_| Vec::new());
+        let is_new = |problem: &&Problem| before.iter().all(|other| other.message != shortened(&problem.message));
+        let idle = error.problems().iter().filter(|problem| problem.label == NO_EFFECT).filter(is_new);
+        let places: Vec<_> = idle.filter_map(|problem| merged.place(problem.span.as_ref()?)).collect();
+        if !whole.drop(&|piece| piece.layer < below.len() && places.contains(&(piece.layer, piece.span.clone()))) {
+            break;
+        }
+        merged = Merged::of(&whole);
+    }
     let layers: Vec<&Layer> = files.iter().chain(settings).collect();
     parse(&merged.text, &own.file).map_err(|error| merged.of_layers(error, &layers))
 }
@@ -113,24 +128,37 @@ impl Table {
         self.0.retain(|(name, _, _)| name != key);
     }
 
+    /// Drops all values and tables that are `idle`, and says whether there are any.
+    fn drop(&mut self, idle: &impl Fn(&Piece) -> bool) -> bool {
+        let (before, mut inner) = (self.0.len(), false);
+        self.0.retain_mut(|(_, key, node)| match node {
+            Node::Value(value) => !idle(value),
+            Node::Table(table) => {
+                !idle(key) && {
+                    inner |= table.drop(idle);
+                    true
+                }
+            }
+        });
+        inner || self.0.len() < before
+    }
+
     fn has(&self, key: &str) -> bool {
         self.0.iter().any(|(name, _, _)| name == key)
     }
 
-    /// Merges, and takes out what only one of both can say.
-    fn take_over(&mut self, over: Self) {
-        for (mine, other) in EITHER {
-            if over.has(mine) && !over.has(other) {
-                self.remove(other);
-            }
-        }
-        self.merge(over, true);
-    }
-
-    /// Puts another table over this one; `anew`: a section that says its kind replaces the one of before.
+    /// Puts another table over this one; `anew`: a section that says its kind replaces the one of before, and what says a thing in another
+    /// way that of before.
     fn merge(&mut self, over: Self, anew: bool) {
+        if anew {
+            replaced(|key| over.has(key)).for_each(|key| self.remove(key));
+        }
+        // A pair replaces what is set of single elements.
+        self.0.retain(|(known, ..)| element(known).is_none_or(|(pair, _)| !over.has(pair)));
+        let known: HashMap<String, usize> =
+            self.0.iter().enumerate().map(|(place, (known, ..))| (known.clone(), place)).collect();
         for (name, key, node) in over.0 {
-            let Some(place) = self.0.iter().position(|(known, _, _)| *known == name) else {
+            let Some(&place) = known.get(&name) else {
                 self.0.push((name, key, node));
                 continue;
             };
@@ -174,6 +202,12 @@ struct Merged {
 }
 
 impl Merged {
+    fn of(whole: &Table) -> Self {
+        let mut merged = Self::default();
+        merged.write(whole, &mut Vec::new());
+        merged
+    }
+
     fn write(&mut self, table: &Table, path: &mut Vec<Piece>) {
         for (_, key, node) in &table.0 {
             if let Node::Value(value) = node {

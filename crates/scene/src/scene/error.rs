@@ -68,7 +68,7 @@ impl fmt::Display for SceneError {
                     if index > 0 {
                         f.write_str("\n\n")?;
                     }
-                    f.write_str(&render(file, text, problem))?;
+                    f.write_str(&shortened(&render(file, text, problem)))?;
                 }
                 let or_more = if problems.len() < MOST_PROBLEMS { "" } else { " or more" };
                 match problems.len() {
@@ -84,6 +84,19 @@ impl fmt::Display for SceneError {
             }
         }
     }
+}
+
+/// The text with words and lines of a length that somebody reads: keys and values of others may have a million letters.
+pub fn shortened(text: &str) -> String {
+    let cut = |part: &str, most: usize| match part.char_indices().nth(most) {
+        None => part.to_string(),
+        Some(_) => {
+            let (head, tail) = (floor_boundary(part, most / 2), floor_boundary(part, part.len() - most / 4));
+            format!("{} … {}", &part[..head], &part[tail..])
+        }
+    };
+    let line = |line: &str| cut(&line.split(' ').map(|word| cut(word, 200)).collect::<Vec<_>>().join(" "), 2000);
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// Longest part of a source line that is shown, in characters.

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use super::error::Problem;
-use super::suggest::nearest;
+use super::suggest::{absent, nearest};
 use crate::limits::MOST_PROBLEMS;
 
 /// What a scene may say, and what one of another kind may.
@@ -112,7 +112,13 @@ fn of_other_kind(name: &str, path: &str, span: Range<usize>, kind: &str, other_k
     }
 }
 
-fn unknown(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Value) -> Problem {
+/// A key that its table does not have, with what was probably meant.
+pub fn unknown(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Value) -> Problem {
+    let message = format!("unknown key `{}` {}", name.escape_debug(), place(path));
+    if let Some((why, instead)) = absent(path, name) {
+        let (message, label) = (format!("{message}: {why}"), "phalanx does not have this".to_string());
+        return Problem { span: Some(span), message, label, help: instead.to_string() };
+    }
     let names: Vec<&str> = properties(schema).into_iter().flat_map(Map::keys).map(String::as_str).collect();
     let mut elsewhere = Vec::new();
     find(name, root, "", &mut elsewhere);
@@ -122,12 +128,7 @@ fn unknown(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Va
         (Some(near), None) => format!("did you mean `{near}`?"),
         (None, None) => "not a key of a scene".to_string(),
     };
-    Problem {
-        span: Some(span),
-        message: format!("unknown key `{}` {}", name.escape_debug(), place(path)),
-        label,
-        help: format!("keys {}: {}", place(path), names.join(", ")),
-    }
+    Problem { span: Some(span), message, label, help: format!("keys {}: {}", place(path), names.join(", ")) }
 }
 
 /// Paths of all tables that have a key `name`.
@@ -144,12 +145,24 @@ fn find(name: &str, schema: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// What a table holds under a key.
-fn child<'a>(schema: &'a Value, name: &str) -> Option<&'a Value> {
-    properties(schema).and_then(|properties| properties.get(name)).or(named(schema))
+/// What a table holds under a key, or under one element of a pair: `centre[0]`.
+pub fn child<'a>(schema: &'a Value, name: &str) -> Option<&'a Value> {
+    let property = |name: &str| properties(schema)?.get(name);
+    let of_pair = || {
+        let (pair, index) = element(name)?;
+        let pair = property(pair)?;
+        pair.get("items").filter(|_| pair["maxItems"].as_u64().is_some_and(|count| index < count))
+    };
+    property(name).or_else(of_pair).or(named(schema))
 }
 
-fn is_table(schema: &Value) -> bool {
+/// The pair and the index that `centre[0]` names.
+pub fn element(key: &str) -> Option<(&str, u64)> {
+    let (pair, index) = key.strip_suffix(']')?.rsplit_once('[')?;
+    Some((pair, index.parse().ok()?))
+}
+
+pub fn is_table(schema: &Value) -> bool {
     properties(schema).is_some() || named(schema).is_some()
 }
 

@@ -8,7 +8,7 @@ use toml::Spanned;
 
 use super::any::Any;
 use super::error::Problem;
-use super::suggest::nearest;
+use super::suggest::{absent, nearest};
 use crate::units::{self, Dimension};
 
 /// How the value of a key is read.
@@ -62,6 +62,9 @@ impl<M: Measured> Kind for M {
 /// Reads a quantity of one dimension.
 pub fn quantity(key: &str, value: &Spanned<Any>, wanted: Dimension) -> Result<f64, Vec<Problem>> {
     let help = || format!("write a number and its unit, as in \"{}\"", wanted.example());
+    if let Any::Si(si) = value.get_ref() {
+        return Ok(*si);
+    }
     let Any::Text(text) = value.get_ref() else {
         let message = format!(
             "`{key}` is {}; {} is wanted, as text with its unit: {}",
@@ -83,11 +86,22 @@ impl<M: Measured> Kind for Pair<M> {
     const NAME: &'static str = "Pair";
 
     fn read(key: &str, value: &Spanned<Any>) -> Result<[f64; 2], Vec<Problem>> {
-        let example = M::DIMENSION.example();
+        // One value is that of y: gravity is, and so are most other vectors of which one value is given.
+        let example = match value.get_ref() {
+            Any::Integer(y) => format!("{y} {}", M::DIMENSION.units()[0].name),
+            Any::Float(y) => format!("{y} {}", M::DIMENSION.units()[0].name),
+            Any::Text(y) if units::parse(y, M::DIMENSION).is_ok() => y.trim().to_string(),
+            _ => M::DIMENSION.example().to_string(),
+        };
+        let pair = format!("write x and y: [\"0 {}\", \"{example}\"]", M::DIMENSION.units()[0].name);
+        let Any::List(_) = value.get_ref() else {
+            let message = format!("`{key}` is {}, but must be a list of two values", value.get_ref().name());
+            return Err(vec![at(value, message, "two values in brackets", pair)]);
+        };
         let list = <List<M>>::read(key, value)?;
         <[f64; 2]>::try_from(list).map_err(|list| {
             let message = format!("`{key}` has {} values, but must have two, x and y", list.len());
-            vec![at(value, message, "two values", format!("write [\"{example}\", \"{example}\"]"))]
+            vec![at(value, message, "two values", pair)]
         })
     }
 
@@ -308,6 +322,10 @@ pub fn word(key: &str, value: &Spanned<Any>, words: &[&str]) -> Result<usize, Ve
     };
     if let Some(index) = words.iter().position(|word| word == text) {
         return Ok(index);
+    }
+    if let Some((why, instead)) = absent(key, text) {
+        let help = format!("{instead}; {help}");
+        return Err(vec![at(value, format!("`{key}` has no \"{text}\": {why}"), "phalanx does not have this", help)]);
     }
     let label = nearest(text, words).map_or("not one of its words".into(), |w| format!("did you mean \"{w}\"?"));
     let message = format!("`{key}` does not know \"{}\"", text.escape_debug());

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 use super::SceneError;
-use super::error::line_column;
+use super::error::{line_column, shortened};
 
 /// A problem with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ pub fn located(error: &SceneError) -> Vec<Located> {
                     line: place.as_ref().map(|(line, _, _)| *line),
                     column: place.as_ref().map(|(_, column, _)| *column),
                     field: place.and_then(|(_, _, field)| field),
-                    message: problem.message.clone(),
+                    message: shortened(&problem.message),
                     help: problem.help.clone(),
                 }
             };

@@ -33,7 +33,7 @@ mod finger;
 pub mod keys;
 pub mod kinds;
 mod locate;
-mod over;
+pub mod over;
 mod pairs;
 mod palm_motion;
 mod place;

@@ -12,7 +12,8 @@ use toml::de::{DeTable, DeValue, Deserializer};
 
 use super::Side;
 use super::any::Any;
-use super::over::{EITHER, KINDS};
+use super::keys::element;
+use super::over::{KINDS, replaced};
 use super::sections::OF_FINGER;
 use super::table::keys::{Given, Keys};
 use super::words::SceneKind;
@@ -36,7 +37,8 @@ impl Raw {
             Some(DeValue::Table(discs)) => discs.keys().map(|name| (name.get_ref().to_string(), name.span())).collect(),
             _ => BTreeMap::new(),
         };
-        let given = Given::deserialize(Deserializer::from(document))?;
+        let mut given = Given::deserialize(Deserializer::from(document))?;
+        put_elements(&mut given);
         let mut raw = Self { kind, given, fingers: Vec::new(), names };
         if raw.sides().len() > 1 {
             raw.fingers = Side::BOTH.map(|side| finger(&raw.given, side)).into();
@@ -65,26 +67,38 @@ impl Raw {
     }
 }
 
+/// Puts elements that are set by themselves, such as `centre[0]`, into their pairs; the other element is not a number where no pair is given.
+fn put_elements(given: &mut Given) {
+    let is_element =
+        |(key, value): &(&String, &Spanned<Any>)| element(key).is_some() && !matches!(value.get_ref(), Any::Table(_));
+    let elements: Vec<String> = given.iter().filter(is_element).map(|(key, _)| key.clone()).collect();
+    for key in elements {
+        let (Some((pair, index)), Some(value)) = (element(&key), given.remove(&key)) else { continue };
+        let other = Spanned::new(value.span(), Any::Si(f64::NAN));
+        let none = || Spanned::new(value.span(), Any::List(vec![other; 2]));
+        if let Any::List(items) = given.entry(pair.to_string()).or_insert_with(none).get_mut() {
+            items.get_mut(index as usize).into_iter().for_each(|item| item.clone_from(&value));
+        }
+    }
+    for value in given.values_mut() {
+        if let Any::Table(inner) = value.get_mut() {
+            put_elements(inner);
+        }
+    }
+}
+
 fn finger(given: &Given, side: Side) -> Given {
     let common = OF_FINGER.into_iter().filter_map(|key| given.get_key_value(key));
     let mut whole: Given = common.map(|(key, value)| (key.clone(), value.clone())).collect();
     if let Some(Any::Table(own)) = given.get(side.word()).map(Spanned::get_ref) {
-        take_over(&mut whole, own);
+        merge(&mut whole, own);
     }
     whole
 }
 
 /// Puts one table over another as a scene that extends one does, and takes out what only one of both can say.
-fn take_over(whole: &mut Given, over: &Given) {
-    for (mine, other) in EITHER {
-        if over.contains_key(mine) && !over.contains_key(other) {
-            whole.remove(other);
-        }
-    }
-    merge(whole, over);
-}
-
 fn merge(whole: &mut Given, over: &Given) {
+    replaced(|key| over.contains_key(key)).for_each(|key| _ = whole.remove(key));
     for (key, value) in over {
         let (mut value, before) = (value.clone(), whole.remove(key).map(Spanned::into_inner));
         if let (Any::Table(more), Some(Any::Table(mut inner))) = (value.get_mut(), before)

@@ -8,7 +8,7 @@ use super::table::criteria::Thresholds;
 use super::table::differential::Seesaw;
 use super::table::disc::DiscKeys;
 use super::table::drive::{Motor, Shaft, Springs};
-use super::table::finger::{Bodies, Links, Material, Start};
+use super::table::finger::{Bodies, LengthKeys, Links, Material, Start};
 use super::table::keys::schema;
 use super::table::law::{Contact, Limit};
 use super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
@@ -17,7 +17,7 @@ use super::table::plane::{Ground, Support};
 use super::table::top::Top;
 use super::words::{ANY, FINGERS, NO_FINGER, SceneKind, TWO_FINGERS};
 use super::{Engine, Integrator, LogRates};
-use crate::gripper::{Design, Lengths};
+use crate::gripper::Design;
 use crate::shape::Shape;
 
 /// A section, or some of its keys: its name (none before all sections), in which kinds of scene it is, and what is in it.
@@ -27,7 +27,7 @@ const LIST: &[Listed] = &[
     ("", ANY, schema::<Top>),
     ("", FINGERS, schema::<Links>),
     ("design", FINGERS, schema::<Design>),
-    ("lengths", FINGERS, schema::<Lengths>),
+    ("lengths", FINGERS, schema::<LengthKeys>),
     ("material", FINGERS, schema::<Material>),
     ("bodies", FINGERS, schema::<Bodies>),
     ("object", FINGERS, schema::<Object>),

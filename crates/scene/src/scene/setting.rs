@@ -1,6 +1,7 @@
 //! Single fields of a scene that are set besides its text: `FIELD=VALUE` as a line of a scene file.
 
 use super::Layer;
+use super::keys::element;
 
 const EXAMPLE: &str = "write FIELD=VALUE, such as contact.friction.mu_static=0.6";
 
@@ -19,9 +20,14 @@ pub fn setting(origin: &str, text: &str) -> Result<Layer, String> {
 /// # Errors
 /// As [`setting`].
 pub fn setting_of(origin: &str, field: &str, value: &str) -> Result<Layer, String> {
-    let (field, value) = (field.trim(), value.trim());
+    let (mut field, value) = (field.trim().to_string(), value.trim());
     if field.is_empty() || value.is_empty() {
         return Err(format!("there is no {}: {EXAMPLE}", if field.is_empty() { "field" } else { "value" }));
+    }
+    // One element of a pair: the key of a scene is quoted then.
+    if element(&field).is_some() {
+        field.insert(field.rfind('.').map_or(0, |point| point + 1), '"');
+        field.push('"');
     }
     if format!("{field} = 0").parse::<toml::Table>().is_err() || field.contains('\n') {
         return Err(format!(
@@ -49,6 +55,8 @@ mod tests {
             ("spring.type=torsional", "spring.type = \"torsional\""),
             ("palm=false", "palm = false"),
             ("gravity=[\"0 m/s^2\", \"0 m/s^2\"]", "gravity = [\"0 m/s^2\", \"0 m/s^2\"]"),
+            ("gravity[1]=1 g", "\"gravity[1]\" = \"1 g\""),
+            ("object.centre[0]=\"1 mm\"", "object.\"centre[0]\" = \"1 mm\""),
             ("name=a = b", "name = \"a = b\""),
             ("discs.\"a b\".radius=\"1 mm\"", "discs.\"a b\".radius = \"1 mm\""),
             ("name=1\n[motor]", "name = \"\"\"\n1\n[motor]\"\"\""),

@@ -15,4 +15,4 @@ pub use format::format;
 pub use number::number;
 pub use parse::split;
 pub use parse::{QuantityError, parse, positive};
-pub use table::{Dimension, LONGEST_S, Unit};
+pub use table::{Dimension, G_M_S2, LONGEST_S, Unit};

@@ -183,7 +183,8 @@ mod tests {
         assert_eq!(ok("480 N*mm", Torque), 0.48);
         assert_eq!(ok("132.6 N*mm", Torque), 0.1326);
         assert_eq!(ok("10 ms", Time), 0.01);
-        assert_eq!(ok("9.81 m/s^2", Acceleration), 9.81);
+        assert_eq!([ok("9.81 m/s^2", Acceleration), ok("2 g", Acceleration), ok("2 g", Mass)], [9.81, 19.62, 2e-3]);
+        assert_eq!(ok("3 um/s", Speed), 3e-6);
         assert_eq!(ok("1070 kg/m^3", Density), 1070.0);
         assert_eq!(ok("4.28 g", Mass), 0.00428);
         assert_eq!(ok("4.73 g", Mass), 0.00473);

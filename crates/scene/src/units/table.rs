@@ -18,6 +18,9 @@ pub struct Unit {
 /// The longest time, of a run as of anything else: an hour, for a closing takes 10 ms.
 pub const LONGEST_S: f64 = 3600.0;
 
+/// One g, in which people count accelerations, m/s²: the gravity of a scene that says none.
+pub const G_M_S2: f64 = 9.81;
+
 /// What a quantity measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
@@ -209,20 +212,29 @@ const TIME: &[Unit] = &[unit("s", 1.0), unit("ms", MILLI), unit("us", 1e-6)];
 
 const MASS: &[Unit] = &[unit("kg", 1.0), unit("g", MILLI), read_only("mg", 1e-6)];
 
-const FORCE: &[Unit] = &[unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3)];
+const FORCE: &[Unit] = &[unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3), read_only("uN", 1e-6)];
 
 const TORQUE: &[Unit] = &[unit("N*m", 1.0), read_only("N*cm", CENTI), unit("N*mm", MILLI), read_only("mN*m", MILLI)];
 
-const SPEED: &[Unit] = &[unit("m/s", 1.0), read_only("cm/s", CENTI), read_only("mm/s", MILLI)];
+const SPEED: &[Unit] = &[unit("m/s", 1.0), read_only("cm/s", CENTI), read_only("mm/s", MILLI), read_only("um/s", 1e-6)];
 
-const ANGULAR_RATE: &[Unit] = &[unit("rad/s", 1.0), read_only("deg/s", DEGREE), read_only("rpm", TAU / 60.0)];
+const ANGULAR_RATE: &[Unit] =
+    &[unit("rad/s", 1.0), read_only("deg/s", DEGREE), read_only("rpm", TAU / 60.0), read_only("rev/s", TAU)];
 
-const ACCELERATION: &[Unit] = &[unit("m/s^2", 1.0), read_only("cm/s^2", CENTI), read_only("mm/s^2", MILLI)];
+/// `g` is a mass as well: the wanted dimension decides.
+const ACCELERATION: &[Unit] = &[
+    unit("m/s^2", 1.0),
+    read_only("cm/s^2", CENTI),
+    read_only("mm/s^2", MILLI),
+    read_only("um/s^2", 1e-6),
+    read_only("g", G_M_S2),
+];
 
 const DENSITY: &[Unit] = &[unit("kg/m^3", 1.0), read_only("g/cm^3", 1e3)];
 
 const INERTIA: &[Unit] = &[
     unit("kg*m^2", 1.0),
+    read_only("kg*cm^2", CENTI * CENTI),
     read_only("kg*mm^2", MILLI * MILLI),
     read_only("g*cm^2", MILLI * CENTI * CENTI),
     unit("g*mm^2", MILLI * MILLI * MILLI),
@@ -236,29 +248,46 @@ const PRESSURE: &[Unit] = &[
     unit("MPa", 1e6),
     unit("GPa", 1e9),
     read_only("N/mm^2", 1.0 / (MILLI * MILLI)),
+    read_only("N/m^2", 1.0),
 ];
 
-const ANGULAR_STIFFNESS: &[Unit] =
-    &[unit("N*m/rad", 1.0), unit("N*mm/rad", MILLI), read_only("N*mm/deg", MILLI / DEGREE)];
+const ANGULAR_STIFFNESS: &[Unit] = &[
+    unit("N*m/rad", 1.0),
+    unit("N*mm/rad", MILLI),
+    read_only("N*mm/deg", MILLI / DEGREE),
+    read_only("N*m/deg", 1.0 / DEGREE),
+    read_only("N*cm/rad", CENTI),
+    read_only("mN*m/rad", MILLI),
+];
 
-const LINEAR_DAMPING: &[Unit] = &[unit("N*s/m", 1.0), read_only("N*s/mm", 1.0 / MILLI), read_only("kg/s", 1.0)];
+const LINEAR_DAMPING: &[Unit] =
+    &[unit("N*s/m", 1.0), read_only("N*s/mm", 1.0 / MILLI), read_only("kg/s", 1.0), read_only("N*s/cm", 1.0 / CENTI)];
 
-const ANGULAR_DAMPING: &[Unit] =
-    &[unit("N*m*s/rad", 1.0), unit("N*mm*s/rad", MILLI), read_only("N*m*s", 1.0), read_only("N*mm*s", MILLI)];
+const ANGULAR_DAMPING: &[Unit] = &[
+    unit("N*m*s/rad", 1.0),
+    unit("N*mm*s/rad", MILLI),
+    read_only("N*m*s", 1.0),
+    read_only("N*mm*s", MILLI),
+    read_only("N*cm*s/rad", CENTI),
+    read_only("mN*m*s/rad", MILLI),
+];
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use uom::si::acceleration::{
-        centimeter_per_second_squared, meter_per_second_squared, millimeter_per_second_squared,
+        centimeter_per_second_squared, meter_per_second_squared, micrometer_per_second_squared,
+        millimeter_per_second_squared,
     };
     use uom::si::angle::{degree, radian, revolution};
-    use uom::si::angular_velocity::{degree_per_second, radian_per_second, revolution_per_minute};
+    use uom::si::angular_velocity::{
+        degree_per_second, radian_per_second, revolution_per_minute, revolution_per_second,
+    };
     use uom::si::f64::{
         Acceleration, Angle, AngularVelocity, Force, Frequency, Length, Mass, MassDensity, Pressure, Time, Torque,
         Velocity,
     };
-    use uom::si::force::{kilonewton, millinewton, newton};
+    use uom::si::force::{kilonewton, micronewton, millinewton, newton};
     use uom::si::frequency::{hertz, kilohertz, megahertz};
     use uom::si::length::{centimeter, meter, micrometer, millimeter};
     use uom::si::mass::{gram, kilogram, milligram};
@@ -266,7 +295,7 @@ mod tests {
     use uom::si::pressure::{gigapascal, kilopascal, megapascal, pascal};
     use uom::si::time::{microsecond, millisecond, second};
     use uom::si::torque::{millinewton_meter, newton_centimeter, newton_meter, newton_millimeter};
-    use uom::si::velocity::{centimeter_per_second, meter_per_second, millimeter_per_second};
+    use uom::si::velocity::{centimeter_per_second, meter_per_second, micrometer_per_second, millimeter_per_second};
 
     /// Of every dimension its units as `uom` has them, in the order of the table.
     fn of_uom(dimension: Dimension) -> Vec<f64> {
@@ -277,37 +306,54 @@ mod tests {
         let [heavy, light] = [Mass::new::<kilogram>(1.0), Mass::new::<gram>(1.0)];
         let [m, cm, mm] = [Length::new::<meter>(1.0), Length::new::<centimeter>(1.0), Length::new::<millimeter>(1.0)];
         let [long, short] = [Torque::new::<newton_meter>(1.0), Torque::new::<newton_millimeter>(1.0)];
+        let [middle, weak] = [Torque::new::<newton_centimeter>(1.0), Torque::new::<millinewton_meter>(1.0)];
         match dimension {
             Dimension::Length => of!(Length: meter, centimeter, millimeter, micrometer),
             Dimension::Angle => of!(Angle: radian, degree, revolution),
             Dimension::Time => of!(Time: second, millisecond, microsecond),
             Dimension::Mass => of!(Mass: kilogram, gram, milligram),
-            Dimension::Force => of!(Force: newton, millinewton, kilonewton),
+            Dimension::Force => of!(Force: newton, millinewton, kilonewton, micronewton),
             Dimension::Torque => of!(Torque: newton_meter, newton_centimeter, newton_millimeter, millinewton_meter),
-            Dimension::Speed => of!(Velocity: meter_per_second, centimeter_per_second, millimeter_per_second),
+            Dimension::Speed => {
+                of!(Velocity: meter_per_second, centimeter_per_second, millimeter_per_second, micrometer_per_second)
+            }
             Dimension::AngularRate => {
-                of!(AngularVelocity: radian_per_second, degree_per_second, revolution_per_minute)
+                of!(AngularVelocity: radian_per_second, degree_per_second, revolution_per_minute, revolution_per_second)
             }
             Dimension::Acceleration => {
-                of!(Acceleration: meter_per_second_squared, centimeter_per_second_squared, millimeter_per_second_squared)
+                let mut all = of!(
+                    Acceleration: meter_per_second_squared, centimeter_per_second_squared, millimeter_per_second_squared,
+                    micrometer_per_second_squared
+                );
+                // That of the scenes; the standard one has more digits.
+                all.push(G_M_S2);
+                all
             }
             Dimension::Density => of!(MassDensity: kilogram_per_cubic_meter, gram_per_cubic_centimeter),
-            Dimension::Inertia => [(heavy, m), (heavy, mm), (light, cm), (light, mm)]
+            Dimension::Inertia => [(heavy, m), (heavy, cm), (heavy, mm), (light, cm), (light, mm)]
                 .map(|(mass, radius)| (mass * radius * radius).value)
                 .to_vec(),
             Dimension::Frequency => of!(Frequency: hertz, kilohertz, megahertz),
             Dimension::Pressure => {
                 let mut all = of!(Pressure: pascal, kilopascal, megapascal, gigapascal);
-                all.push((force / (mm * mm)).value);
+                all.extend([mm, m].map(|side| (force / (side * side)).value));
                 all
             }
             Dimension::AngularStiffness => {
-                vec![long.value, short.value, (short / Angle::new::<degree>(1.0)).value]
+                let per_degree = [short, long].map(|torque| (torque / Angle::new::<degree>(1.0)).value);
+                [[long.value, short.value], per_degree, [middle.value, weak.value]].concat()
             }
             Dimension::LinearDamping => {
-                vec![(force * time / m).value, (force * time / mm).value, (heavy / time).value]
+                vec![
+                    (force * time / m).value,
+                    (force * time / mm).value,
+                    (heavy / time).value,
+                    (force * time / cm).value,
+                ]
             }
-            Dimension::AngularDamping => [long, short, long, short].map(|torque| (torque * time).value).to_vec(),
+            Dimension::AngularDamping => {
+                [long, short, long, short, middle, weak].map(|torque| (torque * time).value).to_vec()
+            }
         }
     }
 
@@ -326,7 +372,8 @@ mod tests {
             assert_eq!(dimension.units()[0].factor, 1.0, "{dimension:?}");
             for unit in dimension.units() {
                 assert!(unit.factor > 0.0);
-                assert_eq!(seen.insert(unit.name, dimension), None, "{}", unit.name);
+                let other = seen.insert(unit.name, dimension);
+                assert!(other.is_none() || unit.name == "g" && dimension == Dimension::Acceleration, "{}", unit.name);
             }
         }
     }

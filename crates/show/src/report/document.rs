@@ -47,6 +47,9 @@ pub struct RunReport {
     pub completed: bool,
     /// Time reached.
     pub end_s: Option<f64>,
+    /// Of a gripper: largest acceleration of its palm's middle over `duration_s`; null if the palm stays where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub palm_peak_acceleration_m_s2: Option<Option<f64>>,
     /// Null if the run was completed.
     pub error: Option<Failure>,
     pub energy: Option<Energy>,
@@ -118,6 +121,7 @@ impl RunReport {
         let (engine, outcome) = (model == Model::Engine, came.outcome);
         let (kind, layout) = (scene.kind(), Layout::of(&scene.system));
         let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
+        let palm_peak = || scene.system.palm_motion.as_ref().map(|motion| motion.peak_m_s2([0.0; 2], scene.duration_s));
         let criteria = came.criteria.filter(|_| error.is_none());
         RunReport {
             scene: scene.name.clone(),
@@ -134,6 +138,7 @@ impl RunReport {
                 .then(|| came.grasp.zip(outcome).map(|(found, of)| GraspReport::new(found, Some(scene), &of.last))),
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
+            palm_peak_acceleration_m_s2: gripper.then(palm_peak),
             error,
             energy: outcome.map(|outcome| outcome.last.energy),
             warnings: came.warnings.to_vec(),

@@ -8,7 +8,7 @@ use super::grasp::GraspReport;
 use super::tables::{contacts, dynamics, energies, grasp, states};
 use crate::scene::{Engine, Integrator, Response, Stepping, Words};
 use crate::wording::duration;
-use crate::wording::figures::figure;
+use crate::wording::figures::{G_M_S2, figure};
 use crate::wording::{Report, Reported};
 
 /// The whole summary, with a line end.
@@ -34,6 +34,14 @@ fn heading(report: &RunReport) -> Report {
     // Writing to a report cannot fail.
     let _ = writeln!(text, "{}: {} model{}", report.scene, report.model, used.unwrap_or_default());
     let _ = writeln!(text, "{}{} of wall time", cost(report), duration(report.wall_s));
+    if let Some(peak_m_s2) = report.palm_peak_acceleration_m_s2.flatten() {
+        let _ = writeln!(
+            text,
+            "the palm accelerates by up to {} m/s² ({} g)",
+            figure(peak_m_s2, 4),
+            figure(peak_m_s2 / G_M_S2, 4)
+        );
+    }
     if let Some(gap_m) = report.loop_gap_m.flatten() {
         let _ = writeln!(text, "joints open by at most {} µm", figure(gap_m * 1e6, 3));
     }

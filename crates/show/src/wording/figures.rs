@@ -1,9 +1,7 @@
 //! Cells of tables, and figures of a chosen number of digits.
 
 use crate::units::Dimension;
-
-/// One g, in which people count accelerations, m/s²: the gravity of a scene that says none.
-pub const G_M_S2: f64 = 9.81;
+pub use crate::units::G_M_S2;
 
 /// Cells of a row.
 pub fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::check::Checker;
-use super::super::table::finger::{Bodies, Links, Material};
+use super::super::table::finger::{Bodies, LengthKeys, Links, Material};
 use super::super::table::keys::Keys;
 use super::super::table::{Table, read};
 use crate::gripper::{self, Assembly, BodyOverride, Design, DesignError, Finger, Lengths, MassError, ProximalLength};
@@ -14,7 +14,7 @@ pub struct Plan {
     /// What is said of it before all sections.
     pub said: Links,
     pub lengths: Option<Lengths>,
-    /// Base of the design; `None` for a finger given by its lengths.
+    /// Base of the design, or beside the lengths.
     pub base_m: Option<f64>,
 }
 
@@ -44,7 +44,11 @@ pub fn plan(c: &mut Checker<'_>, raw: &Keys<'_>, object_radius_m: f64) -> Plan {
                 solved.map_err(|e| refuse_design(c, &design_said, &e)).ok()
             });
         }
-        (false, true) => lengths = given_lengths(c, &lengths_said, said.half_width_m),
+        (false, true) => {
+            let keys = read(c, "lengths", &lengths_said, LengthKeys::usual());
+            base_m = Some(keys.base_m).filter(|base_m| base_m.is_finite());
+            lengths = whole_lengths(c, &lengths_said, Lengths { half_width_m: said.half_width_m, ..keys.links });
+        }
     }
     Plan { said, lengths, base_m }
 }
@@ -84,8 +88,7 @@ fn refuse_design(c: &mut Checker<'_>, raw: &Keys<'_>, error: &DesignError) {
     geometry(c, place.or(raw.span.clone()), "no finger has this design", &error.to_string());
 }
 
-fn given_lengths(c: &mut Checker<'_>, raw: &Keys<'_>, half_width_m: f64) -> Option<Lengths> {
-    let mut lengths = read(c, "lengths", raw, Lengths { half_width_m, ..Lengths::usual() });
+fn whole_lengths(c: &mut Checker<'_>, raw: &Keys<'_>, mut lengths: Lengths) -> Option<Lengths> {
     let Lengths { l11_m, l21_m, l22_m, t22_m, phi22_rad, .. } = lengths;
     if !raw.has("l12") {
         // Thesis (B.7): straight with l11 on the palm and l21 upright.

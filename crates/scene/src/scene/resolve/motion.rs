@@ -11,11 +11,15 @@ pub fn palm_motion(c: &mut Checker<'_>, raw: &Keys<'_>, is_fixed: bool) -> Optio
     let mut motion = PalmMotion::default();
     for (name, keys) in raw.inner("moves").named() {
         let path = format!("moves.{name}");
-        motion.moves.extend(read(c, &path, &keys, MoveKeys::usual()).moves());
+        let said = read(c, &path, &keys, MoveKeys::usual());
+        judge_time(c, &path, &keys, &said);
+        motion.moves.extend(said.moves());
+        motion.names[0].resize(motion.moves.len(), name.to_string());
     }
     for (name, keys) in raw.inner("vibrations").named() {
         let path = format!("vibrations.{name}");
         motion.vibrations.extend(read(c, &path, &keys, VibrationKeys::usual()).vibrations());
+        motion.names[1].resize(motion.vibrations.len(), name.to_string());
     }
     let said = raw.inner("path");
     motion.path = said.is_given().then(|| path(c, &said)).flatten();
@@ -32,6 +36,19 @@ pub fn palm_motion(c: &mut Checker<'_>, raw: &Keys<'_>, is_fixed: bool) -> Optio
         );
     }
     Some(motion)
+}
+
+/// Either of time and acceleration says how long a move takes.
+fn judge_time(c: &mut Checker<'_>, path: &str, keys: &Keys<'_>, said: &MoveKeys) {
+    let (key, place) = (format!("{path}.acceleration"), keys.span("acceleration"));
+    if keys.has("time") {
+        c.unused_at(&key, place, "beside `time`");
+    } else if place.is_none() {
+        let help = "add how long it takes, or its largest acceleration: time = \"40 ms\" or acceleration = \"2 g\"";
+        c.lacks(&format!("{path}.time"), keys.span.clone(), help);
+    } else if said.way_m() == 0.0 {
+        c.unused_at(&key, place, "without a way along x or y: give `time` instead");
+    }
 }
 
 fn path(c: &mut Checker<'_>, raw: &Keys<'_>) -> Option<Path> {

@@ -1,11 +1,13 @@
 //! The object to be grasped.
 
 use super::super::check::Checker;
+use super::super::kinds::{Length, Pair};
 use super::super::table::keys::Keys;
 use super::super::table::object::{GraspedMotion, Object};
 use super::super::table::{Table, read};
 use super::super::{Disc, defaults};
 use crate::shape::{self, Placed, Shape};
+use crate::units::{Dimension, format};
 
 /// Its shape.
 pub fn shape(c: &mut Checker<'_>, raw: &Keys<'_>) -> Shape {
@@ -47,16 +49,29 @@ pub fn beside(c: &mut Checker<'_>, raw: &Keys<'_>, said: Object, base_m: Option<
         }
         return Some(Vec::new());
     }
-    if !object.has("centre") && raw.inner("lengths").is_given() {
-        c.lacks(
-            "object.centre",
-            object.span,
-            "a finger given by [lengths] has no base to place the object by: add [object] centre = [\"-15.5 mm\", \"20 \
-             mm\"], or [object] present = false",
-        );
-        return None;
-    }
-    let placed = if object.has("centre") { shape.at(centre_m) } else { on_the_palm(shape.at([-base_m?, 0.0])) };
     // A wrong one is noted already.
-    placed.centre_m[0].is_finite().then(|| vec![Disc::object(placed)])
+    object.is_known::<Pair<Length>>("centre").then_some(())?;
+    let ([x, y], lengths) = (centre_m, raw.inner("lengths"));
+    if x.is_finite() {
+        c.unused_at("lengths.base", lengths.span("base"), "beside object.centre");
+        return Some(vec![Disc::object(shape.at(centre_m))]);
+    }
+    if base_m.is_none() && lengths.is_given() && !lengths.has("base") {
+        let [base, height] = [example_base_m(raw, &shape), y].map(|metres| format(metres, Dimension::Length));
+        let help = format!(
+            "add the distance along the palm to its centre, such as [lengths] base = \"{base}\", or [object] centre = \
+             [\"-{base}\", \"{height}\"], or [object] present = false"
+        );
+        c.lacks("lengths.base", lengths.span, &help);
+    }
+    Some(vec![Disc::object(shape.at([-base_m?, y]))])
+}
+
+/// A base for an example, in three digits: so far beyond the nearest one of a design (D > R, see `gripper::proximal_range`) as that of
+/// the thesis' example.
+pub fn example_base_m(raw: &Keys<'_>, shape: &Shape) -> f64 {
+    let half_width_m = raw.value::<Length>("half_width").unwrap_or(defaults::HALF_WIDTH_M);
+    let reach_m = shape::reach(shape);
+    let base_m = (half_width_m * (2.0 * reach_m + half_width_m)).sqrt() + 0.25 * reach_m;
+    format!("{base_m:.2e}").parse().unwrap_or(base_m)
 }

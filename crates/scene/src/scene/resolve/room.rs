@@ -10,6 +10,7 @@ use super::super::table::object::Object;
 use super::super::table::top::Top;
 use super::super::{Disc, Side};
 use super::finger::Plan;
+use super::object::example_base_m;
 use super::seen::Seen;
 use super::sizing::Sized;
 use super::{plane, sizing};
@@ -19,21 +20,30 @@ use crate::shape::{Placed, tangent};
 use crate::units::{Dimension, format};
 
 /// Given, or twice the base that both fingers are made for; 0 of one finger, and of none.
-pub fn palm_width(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, plans: &[Plan]) -> Option<f64> {
+pub fn palm_width(c: &mut Checker<'_>, raw: &Keys<'_>, top: &Top, plans: &[Plan], object: &Object) -> Option<f64> {
     let [right, left] = plans else { return Some(0.0) };
     if raw.has("palm_width") {
+        for of in [raw.clone(), raw.inner("right"), raw.inner("left")] {
+            c.unused_at("lengths.base", of.inner("lengths").span("base"), "beside palm_width");
+        }
         return Some(top.palm_width_m).filter(|width_m| !width_m.is_nan());
     }
     let (right, left) = (right.base_m, left.base_m);
-    let by_lengths = plans.iter().any(|plan| plan.lengths.is_some() && plan.base_m.is_none());
+    // A wrong base is noted already.
+    let by_lengths =
+        !raw.inner("lengths").has("base") && plans.iter().any(|plan| plan.lengths.is_some() && plan.base_m.is_none());
+    let length = |metres| format(metres, Dimension::Length);
     if by_lengths {
-        c.lacks("palm_width", None, "a finger given by [lengths] has no base that says it: palm_width = \"31 mm\"");
-    } else if right.is_some() && left.is_some() && right != left {
-        c.lacks(
-            "palm_width",
-            None,
-            "the fingers are made for different bases, so none says it: palm_width = \"31 mm\"",
-        );
+        let base_m = right.or(left).unwrap_or_else(|| example_base_m(raw, &object.shape));
+        let (base, width) = (length(base_m), length(2.0 * base_m));
+        let help = format!("add it, such as palm_width = \"{width}\", or half of it: [lengths] base = \"{base}\"");
+        c.lacks("palm_width", None, &help);
+    } else if let (Some(one), Some(other)) = (right, left)
+        && one != other
+    {
+        let width = length(one + other);
+        let help = format!("the fingers are made for different bases, so none says it: palm_width = \"{width}\"");
+        c.lacks("palm_width", None, &help);
     }
     right.filter(|_| right == left).map(|base_m| 2.0 * base_m)
 }

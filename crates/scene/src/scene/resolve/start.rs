@@ -94,7 +94,7 @@ fn before_contact(c: &mut Checker<'_>, raw: &Keys<'_>, plan: &Plan, seen: &Seen,
         (Some(object), _) => object,
         (None, Some(base_m)) => on_the_palm(object::shape(c, raw).at([-base_m, 0.0])),
         (None, None) => {
-            let help = "without object and [design] nothing says where to start: add [initial] q21 = \"40 deg\"";
+            let help = "without object and base nothing says where to start: add [initial] q21 = \"40 deg\", or [lengths] base";
             c.lacks("initial.q21", raw.inner("initial").span, help);
             return None;
         }

@@ -22,7 +22,7 @@ pub fn system(c: &mut Checker<'_>, raw: &Raw, top: &Top) -> Option<System> {
         1 => object::beside(c, &whole, said, plans[0].base_m),
         _ => Some(vec![said.disc()]),
     };
-    let palm_width_m = room::palm_width(c, &whole, top, &plans);
+    let palm_width_m = room::palm_width(c, &whole, top, &plans, &said);
     let levels = plane::levels(c, &whole, top, said);
     let seen = room::seen(c, raw, top, &plans, said, (discs.as_deref(), palm_width_m, levels));
 

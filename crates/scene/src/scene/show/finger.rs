@@ -1,7 +1,7 @@
 //! A finger, in sections whose names begin with `path`.
 
 use super::super::table::drive::{Motor, Shaft, Springs};
-use super::super::table::finger::{Links, Start};
+use super::super::table::finger::{LengthKeys, Links, Start};
 use super::super::table::law::Limit;
 use super::super::table::object::Object;
 use super::super::table::{Table, show as show_table, show_keys};
@@ -41,7 +41,7 @@ pub fn object(out: &mut Out, object: &Object) {
 }
 
 fn bodies(out: &mut Out, path: &str, finger: &Finger) {
-    show_table(out, &format!("{path}lengths"), &finger.lengths);
+    show_table(out, &format!("{path}lengths"), &LengthKeys { links: finger.lengths, ..LengthKeys::usual() });
     let bodies = &finger.bodies;
     for (key, body) in [("l11", &bodies.l11), ("l12", &bodies.l12), ("l21", &bodies.l21), ("l22", &bodies.l22)] {
         let Body { mass_kg, com_m, inertia_kg_m2 } = *body;

@@ -1,5 +1,7 @@
 //! What is simulated, part by part.
 
+use std::collections::BTreeMap;
+
 use super::super::table::differential::Seesaw;
 use super::super::table::disc::DiscKeys;
 use super::super::table::motion::{MoveKeys, PathKeys, VibrationKeys};
@@ -72,13 +74,28 @@ fn differential(out: &mut Out, differential: Option<&Differential>) {
     motor(out, "", &differential.motor, 0.0);
 }
 
-/// Every part by a name of its own.
+/// Every part by its name, or by one of its own.
 fn palm_motion(out: &mut Out, motion: &PalmMotion) {
-    for (index, one) in motion.moves.iter().enumerate() {
-        show_table(out, &format!("moves.m{}", index + 1), &MoveKeys::of(one));
+    let [moves, vibrations] = &motion.names;
+    for (name, parts) in named(&motion.moves, moves, "m") {
+        show_table(out, &format!("moves.{name}"), &MoveKeys::of(&parts));
     }
-    for (index, one) in motion.vibrations.iter().enumerate() {
-        show_table(out, &format!("vibrations.v{}", index + 1), &VibrationKeys::of(one));
+    for (name, parts) in named(&motion.vibrations, vibrations, "v") {
+        show_table(out, &format!("vibrations.{name}"), &VibrationKeys::of(&parts));
     }
     motion.path.iter().for_each(|path| show_table(out, "path", &PathKeys::of(path)));
+}
+
+/// Parts by their names; those without one that a header can have are numbered.
+fn named<'a, T>(parts: &'a [T], names: &[String], letter: &str) -> BTreeMap<String, Vec<&'a T>> {
+    let is_plain = |name: &&String| {
+        name.starts_with(|first: char| first.is_ascii_alphabetic())
+            && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+    };
+    let mut all: BTreeMap<String, Vec<&T>> = BTreeMap::new();
+    for (index, part) in parts.iter().enumerate() {
+        let name = names.get(index).filter(is_plain).cloned();
+        all.entry(name.unwrap_or_else(|| format!("{letter}{}", index + 1))).or_default().push(part);
+    }
+    all
 }

@@ -9,6 +9,7 @@ use std::ops::Range;
 use serde_json::Value;
 use toml::de::{DeTable, DeValue};
 
+use super::super::keys::element;
 use super::super::schema::schema_of;
 use super::super::words::SceneKind;
 use super::super::{Scene, parse_any};
@@ -219,7 +220,8 @@ fn render(text: &mut String, entries: &[&(String, Node)], path: &str) {
     // Writing to a string cannot fail.
     for (key, node) in entries {
         if let Node::Text(value) = node {
-            let _ = writeln!(text, "{key} = {value}");
+            let quote = if element(key).is_some() { "\"" } else { "" };
+            let _ = writeln!(text, "{quote}{key}{quote} = {value}");
         }
     }
     for (key, node) in entries {

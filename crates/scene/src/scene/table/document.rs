@@ -8,7 +8,7 @@ use super::differential::Seesaw;
 use super::disc::DiscKeys;
 use super::drive::{Motor, Shaft, Springs};
 use super::engine::Engine;
-use super::finger::{Links, Material, Start};
+use super::finger::{LengthKeys, Links, Material, Start};
 use super::integrator::Integrator;
 use super::law::{Contact, Elastic, Limit};
 use super::log::LogRates;
@@ -18,7 +18,7 @@ use super::plane::{Ground, Support};
 use super::range;
 use super::section::{Said, Section, Table, default, lines_of};
 use super::top::Top;
-use crate::gripper::{BodyOverride, Design, Lengths};
+use crate::gripper::{BodyOverride, Design};
 use crate::law::FrictionLaw;
 use crate::scene::check::ANY;
 use crate::scene::words::SceneKind::{self, Bodies, Finger, Gripper};
@@ -35,7 +35,7 @@ pub fn markdown() -> String {
             Gripper,
         ),
         section::<Design>("`[design]`", Finger),
-        section::<Lengths>("`[lengths]`", Finger),
+        section::<LengthKeys>("`[lengths]`", Finger),
         section::<Material>("`[material]`", Finger),
         section::<BodyOverride>("`[bodies.NAME]`, of `l11`, `l12`, `l21` and `l22`", Finger),
         shaped::<Object>("`[object]`", Finger),

@@ -87,23 +87,36 @@ lines! {
     "tip_contact_min": Angle = Some(&mut d.tip_contact_min_rad), allowed(TIP_CONTACT);
 }
 
+/// A finger by its lengths, and where its object is: not a number where that is said otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct LengthKeys {
+    pub links: Lengths,
+    pub base_m: f64,
+}
+
 lines! {
     /// The finger by its link lengths. Either this or [design].
-    Lengths = Self {
-        l11_m: defaults::L11_M, l12_m: GIVEN, l21_m: GIVEN, l22_m: GIVEN, t22_m: GIVEN, phi22_rad: GIVEN, half_width_m: GIVEN
+    LengthKeys = Self {
+        links: Lengths {
+            l11_m: defaults::L11_M, l12_m: GIVEN, l21_m: GIVEN, l22_m: GIVEN, t22_m: GIVEN, phi22_rad: GIVEN, half_width_m: GIVEN
+        },
+        base_m: GIVEN,
     }, l;
+    /// Distance along the palm from the ground joints to the object's centre: places the object of one finger, and is half the palm's
+    /// width of two. Either this, or `object.centre` and `palm_width`.
+    "base": Length = Some(&mut l.base_m), allowed(POSITIVE);
     /// Driven link, between ground joint and coupler.
-    "l11": Length = Some(&mut l.l11_m), allowed(POSITIVE);
+    "l11": Length = Some(&mut l.links.l11_m), allowed(POSITIVE);
     /// Coupler. Default: such that the finger is straight with l11 on the palm and l21 upright.
-    "l12": Length = Some(&mut l.l12_m), allowed(POSITIVE);
+    "l12": Length = Some(&mut l.links.l12_m), allowed(POSITIVE);
     /// Proximal phalanx. Required.
-    "l21": Length = Some(&mut l.l21_m), allowed(POSITIVE), needed("add the proximal phalanx: l21 = \"24 mm\"");
+    "l21": Length = Some(&mut l.links.l21_m), allowed(POSITIVE), needed("add the proximal phalanx: l21 = \"24 mm\"");
     /// Arm of the distal body, to the coupler. Required.
-    "l22": Length = Some(&mut l.l22_m), allowed(POSITIVE), needed("add the arm of the distal body: l22 = \"7.5 mm\"");
+    "l22": Length = Some(&mut l.links.l22_m), allowed(POSITIVE), needed("add the arm of the distal body: l22 = \"7.5 mm\"");
     /// Distal phalanx. Required.
-    "t22": Length = Some(&mut l.t22_m), allowed(POSITIVE), needed("add the distal phalanx: t22 = \"13 mm\"");
+    "t22": Length = Some(&mut l.links.t22_m), allowed(POSITIVE), needed("add the distal phalanx: t22 = \"13 mm\"");
     /// Angle from the arm l22 to the distal phalanx. Required.
-    "phi22": Angle = Some(&mut l.phi22_rad), allowed(PHI22),
+    "phi22": Angle = Some(&mut l.links.phi22_rad), allowed(PHI22),
         needed("add the angle of the distal phalanx: phi22 = \"120 deg\"");
 }
 

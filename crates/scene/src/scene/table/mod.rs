@@ -37,6 +37,8 @@ mod section;
 pub mod shape;
 pub mod top;
 
+use std::borrow::Cow;
+
 use serde_json::Value;
 use toml::Spanned;
 
@@ -46,6 +48,8 @@ pub use section::{About, Field, Inner, Said, Section, Table};
 
 use super::any::Any;
 use super::check::{ANY, Checker};
+use super::error::Problem;
+use super::kinds::at;
 use super::show::Out;
 use held::Written;
 use keys::Keys;
@@ -99,13 +103,14 @@ pub fn read<T: Table>(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, mut base:
 fn fill(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, base: &mut dyn Section) {
     let mut unknown: Vec<&str> = Vec::new();
     for (line, said) in lines_of(base, raw.kind) {
-        let About { key, beside, needed, allowed, .. } = *said.about();
+        let About { key, beside, needed, allowed, follows, .. } = *said.about();
         // A choice that cannot be read says nothing about the keys beside it.
         if beside.is_some_and(|(choice, _)| unknown.contains(&choice)) {
             continue;
         }
         let whole = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-        match (raw.get(key), base.get(line)) {
+        let usual = base.get(line);
+        match (raw.get(key), &usual) {
             (None, Some(base)) if !base.is_given() => {
                 needed.into_iter().for_each(|help| c.lacks(&whole, raw.span.clone(), help));
             }
@@ -113,7 +118,9 @@ fn fill(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, base: &mut dyn Section)
             (Some(given), None) if beside.is_some() => {
                 beside.into_iter().for_each(|(_, why)| c.unused_at(&whole, Some(given.span()), why));
             }
-            (Some(given), _) => match base.read(line, &whole, given) {
+            (Some(given), _) => match completed(&whole, given, usual.as_ref(), follows)
+                .and_then(|given| base.read(line, &whole, &given))
+            {
                 Ok(true) => {}
                 Ok(false) => c.beyond(&whole, Some(given.span()), allowed),
                 Err(problems) => {
@@ -123,6 +130,29 @@ fn fill(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, base: &mut dyn Section)
             },
         }
     }
+}
+
+/// A value as it is given; a pair of which one element is set has the usual other one, or one that `follows` from something else.
+fn completed<'a>(
+    key: &str,
+    given: &'a Spanned<Any>,
+    usual: Option<&Written>,
+    follows: bool,
+) -> Result<Cow<'a, Spanned<Any>>, Vec<Problem>> {
+    let Any::List(items) = given.get_ref() else { return Ok(Cow::Borrowed(given)) };
+    let mut items = items.clone();
+    for (index, item) in items.iter_mut().enumerate().filter(|(_, item)| matches!(item.get_ref(), Any::Si(_))) {
+        match usual {
+            Some(Written::Quantities(usual, _)) if follows || usual[index].is_finite() => {
+                *item.get_mut() = Any::Si(usual[index]);
+            }
+            _ => {
+                let message = format!("one element of `{key}` is set, but nothing says the other one");
+                return Err(vec![at(given, message, "one of two", format!("give the whole pair: {key} = [.., ..]"))]);
+            }
+        }
+    }
+    Ok(Cow::Owned(Spanned::new(given.span(), Any::List(items))))
 }
 
 /// Puts the text of one value into a section, together with the choice beside which alone it has a meaning. Texts are read as in

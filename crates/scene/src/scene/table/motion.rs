@@ -1,8 +1,9 @@
 //! `[moves.NAME]`, `[vibrations.NAME]` and `[path]` of a gripper: how its palm moves.
 
-use super::lines;
+use super::{Table, lines};
+use crate::numeric::elementary::hypot;
 use crate::scene::check::{NOT_NEGATIVE, POSITIVE};
-use crate::scene::kinds::{Angle, Choice, Frequency, Length, List, Number, Time, Words};
+use crate::scene::kinds::{Acceleration, Angle, Choice, Frequency, Length, List, Number, Time, Words};
 use crate::scene::{Axis, Move, Path, Ramp, Vibration};
 
 const GIVEN: f64 = f64::NAN;
@@ -14,23 +15,34 @@ const AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Angle];
 pub struct MoveKeys {
     distance: [f64; 3],
     pub start_s: f64,
+    /// Not a number where `peak_m_s2` says it, and the other way round.
     pub length_s: f64,
+    pub peak_m_s2: f64,
 }
 
 impl MoveKeys {
-    pub fn of(one: &Move) -> Self {
-        Self { distance: along(one.axis, one.distance), start_s: one.start_s, length_s: one.length_s }
+    /// Moves of one name.
+    pub fn of(parts: &[&Move]) -> Self {
+        let mut keys = Self::usual();
+        for one in parts {
+            keys.distance[one.axis as usize] = one.distance;
+            (keys.start_s, keys.length_s) = (one.start_s, one.length_s);
+        }
+        keys
     }
 
-    /// One for each coordinate that changes.
+    /// How far it goes, without its turn.
+    pub fn way_m(&self) -> f64 {
+        hypot(self.distance[0], self.distance[1])
+    }
+
+    /// One for each coordinate that changes; the peak acceleration says the time where it is given.
     pub fn moves(self) -> impl Iterator<Item = Move> {
-        let MoveKeys { distance, start_s, length_s } = self;
+        let way_m = self.way_m();
+        let MoveKeys { distance, start_s, peak_m_s2, .. } = self;
+        let length_s = if peak_m_s2.is_nan() { self.length_s } else { (Move::unit_peak() * way_m / peak_m_s2).sqrt() };
         parts(distance).map(move |(axis, distance)| Move { axis, distance, start_s, length_s })
     }
-}
-
-fn along(axis: Axis, value: f64) -> [f64; 3] {
-    AXES.map(|other| if other == axis { value } else { 0.0 })
 }
 
 fn parts(values: [f64; 3]) -> impl Iterator<Item = (Axis, f64)> {
@@ -40,7 +52,7 @@ fn parts(values: [f64; 3]) -> impl Iterator<Item = (Axis, f64)> {
 lines! {
     /// A move of the palm from rest to rest, by a polynomial of the 7th order whose rate, acceleration and jerk vanish at both ends.
     /// Moves that overlap add up.
-    MoveKeys = Self { distance: [0.0; 3], start_s: GIVEN, length_s: GIVEN }, m;
+    MoveKeys = Self { distance: [0.0; 3], start_s: GIVEN, length_s: GIVEN, peak_m_s2: GIVEN }, m;
     /// How far along the palm.
     "x": Length = Some(&mut m.distance[0]), said("0 mm");
     /// How far out of the palm; a robot that holds its gripper upside down lifts by less than 0.
@@ -49,8 +61,10 @@ lines! {
     "angle": Angle = Some(&mut m.distance[2]), said("0 deg");
     /// When it begins.
     "start": Time = Some(&mut m.start_s), allowed(NOT_NEGATIVE), needed("add when it begins: start = \"20 ms\"");
-    /// How long it takes.
-    "time": Time = Some(&mut m.length_s), allowed(POSITIVE), needed("add how long it takes: time = \"40 ms\"");
+    /// How long it takes. Either this or `acceleration`.
+    "time": Time = Some(&mut m.length_s), allowed(POSITIVE);
+    /// Largest acceleration on its way s = √(x² + y²), which says the time: T = √(16.8/√5 s/a), where 16.8/√5 = 7.513. Either this or `time`.
+    "acceleration": Acceleration = Some(&mut m.peak_m_s2), allowed(POSITIVE);
 }
 
 /// A vibration along any of the three coordinates.
@@ -65,9 +79,15 @@ pub struct VibrationKeys {
 }
 
 impl VibrationKeys {
-    pub fn of(one: &Vibration) -> Self {
-        let Vibration { axis, amplitude, frequency_hz, phase_rad, start_s, ramp_periods, ramp } = *one;
-        Self { amplitude: along(axis, amplitude), frequency_hz, phase_rad, start_s, ramp_periods, ramp }
+    /// Vibrations of one name.
+    pub fn of(parts: &[&Vibration]) -> Self {
+        let mut keys = Self::usual();
+        for one in parts {
+            let Vibration { axis, frequency_hz, phase_rad, start_s, ramp_periods, ramp, .. } = **one;
+            keys = Self { frequency_hz, phase_rad, start_s, ramp_periods, ramp, ..keys };
+            keys.amplitude[axis as usize] = one.amplitude;
+        }
+        keys
     }
 
     /// One for each coordinate that changes.

@@ -103,7 +103,7 @@ lines! {
     "present": Flag = Some(&mut o.present), of(ONE_FINGER);
     /// What moves it: "free": contact and gravity; "fixed": nothing.
     "motion": Choice<GraspedMotion> = Some(&mut o.motion), of(TWO_FINGERS);
-    /// Default with [design]: (−base, radius), resting on the palm. Required with [lengths].
+    /// Default: (−base, radius), resting on the palm, by the base of [design] or [lengths].
     "centre": Pair<Length> = o.present.then_some(&mut o.centre_m), follows(),
         beside("present", "with present = false"), of(ONE_FINGER);
     /// Positioning error: how far its centre starts to the right of the palm's middle.

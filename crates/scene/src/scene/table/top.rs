@@ -97,7 +97,7 @@ lines! {
     "palm": Flag = Some(&mut k.palm), of(ONE_FINGER);
     /// Whether the palm, the half plane y ≤ 0, is there; only the object meets it.
     "palm": Flag = Some(&mut k.palm), of(TWO_FINGERS);
-    /// Distance between the ground joints of both fingers. Default: twice the base of [design]; required with [lengths].
+    /// Distance between the ground joints of both fingers. Default: twice the base of [design] or [lengths].
     "palm_width": Length = Some(&mut k.palm_width_m), allowed(POSITIVE), of(TWO_FINGERS);
     /// Largest positioning error that starts and `sizing` are made for: both fingers start where the one that is nearer to the object
     /// would, at either end of the error, and have the larger motor and spring of both ends (of one, where the other is out of a finger's reach). Default: that of the object's offset.
