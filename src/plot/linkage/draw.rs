@@ -112,7 +112,7 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
         ("l12", INK, "coupler", mm(l.l12_m)),
         ("l21", INK, "proximal phalanx", mm(l.l21_m)),
         ("l22", INK, "arm of the distal body", mm(l.l22_m)),
-        ("t22", INK, "distal phalanx (with l22)", mm(l.t22_m)),
+        ("t22", INK, "distal phalanx; the corner beyond is mass", mm(l.t22_m)),
         ("φ22", ANGLE, "from the arm to t22", deg(l.phi22_rad)),
         ("w", INK, "half width of a link", mm(l.half_width_m)),
     ];
