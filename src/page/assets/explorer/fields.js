@@ -4,6 +4,8 @@
 const COARSE = 10;
 // Characters for which an entry beside its name has room.
 const SHORT = 11;
+// Characters of a list for which a line of its own has room.
+const LINE = 30;
 
 class Fields {
   // `put(path, text)` sets a field, `null` as the scene has it; `hint(key)` hears which one is under a hand.
@@ -97,7 +99,7 @@ class Fields {
       box.addEventListener("change", () => put(String(box.checked)));
       return box;
     }
-    const input = element("input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
+    const input = element(kind === "list" ? "textarea" : "input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
     // What is being typed is not overwritten by what comes from elsewhere.
     input.addEventListener("input", () => { row.typed = true; });
     const apply = () => {
@@ -114,7 +116,10 @@ class Fields {
     };
     input.addEventListener("change", apply);
     input.addEventListener("keydown", (event) => {
-      if (event.key === "Enter") apply();
+      if (event.key === "Enter") {
+        event.preventDefault();
+        apply();
+      }
       if (event.key !== "Escape") return;
       input.value = row.text;
       row.typed = false;
@@ -161,7 +166,8 @@ class Fields {
     row.reset.disabled = !set.has(path);
     row.text = set.get(path) ?? field.text ?? "";
     // Nothing moves under a hand.
-    if (!row.held) row.box.classList.toggle("long", row.text.length > SHORT);
+    if (!row.held) row.box.classList.toggle("long", field.kind === "list" || row.text.length > SHORT);
+    if (field.kind === "list") row.entry.rows = Math.ceil(row.text.length / LINE);
     if (field.kind === "flag") row.entry.checked = value === 1 || value === true || field.text === "true";
     else if (field.kind === "word") choose(row.entry, field.text);
     else if (!row.typed) row.entry.value = row.text;
@@ -184,7 +190,8 @@ class Fields {
 
   // Whether a field is in sight, or would be if it were scrolled to.
   isSeen(path) {
-    return (this.rows.get(path)?.box.offsetWidth ?? 0) > 0;
+    const box = this.rows.get(path)?.box;
+    return Boolean(box && box.offsetWidth > 0 && box.parentElement.open);
   }
 
   // Marks the field that is wrong, if any, and says there why unless that is said elsewhere.
