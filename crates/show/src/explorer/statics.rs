@@ -26,7 +26,10 @@ pub fn statics(scene: &Scene) -> Result<Value, Value> {
 
 fn of_finger(scene: &Scene) -> Result<Value, Value> {
     let found = grasp(scene, &Instead { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| refused(&error))?;
-    Ok(shown(&StaticsReport::new(&found).report(), ("The grasp at rest: forces on the object", &plot::grasp(scene, &found, Form::Column))))
+    Ok(shown(
+        &StaticsReport::new(&found).report(),
+        ("The grasp at rest: forces on the object", &plot::grasp(scene, &found, Form::Column)),
+    ))
 }
 
 fn of_gripper(scene: &Scene) -> Result<Value, Value> {
@@ -37,7 +40,10 @@ fn of_gripper(scene: &Scene) -> Result<Value, Value> {
         directions: DIRECTIONS,
     };
     let found = gripper_grasp(scene, &asked, &|| true).map_err(|error| refused(&error))?;
-    Ok(shown(&GripperStaticsReport::new(&found, IN_TABLE).report(), ("Accelerations of the palm that the grasp bears", &plot::balance(scene, &found, Form::Column))))
+    Ok(shown(
+        &GripperStaticsReport::new(&found, IN_TABLE).report(),
+        ("Accelerations of the palm that the grasp bears", &plot::balance(scene, &found, Form::Column)),
+    ))
 }
 
 fn shown(text: &Report, (caption, picture): (&str, &str)) -> Value {

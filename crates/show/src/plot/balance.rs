@@ -29,7 +29,7 @@ const HAND: f64 = 260.0;
 const OFF: f64 = 3.0;
 
 /// Along which circles have their figures: between the directions that are named.
-const FIGURES_RAD: f64 = 0.25 * TAU * 0.4;
+const FIGURES_RAD: f64 = 0.125 * TAU;
 
 /// The picture, with the last of the friction coefficients.
 pub fn balance(scene: &Scene, found: &GripperGrasp, form: Form) -> String {
