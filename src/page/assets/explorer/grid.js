@@ -83,24 +83,12 @@ class Grid {
   value(criterion, i, j) {
     const point = this.point(i, j);
     if (!point) return undefined;
-    return known(point, criterion);
-  }
-
-  // How many points have no value of a criterion: those that are no scene, and runs without one.
-  lacking(criterion) {
-    const lacks = [...this.points.values()].filter((point) => known(point, criterion) === null);
-    const refused = lacks.filter((point) => point.refused).length;
-    return { refused, none: lacks.length - refused };
+    const value = point.found.get(criterion);
+    return value === undefined || Number.isNaN(value) ? null : value;
   }
 
   // All values of a criterion.
   values(criterion) {
     return [...this.points.values()].map(({ found }) => found.get(criterion)).filter((value) => value !== undefined && value !== null);
   }
-}
-
-// A criterion of a point that has been computed, `null` where there is none.
-function known({ found }, criterion) {
-  const value = found.get(criterion);
-  return value === undefined || Number.isNaN(value) ? null : value;
 }

@@ -14,9 +14,9 @@ const packed = async (text) => addressed(await through(new TextEncoder().encode(
 
 // Texts are no longer than a scene file may be. Little is unpacked at a time, for a kilobyte may stand for a megabyte.
 const SLICE = 1024;
-const tooLong = (name, most) => new Error(`The scene in ${name} is longer than the ${most / 1024} KiB that a scene may have; this page does not open it.`);
+const tooLong = (name, { largest_scene_bytes: most }) => `The scene in ${name} is longer than the ${most / 1024} KiB that a scene may have; this page does not open it.`;
 
-async function unpacked(text, most) {
+async function unpacked(text, page) {
   const bytes = unaddressed(text);
   let at = 0;
   const slices = new ReadableStream({
@@ -31,9 +31,9 @@ async function unpacked(text, most) {
     const { done, value } = await reader.read();
     if (done) return whole + decoder.decode();
     length += value.length;
-    if (length > most) {
+    if (length > page.largest_scene_bytes) {
       reader.cancel();
-      throw tooLong("this address", most);
+      throw new Error(tooLong("this address", page));
     }
     whole += decoder.decode(value, { stream: true });
   }
@@ -47,11 +47,11 @@ async function sceneInto(query, prefix, { file, text, set }, presets) {
   for (const [path, value] of set) query.append(`${prefix}set`, `${path}=${value}`);
 }
 
-async function sceneOutOf(query, prefix, { presets, largest_scene_bytes: most }) {
+async function sceneOutOf(query, prefix, page) {
   const file = query.get(`${prefix}scene`);
   if (file === null) return null;
   const whole = query.get(`${prefix}text`);
-  const text = whole !== null ? await unpacked(whole, most) : presets.find((each) => each.file === file)?.text;
+  const text = whole !== null ? await unpacked(whole, page) : page.presets.find((each) => each.file === file)?.text;
   if (text === undefined) return null;
   const set = query.getAll(`${prefix}set`).map((pair) => [pair.slice(0, pair.indexOf("=")), pair.slice(pair.indexOf("=") + 1)]);
   return { file, text, set };

@@ -3,8 +3,6 @@
 // A hand that has not moved for so long has settled; a film that was held goes on so much later.
 const SETTLED_MS = 150;
 const RESUMED_MS = 1600;
-// Under a moving hand the animation has every run, and the plots one in so long: they take most of a picture's time.
-const PLOTS_MS = 80;
 const HEADINGS = { finger: "One finger", gripper: "Gripper", discs: "Discs", hard: "Hard cases" };
 
 async function explorer() {
@@ -30,6 +28,7 @@ async function explorer() {
     return moved(lab);
   };
   lab.take = (scene) => {
+    if (scene.text.length > page.largest_scene_bytes) return warn([{ message: tooLong(scene.file, page) }]);
     const other = scene.file !== setting.file || scene.text !== setting.text;
     setting.take(scene);
     lab.last = null;
@@ -132,10 +131,11 @@ function refilm(lab) {
 function begin(lab) {
   byId("film").hidden = false;
   byId("waiting").hidden = true;
-  const more = { keys: EXPLORER_KEYS, actions: { k: () => keep(lab), "/": () => {
+  const find = () => {
     lab.tabs.show("fields-box");
     byId("filter").focus();
-  } } };
+  };
+  const more = { keys: EXPLORER_KEYS, actions: { k: () => keep(lab), "/": find } };
   const app = viewer(filmNow(lab), (app) => keyboard(app, more));
   lab.app = app;
   app.clock.loops = true;
@@ -148,15 +148,6 @@ function begin(lab) {
     return height > 0 && bottom > -100 && top < innerHeight + 100;
   };
   app.plots.wanted = drawn;
-  const plot = app.plots.draw.bind(app.plots);
-  let plotted = 0;
-  app.plots.draw = (time) => {
-    const now = performance.now();
-    // Drawn with the next picture, or the one after.
-    if (lab.settledStamp !== lab.stamp && now - plotted < PLOTS_MS) return app.changed();
-    plotted = now;
-    return plot(time);
-  };
   addEventListener("scroll", app.changed, { passive: true });
   app.files = filesOf(app, (kind) => lab.lines.live.ask(kind, lab.setting.asks(kind)));
   if (!app.files.webm) byId("save").querySelector("[value='webm']").remove();

@@ -216,8 +216,8 @@ class DesignMap {
   }
 
   legend({ colour: of, words, low, high, logarithmic }) {
-    const { refused, none } = this.grid.lacking(this.criterion);
-    const form = JSON.stringify([words, low, high, refused > 0, none > 0, this.criterion, document.documentElement.dataset.theme]);
+    const lacks = this.grid.values(this.criterion).filter((value) => !Number.isNaN(value)).length < this.grid.done;
+    const form = JSON.stringify([words, low, high, lacks, this.criterion, document.documentElement.dataset.theme]);
     if (form === this.legendForm) return;
     this.legendForm = form;
     const holder = byId("map-legend");
@@ -226,8 +226,7 @@ class DesignMap {
       if (ink) mark.style.background = ink;
       return element("span", { class: "entry" }, mark, said);
     };
-    const lacks = [...(refused > 0 ? ["no valid scene"] : []), ...(none > 0 ? ["the run has no such figure"] : [])].join(", or ");
-    const hatched = lacks ? [entry(null, lacks)] : [];
+    const hatched = lacks ? [entry(null, "no valid scene, or the run has no such figure")] : [];
     if (words) {
       holder.replaceChildren(...words.map((word) => entry(of(word), word)), ...hatched);
       return;

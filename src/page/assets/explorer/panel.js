@@ -126,8 +126,7 @@ function controlsOf(lab) {
 // A scene of one's own, from a file that is chosen or dropped on the page.
 function openable(lab) {
   const take = async (file) => {
-    const most = lab.page.largest_scene_bytes;
-    if (file?.size > most) warn([tooLong(file.name, most)]);
+    if (file?.size > lab.page.largest_scene_bytes) warn([{ message: tooLong(file.name, lab.page) }]);
     else if (file) lab.take({ file: file.name, text: await file.text(), set: [] });
   };
   byId("scene-file").addEventListener("change", ({ target }) => take(target.files[0]));
