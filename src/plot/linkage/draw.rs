@@ -57,7 +57,9 @@ pub(super) fn draw(scene: &Scene, m: &Mechanism, marks: &Marks) -> Linkage {
             }
             svg.words(letter.letter, spot.centre, Words { rim: true, ..around(LABEL_PX, ink(letter.kind)) });
         }
-        fitted(svg, &format!("{}, {}", scene.name, m.shown), [20.0, drawing + 20.0], 14.0, width - 40.0);
+        // Its outline is that of its mass: the triangle of its joints and its tip, widened by w, whose corners are sharp.
+        let text = format!("{}, {}; sharp corners beyond t22 and l22 are mass, and never touch", scene.name, m.shown);
+        fitted(svg, &text, [20.0, drawing + 20.0], 14.0, width - 40.0);
         for (index, (letter, ink, what, value)) in table.iter().enumerate() {
             let x = 20.0 + (index / rows) as f64 * (0.5 * width);
             let y = drawing + 40.0 + ROW * ((index % rows) as f64 + 0.5);
@@ -112,7 +114,7 @@ fn table(scene: &Scene, m: &Mechanism, free: bool) -> Vec<Row> {
         ("l12", INK, "coupler", mm(l.l12_m)),
         ("l21", INK, "proximal phalanx", mm(l.l21_m)),
         ("l22", INK, "arm of the distal body", mm(l.l22_m)),
-        ("t22", INK, "distal phalanx; the corner beyond is mass", mm(l.t22_m)),
+        ("t22", INK, "distal phalanx (with l22)", mm(l.t22_m)),
         ("φ22", ANGLE, "from the arm to t22", deg(l.phi22_rad)),
         ("w", INK, "half width of a link", mm(l.half_width_m)),
     ];
