@@ -24,7 +24,7 @@ use crate::wording::Report;
 const MODULE: &str = "phalanx-explorer.wasm.gz";
 /// Names another.
 const VARIABLE: &str = "PHALANX_EXPLORER";
-const HOW: &str = "tools/explorer.sh in the sources of phalanx builds it as target/release/phalanx-explorer.wasm.gz; a release has it beside the program";
+const HOW: &str = "in the sources of phalanx, run: tools/explorer.sh --install (it builds the module and puts it beside the installed program; a release has it there)";
 
 /// Open the explorer: a page that simulates the scene anew while its sliders move.
 ///

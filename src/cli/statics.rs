@@ -101,7 +101,7 @@ pub fn run(args: &StaticsArgs) -> Result<Status, Failure> {
     let found = grasp(&scene, &instead).map_err(refused)?;
     let mut report = StaticsReport::new(&found);
     if let Some(path) = &args.svg {
-        save(path, &plot::grasp(&scene, &found))?;
+        save(path, &plot::grasp(&scene, &found, plot::Form::Sheet))?;
         report.svg = Some(path.display().to_string());
     }
     answer(&report, args.json)?;

@@ -91,7 +91,7 @@ pub fn run(scene: &Scene, args: &GripperArgs, shared: &Shared<'_>) -> Result<Sta
     })?;
     let mut report = GripperStaticsReport::new(&found, finer);
     if let Some(path) = shared.svg {
-        save(path, &plot::balance(scene, &found))?;
+        save(path, &plot::balance(scene, &found, plot::Form::Sheet))?;
         report.svg = Some(path.display().to_string());
     }
     answer(&report, shared.json)?;

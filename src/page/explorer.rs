@@ -5,6 +5,10 @@ use serde::Serialize;
 use super::base85::base85;
 use super::html::{Script, VIEWER, filled, in_script, style};
 use super::presets::{Preset, presets};
+use crate::criteria::{Class, Fate};
+use crate::limits::LARGEST_SCENE_BYTES;
+use crate::plot::theme::{VERDICTS, variable};
+use crate::study::select::CLASSES;
 use crate::wording::escaped;
 
 const TEMPLATE: &str = include_str!("assets/explorer/page.html");
@@ -60,6 +64,9 @@ struct Data<'a> {
     module_bytes: usize,
     start: &'a Start,
     presets: Vec<Shown<'a>>,
+    /// Words of results, from good to bad, and the variable of the one colour that each has.
+    inks: Vec<(&'a str, &'a str)>,
+    largest_scene_bytes: u64,
     version: &'a str,
 }
 
@@ -70,6 +77,12 @@ struct Shown<'a> {
     group: &'a str,
     title: &'a str,
     text: &'a str,
+}
+
+/// The colours of words that go from good to bad.
+fn inks<'a>(words: &[&'a str]) -> Vec<(&'a str, &'a str)> {
+    let colour = |rank: usize| if rank + 1 == words.len() { VERDICTS[VERDICTS.len() - 1] } else { VERDICTS[rank] };
+    words.iter().enumerate().map(|(rank, word)| (*word, variable(colour(rank)))).collect()
 }
 
 /// Whether these are the bytes of a packed file, as [`explorer_page`] takes a module.
@@ -90,6 +103,8 @@ pub fn explorer_page(module: &[u8], start: &Start, version: &str) -> String {
             .iter()
             .map(|Preset { name, file, group, title, text }| Shown { name, file, group, title, text })
             .collect(),
+        inks: [&CLASSES.map(Class::name)[..], &Fate::NAMES, &["yes", "no"]].into_iter().flat_map(inks).collect(),
+        largest_scene_bytes: LARGEST_SCENE_BYTES,
         version,
     };
     let data = in_script(&serde_json::to_string(&data).expect("texts can be written"));

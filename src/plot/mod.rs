@@ -40,7 +40,7 @@ pub use hold::hold;
 pub use linkage::{Linkage, Spot, linkage};
 pub use optimize::optimisation;
 pub use overlay::{overlay, overlay_of};
-pub use phalanx_show::plot::{PICTURE_MARK, balance, colours, grasp, theme};
+pub use phalanx_show::plot::{Form, PICTURE_MARK, balance, colours, grasp, theme};
 pub use select::{selection_classes, selection_criteria, selection_forces, selection_static, selection_variables};
 pub use sizing::{sizing_spring_types, sizing_springs, sizing_trajectory};
 pub use speed_error::speed_error;

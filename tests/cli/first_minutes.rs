@@ -197,3 +197,14 @@ fn without_a_browser_nothing_is_simulated_and_the_way_out_is_said() {
         assert!(stderr(&output).contains(part) && stderr(&output).contains("--html FILE.html"), "{}", stderr(&output));
     }
 }
+
+#[test]
+fn the_explorer_without_its_module_names_the_command_of_the_readme() {
+    let output = phalanx(&["explore", "--module", "nowhere.wasm.gz", "-o", "page.html"]);
+    let command = "tools/explorer.sh --install";
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains(command), "{}", stderr(&output));
+    let readme = include_str!("../../README.md");
+    let places = ["\ncargo install --path . --locked\n", command, "\nphalanx explore\n"].map(|of| readme.find(of));
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
+}

@@ -7,12 +7,14 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, statSync } from "node:fs";
 import path from "node:path";
 import { after, before, describe, it } from "node:test";
+import { deflateRawSync } from "node:zlib";
 
 import { DIRECTORY, PHALANX, PROJECT, SCREENSHOTS, opened, start, stop } from "./browser.mjs";
 import { gif } from "./gif.mjs";
 
 const MODULE = process.env.MODULE ? ["--module", process.env.MODULE] : [];
 const SCENE = path.join(PROJECT, "scenes/experiment-95.toml");
+const CYCLE = path.join(PROJECT, "scenes/gripper/cycle.toml");
 const SLOW = { timeout: 120_000 };
 
 let file;
@@ -170,14 +172,23 @@ describe("the explorer", () => {
     assert.equal(wrong.problems.length, 1);
     const said = await page.locator('.field[data-path="design.base"] .problem').textContent();
     assert.match(said, /3 kg is a mass/);
-    assert.match(await page.locator("#warning").textContent(), /3 kg is a mass/);
+    assert.ok(await page.locator("#warning").isHidden(), "it is said once");
     assert.deepEqual(wrong.figures, good.figures, "the last good picture stays");
     assert.equal(await call("check"), null);
+    assert.equal(await page.locator("#verdict").textContent(), "not simulated");
+    const pale = await page.evaluate(() => ["stage", "strip", "class-reason", "panel-plots", "panel-map"].map((id) => Number(getComputedStyle(document.getElementById(id)).opacity)));
+    assert.ok(pale.every((opacity) => opacity < 0.5), `${pale}`);
     await page.keyboard.press("Escape");
     await call("undo");
     const back = await state();
     assert.deepEqual([back.problems, back.figures], [[], good.figures]);
+    // Of a field that is folded away, it is said over the page.
+    await call("set", "integrator.rtol", "3 kg");
+    assert.match(await page.locator("#warning").textContent(), /integrator.rtol/);
+    assert.equal(await page.locator(".problem:visible").count(), 0);
+    await call("undo");
     assert.ok(await page.locator("#warning").isHidden());
+    assert.equal((await call("check")).verdict, "sure");
     await close();
   });
 
@@ -210,7 +221,7 @@ describe("the explorer", () => {
   });
 
   it("finds fields, and shows those that have changed", async () => {
-    const { page, call, close } = await ready();
+    const { page, call, state, close } = await ready();
     await call("set", "design.base", "16 mm");
     const shown = () => page.locator(".field:visible").evaluateAll((rows) => rows.map((row) => row.dataset.path));
     await page.keyboard.press("/");
@@ -219,6 +230,8 @@ describe("the explorer", () => {
     await page.locator("#filter").fill("");
     await page.locator("#changed-only").check();
     assert.deepEqual(await shown(), ["design.base"]);
+    const sections = new Set(Object.keys((await state()).fields).map((field) => field.split(".")[0]));
+    assert.deepEqual(["integrator", "engine", "validate", "log"].filter((section) => sections.has(section)), ["integrator"], "sections that it uses");
     await close();
   });
 
@@ -259,6 +272,12 @@ describe("the explorer", () => {
     await chosen.close();
     // What was cut short on its way opens the page as it would without.
     const cut = await ready({ hash: "#scene=own.toml&text=eJ" });
+    agrees(await cut.state(), native(SCENE));
+    assert.match(await cut.page.locator("#warning").textContent(), /cannot be read/);
+    // One that would fill the memory is not unpacked.
+    const bomb = deflateRawSync(Buffer.alloc(400 << 20, "#")).toString("base64url");
+    await cut.page.evaluate((text) => { location.hash = `scene=own.toml&text=${text}`; }, bomb);
+    await cut.page.locator("#warning", { hasText: "longer than the 1024 KiB" }).waitFor();
     agrees(await cut.state(), native(SCENE));
     await cut.close();
   });
@@ -315,7 +334,22 @@ describe("the explorer", () => {
     await call("set", "motor.torque", "450 N*mm");
     const torque = ["motor.torque", "450 N*mm"];
     await call("map", "design.base", "design.phi22", "criteria.class");
-    assert.ok((await page.locator("#map-legend .entry").allTextContents()).includes("stable"));
+    // Each class has its colour, in the legend, in the strip and in pictures of studies, whichever of them are there and came first.
+    const colours = () => page.evaluate(() => {
+      const of = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
+      const named = Object.entries({ stable: "s0", "semi-stable": "pale", "semi-unstable": "doubtful", unstable: "neutral" });
+      const shown = (ink) => Object.assign(document.createElement("canvas").getContext("2d"), { fillStyle: ink }).fillStyle;
+      const legend = [...document.querySelectorAll("#map-legend .entry")].map((entry) => [entry.textContent, entry.firstChild.className || shown(entry.firstChild.style.background)]);
+      const dot = getComputedStyle(document.querySelector("#strip output"), "::before").backgroundColor;
+      return { legend, dot: shown(dot), wanted: named.map(([word, name]) => [word, shown(of(name))]) };
+    });
+    for (let scheme = 0; scheme < 2; scheme++) {
+      const { legend, dot, wanted } = await colours();
+      assert.deepEqual(legend.slice(0, -1), wanted);
+      assert.equal(dot, new Map(wanted).get((await state()).figures[0].text));
+      assert.deepEqual(legend.at(-1), ["no valid scene, or the run has no such figure", "none"]);
+      await page.keyboard.press("d");
+    }
     const { x, y, value } = await call("mapAt", 12, 20);
     assert.equal(value, native(SCENE, [["design.base", x], ["design.phi22", y], torque]).criteria.class);
     await close();
@@ -326,7 +360,13 @@ describe("the explorer", () => {
     assert.equal((await sure.call("check")).verdict, "sure");
     assert.equal(await sure.page.locator("#verdict").textContent(), "checked");
     assert.ok(await sure.page.locator("#doubt").isHidden());
+    assert.ok(await sure.page.locator("#warnings").isHidden());
     await sure.close();
+    const warned = await ready({}, explored(CYCLE, "cycle.html"));
+    const { warnings } = native(CYCLE);
+    assert.deepEqual(await warned.page.locator("#warnings p").allTextContents(), warnings);
+    assert.match(await warned.page.locator("#warnings summary").textContent(), new RegExp(`${warnings.length} warnings`));
+    await warned.close();
     const chaos = path.join(PROJECT, "scenes/hard/chaos.toml");
     const { page, call, state, close } = await ready({}, explored(chaos, "chaos.html"));
     const { verdict } = await call("check");
@@ -434,6 +474,8 @@ describe("the explorer", () => {
     it(`fits a phone and answers a finger on it, ${scheme}`, async () => {
       const { page, call, state, close } = await ready({ width: 390, height: 844, scheme, hasTouch: true, isMobile: true });
       assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+      // Every tab is there without a slider that has to be passed.
+      for (const tab of ["map", "statics", "scene"]) assert.ok(await page.locator(`#tab-${tab}`).evaluate((tab) => tab.getBoundingClientRect().bottom < innerHeight && tab.getBoundingClientRect().right <= innerWidth), tab);
       const box = await slider(page, "design.base").boundingBox();
       await page.touchscreen.tap(box.x + 0.6 * box.width, box.y + box.height / 2);
       await call("settled");
@@ -452,6 +494,30 @@ describe("the explorer", () => {
         assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390, tab);
       }
       await close();
+    });
+  }
+
+  for (const [width, height] of [[390, 844], [768, 1024], [1400, 900]]) {
+    it(`cuts nothing at ${width} pixels`, SLOW, async () => {
+      const cut = ({ page }) => page.evaluate(() => {
+        document.querySelectorAll("#fields details").forEach((group) => { group.open = true; });
+        const seen = [...document.querySelectorAll(".results *, .transport *, .tabs *, #fields *, .text td, .text th, .legend *, .file *")].filter((each) => each.offsetWidth > 1 && !each.matches(".hidden, canvas, input[type='range']"));
+        return seen.filter((each) => each.scrollWidth > each.clientWidth + 1 && getComputedStyle(each).display !== "inline" || each.getBoundingClientRect().right > innerWidth).map((each) => each.value || each.textContent);
+      });
+      for (const scene of [SCENE, CYCLE]) {
+        const all = await ready({ width, height }, explored(scene, "cut.html"));
+        const { page } = all;
+        for (const tab of width < 1100 ? ["fields", "map", "statics"] : ["map", "statics"]) {
+          await page.locator(`#tab-${tab}`).click();
+          if (tab === "statics") await page.locator("#panel-statics svg").first().waitFor();
+          assert.deepEqual(await cut(all), [], `${scene}, ${tab}`);
+        }
+        // Letters of the picture are no smaller than those of its tables.
+        const letters = await page.locator("#panel-statics svg text").evaluateAll((all) => all.map((text) => text.getBoundingClientRect().height));
+        assert.ok(Math.min(...letters) > 10, `${letters}`);
+        if (width === 1400) assert.equal(await page.evaluate(() => document.documentElement.scrollHeight), height, "nothing scrolls by a little");
+        await all.close();
+      }
     });
   }
 

@@ -587,7 +587,8 @@ describe("the page of a closing in both models", () => {
             tables: [...document.querySelectorAll(".text .grid")].map((box) => {
               const { left, right } = box.getBoundingClientRect();
               const figures = [...box.querySelectorAll("td")].filter((cell) => cell.scrollWidth > cell.clientWidth + 1 || cell.textContent.includes("  "));
-              return { within: left >= 0 && right <= innerWidth, scrolls: box.scrollWidth > box.clientWidth, rows: box.querySelectorAll("tr").length, poor: figures.length };
+              const last = box.querySelector("thead th:last-child");
+              return { within: left >= 0 && right <= innerWidth, difference: last?.textContent.startsWith("difference") ? last.getBoundingClientRect().right - right : null, scrolls: box.scrollWidth > box.clientWidth, rows: box.querySelectorAll("tr").length, poor: figures.length };
             }),
             together: ["stage", "play", "scrub", "speed"].every(inView),
             cut: [...document.querySelectorAll(".plot td, .now, .ends span, .speed output")].filter((each) => each.scrollWidth > each.clientWidth + 1).map((each) => each.textContent),
@@ -599,6 +600,8 @@ describe("the page of a closing in both models", () => {
         assert.ok(scheme === "dark" ? found.ground < 0.05 : found.ground > 0.8);
         assert.equal(found.preformatted, 0, "reports are tables");
         assert.ok(found.tables.length >= 8 && found.tables.every((table) => table.within && table.rows > 1 && table.poor === 0), JSON.stringify(found.tables));
+        const differences = found.tables.map(({ difference }) => difference).filter((beyond) => beyond !== null);
+        assert.ok(differences.length >= 2 && differences.every((beyond) => beyond <= 0), `differences of both models end in view: ${differences}`);
         // What is wider than a phone scrolls within its own box.
         if (width === 390) {
           assert.ok(found.tables.some((table) => table.scrolls));

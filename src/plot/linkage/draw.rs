@@ -57,7 +57,9 @@ pub(super) fn draw(scene: &Scene, m: &Mechanism, marks: &Marks) -> Linkage {
             }
             svg.words(letter.letter, spot.centre, Words { rim: true, ..around(LABEL_PX, ink(letter.kind)) });
         }
-        fitted(svg, &format!("{}, {}", scene.name, m.shown), [20.0, drawing + 20.0], 14.0, width - 40.0);
+        // Its outline is that of its mass: the triangle of its joints and its tip, widened by w, whose corners are sharp.
+        let text = format!("{}, {}; sharp corners beyond t22 and l22 are mass, and never touch", scene.name, m.shown);
+        fitted(svg, &text, [20.0, drawing + 20.0], 14.0, width - 40.0);
         for (index, (letter, ink, what, value)) in table.iter().enumerate() {
             let x = 20.0 + (index / rows) as f64 * (0.5 * width);
             let y = drawing + 40.0 + ROW * ((index % rows) as f64 + 0.5);

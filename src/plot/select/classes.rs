@@ -3,7 +3,7 @@
 use super::strip::strip;
 use crate::plot::canvas::{HEAD as TITLE, WIDTH, key, picture, shortened, text_width, words, words_from, words_to};
 use crate::plot::svg::{Paint, Svg};
-use crate::plot::theme::{BLUE, Colour, DOUBTFUL, INK, NEUTRAL, PALE_BLUE, PAPER, SOFT};
+use crate::plot::theme::{Colour, INK, PAPER, SOFT, VERDICTS};
 use crate::study::select::{Axis, Candidate, Selection};
 use crate::table::Value;
 use crate::wording::{Quantity, condition_name, percent_of};
@@ -31,10 +31,10 @@ struct Scheme {
 
 const DYNAMIC: Scheme = Scheme {
     cells: &[
-        (BLUE, "stable"),
-        (PALE_BLUE, "semi-stable"),
-        (DOUBTFUL, "semi-unstable"),
-        (NEUTRAL, "unstable"),
+        (VERDICTS[0], "stable"),
+        (VERDICTS[1], "semi-stable"),
+        (VERDICTS[2], "semi-unstable"),
+        (VERDICTS[3], "unstable"),
         (PAPER, "no result"),
     ],
     good: 2,
@@ -43,7 +43,7 @@ const DYNAMIC: Scheme = Scheme {
 };
 
 const STATIC: Scheme = Scheme {
-    cells: &[(BLUE, "statically stable"), (NEUTRAL, "unstable"), (PAPER, "no result")],
+    cells: &[(VERDICTS[0], "statically stable"), (VERDICTS[3], "unstable"), (PAPER, "no result")],
     good: 1,
     word: "statically stable",
     of: |run| run.force_positive.map_or(2, |stable| usize::from(!stable)),

@@ -9,6 +9,9 @@ use crate::units::{Dimension, parse, split};
 /// Sections of design variables, in the order in which a designer turns to them.
 const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.friction"];
 
+/// Sections that the page has no use for: its runs are the analytic model's, and it writes no log.
+const UNUSED: [&str; 3] = ["engine", "validate", "log"];
+
 /// All fields: those that hold something, and those that could.
 pub fn fields(scene: &Scene) -> Value {
     let text = show_written(scene);
@@ -70,6 +73,9 @@ fn collect(
     }
     for (key, part) in &names {
         let (holds, says) = (inner(shown, key), inner(written, key));
+        if path.is_empty() && UNUSED.contains(&key.as_str()) {
+            continue;
+        }
         if is_table(part) {
             let (holds, says) =
                 (holds.as_ref().and_then(toml::Value::as_table), says.as_ref().and_then(toml::Value::as_table));

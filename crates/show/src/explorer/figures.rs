@@ -47,8 +47,8 @@ const NO_FIGURES: [&str; 13] = [
     "warnings",
     "no_criteria",
 ];
-/// A sentence, which the page has in a line of its own: [`verdict`].
-const CLASS_REASON: &str = "criteria.class_reason";
+/// Sentences, which are no figures; the page has that of the class or the fate in a line of its own: [`verdict`].
+const REASON: &str = "_reason";
 
 /// All figures with labels and texts, the most wanted first.
 pub fn figures(report: &RunReport) -> Vec<Value> {
@@ -69,10 +69,11 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
     all.iter().map(one).collect()
 }
 
-/// The class of a finger with what decides it, or why it has none.
+/// The class of a finger with what decides it, or why it has none; of a gripper what decides the fate of its object.
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
-    class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}")))
+    let fate = || report.grasp.iter().flatten().find_map(|grasp| grasp.fate_reason.clone());
+    class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
 }
 
 /// The leaves of the document that are figures or words.
@@ -96,7 +97,7 @@ fn leaves(key: &str, value: &Value, found: &mut Vec<(String, Flat)>) {
             parts.iter().enumerate().for_each(|(index, part)| leaves(&format!("{key}.{index}"), part, found));
             return;
         }
-        _ if key == CLASS_REASON => return,
+        _ if key.ends_with(REASON) => return,
         Value::Number(number) => number.as_f64().map_or(Flat::None, Flat::Number),
         Value::String(word) => Flat::Word(word.clone()),
         Value::Bool(flag) => Flat::Word(if *flag { "yes" } else { "no" }.to_string()),

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::grasp::finger::{Instead, grasp};
 use crate::grasp::gripper::{Asked, PostureOf, gripper_grasp};
-use crate::plot;
+use crate::plot::{self, Form};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::Scene;
 use crate::scene::words::SceneKind;
@@ -26,7 +26,10 @@ pub fn statics(scene: &Scene) -> Result<Value, Value> {
 
 fn of_finger(scene: &Scene) -> Result<Value, Value> {
     let found = grasp(scene, &Instead { mu_static: Vec::new(), motor_n_m: None }).map_err(|error| refused(&error))?;
-    Ok(shown(&StaticsReport::new(&found).report(), &plot::grasp(scene, &found)))
+    Ok(shown(
+        &StaticsReport::new(&found).report(),
+        ("The grasp at rest: forces on the object", &plot::grasp(scene, &found, Form::Column)),
+    ))
 }
 
 fn of_gripper(scene: &Scene) -> Result<Value, Value> {
@@ -37,14 +40,17 @@ fn of_gripper(scene: &Scene) -> Result<Value, Value> {
         directions: DIRECTIONS,
     };
     let found = gripper_grasp(scene, &asked, &|| true).map_err(|error| refused(&error))?;
-    Ok(shown(&GripperStaticsReport::new(&found, IN_TABLE).report(), &plot::balance(scene, &found)))
+    Ok(shown(
+        &GripperStaticsReport::new(&found, IN_TABLE).report(),
+        ("Accelerations of the palm that the grasp bears", &plot::balance(scene, &found, Form::Column)),
+    ))
 }
 
-fn shown(text: &Report, picture: &str) -> Value {
+fn shown(text: &Report, (caption, picture): (&str, &str)) -> Value {
     let title = "At rest";
     json!({
         "sections": [{ "title": title, "html": text.html(title) }],
-        "pictures": [{ "title": "The grasp at rest", "svg": picture }],
+        "pictures": [{ "title": caption, "svg": picture }],
     })
 }
 

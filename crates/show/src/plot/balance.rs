@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::axis::round_step;
-use super::canvas::{Entry, HEAD, Mark, WIDTH, around, legend, picture, words, words_from};
+use super::canvas::{Entry, Form, Mark, WIDTH, around, legend, legend_height, words, words_from};
 use super::outline::{Point, View, filled, outlines, palm};
 use super::svg::{Paint, Path, Pixel, Svg, Words};
 use super::theme::{BLUE, Colour, INK, LINE, ORANGE, SOFT};
@@ -19,22 +19,31 @@ use crate::wording::figures::G_M_S2;
 const SIDE: f64 = 620.0;
 const AROUND: f64 = 46.0;
 const BESIDE: f64 = WIDTH - SIDE;
-/// Height of the legend above the gripper.
+/// Height of the legend above the gripper, and its entries.
 const LEGEND: f64 = 190.0;
+const ENTRIES: usize = 4;
+/// Height of the gripper below the legend.
+const HAND: f64 = 260.0;
 
 /// Accelerations beyond so many times the median of those that are limited run off the plot.
 const OFF: f64 = 3.0;
 
 /// Along which circles have their figures: between the directions that are named.
-const FIGURES_RAD: f64 = 0.25 * TAU * 0.4;
+const FIGURES_RAD: f64 = 0.125 * TAU;
 
 /// The picture, with the last of the friction coefficients.
-pub fn balance(scene: &Scene, found: &GripperGrasp) -> String {
+pub fn balance(scene: &Scene, found: &GripperGrasp, form: Form) -> String {
     let last = found.holds.last();
     let friction = last.and_then(|holds| holds.mu_static).map_or_else(String::new, |mu| format!(", μ_s {mu}"));
     let title = format!("{}: accelerations of the palm that its grasp bears{friction}", found.scene);
-    picture(&title, HEAD + SIDE, |svg| {
-        let polar = Polar::of(last);
+    // Where the legend is, where the gripper, and how much room that has.
+    let side = if form == Form::Sheet { SIDE } else { form.width() };
+    let (corner, hand, room) = match form {
+        Form::Sheet => ([side, 0.0], [side, LEGEND], [BESIDE - 20.0, SIDE - LEGEND - 40.0]),
+        Form::Column => ([0.0, side], [0.0, side + legend_height(ENTRIES)], [side - 20.0, HAND]),
+    };
+    form.picture(&title, side.max(hand[1] + room[1] + 40.0), |svg| {
+        let polar = Polar::of(last, side);
         polar.ground(svg);
         let mut entries = Vec::new();
         for (driven, balances, colour) in curves(last) {
@@ -43,8 +52,8 @@ pub fn balance(scene: &Scene, found: &GripperGrasp) -> String {
             entries.extend(polar.remark(balances).map(|text| Entry::new(Mark::Line { width: 0.0 }, colour, &text)));
         }
         polar.figures(svg);
-        legend(svg, [SIDE, 0.0], BESIDE, &entries);
-        svg.moved([SIDE, LEGEND], |svg| silhouette(svg, scene, found));
+        legend(svg, corner, form.width() - corner[0], &entries);
+        svg.moved(hand, |svg| silhouette(svg, scene, found, room));
     })
 }
 
@@ -64,10 +73,11 @@ fn curves(holds: Option<&Holds>) -> impl Iterator<Item = (Driven, &[Balance], Co
 struct Polar {
     rim: f64,
     step: f64,
+    side: f64,
 }
 
 impl Polar {
-    fn of(holds: Option<&Holds>) -> Self {
+    fn of(holds: Option<&Holds>, side: f64) -> Self {
         let limited = curves(holds).flat_map(|(_, balances, _)| balances);
         let mut limited: Vec<f64> =
             limited.filter_map(|balance| Some(balance.largest.acceleration_m_s2()? / G_M_S2)).collect();
@@ -76,16 +86,16 @@ impl Polar {
         let median = limited.get(limited.len() / 2).copied().unwrap_or(largest);
         let most = if median > 0.0 { largest.min(OFF * median) } else { largest };
         let step = round_step(most);
-        Polar { rim: step * (most / step).ceil().max(1.0), step }
+        Polar { rim: step * (most / step).ceil().max(1.0), step, side }
     }
 
-    fn radius() -> f64 {
-        0.5 * SIDE - AROUND
+    fn radius(&self) -> f64 {
+        0.5 * self.side - AROUND
     }
 
     /// Of an acceleration, in g.
     fn pixel(&self, [x, y]: [f64; 2]) -> Pixel {
-        let (middle, scale) = (0.5 * SIDE, Self::radius() / self.rim);
+        let (middle, scale) = (0.5 * self.side, self.radius() / self.rim);
         [middle + scale * x, middle - scale * y]
     }
 
@@ -103,12 +113,12 @@ impl Polar {
         let middle = self.pixel([0.0; 2]);
         let mut grid = Path::default();
         for g in self.circles() {
-            grid.ring(middle, Self::radius() * g / self.rim);
+            grid.ring(middle, self.radius() * g / self.rim);
         }
         for index in 0..12 {
             let direction = heading(TAU * f64::from(index) / 12.0);
             grid = grid.through(&[middle, self.along(self.rim, direction)]);
-            let out = Self::radius() + 22.0;
+            let out = self.radius() + 22.0;
             let text = match index {
                 0 => "right".to_string(),
                 3 => "down, out of the palm".to_string(),
@@ -206,11 +216,11 @@ fn heading(angle_rad: f64) -> [f64; 2] {
 }
 
 /// The gripper as it stands, and which way the palm's axes point.
-fn silhouette(svg: &mut Svg, scene: &Scene, found: &GripperGrasp) {
+fn silhouette(svg: &mut Svg, scene: &Scene, found: &GripperGrasp, room: [f64; 2]) {
     let bodies = outlines(&Drawing::of(scene).bodies, &poses(scene, &found.sample));
     let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
     points.push([0.0, -0.35 * reach(&scene.system.grasped().shape)]);
-    let view = View::within(&points, [BESIDE - 20.0, SIDE - LEGEND - 40.0]);
+    let view = View::within(&points, room);
     if scene.system.palm.is_some() {
         palm(svg, &view, 0.0);
     }

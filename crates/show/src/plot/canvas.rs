@@ -24,6 +24,30 @@ const LINE_HEIGHT: f64 = 24.0;
 /// Texts that are too wide become smaller down to this, then shorter.
 const SMALLEST: f64 = 11.0;
 
+/// What a picture is for: a sheet of its own, with its legend beside it, or a narrow column of a page, which has the title itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    Sheet,
+    Column,
+}
+
+impl Form {
+    pub fn width(self) -> f64 {
+        match self {
+            Form::Sheet => WIDTH,
+            Form::Column => 420.0,
+        }
+    }
+
+    /// A picture of a height without its title.
+    pub fn picture(self, title: &str, height: f64, draw: impl FnOnce(&mut Svg)) -> String {
+        match self {
+            Form::Sheet => picture(title, HEAD + height, draw),
+            Form::Column => document([self.width(), height], title, draw),
+        }
+    }
+}
+
 /// The sign of a family of points, and how a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mark {
@@ -217,6 +241,11 @@ pub fn legend(svg: &mut Svg, [left, top]: Pixel, width: f64, entries: &[Entry]) 
         sign(svg, [left + 20.0, y], entry);
         fitted(svg, &entry.text, [left + 42.0, y], size, room);
     }
+}
+
+/// Height of a legend of so many entries.
+pub fn legend_height(entries: usize) -> f64 {
+    16.0 + LINE_HEIGHT * entries as f64
 }
 
 /// A legend in one line.

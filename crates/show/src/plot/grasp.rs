@@ -1,6 +1,6 @@
 //! A grasp at rest: the finger, its mirror image, the object, forces on the object, and a motion that is free.
 
-use super::canvas::{Entry, HEAD, Mark, THIN, WIDTH, legend, picture};
+use super::canvas::{Entry, Form, Mark, THIN, legend, legend_height};
 use super::outline::{Point, View, arrow, filled, mirrored, outlines, palm};
 use super::svg::{Paint, Svg};
 use super::theme::{BLUE, Colour, GREEN, INK, OBJECT, ORANGE, PURPLE, SOFT};
@@ -11,8 +11,9 @@ use crate::scene::Scene;
 use crate::shape::reach;
 use crate::statics::{Certificate, FormClosure, Unknown};
 
-/// Width of the legend.
+/// Width of the legend beside the grasp, and its entries.
 const BESIDE: f64 = 330.0;
+const ENTRIES: usize = 4;
 /// How far the free motion is drawn: the object by a part of its radius, or the fastest joint by an angle.
 const SHOWN_RADII: f64 = 0.2;
 const SHOWN_RAD: f64 = 0.15;
@@ -21,7 +22,7 @@ const SHOWN_RAD: f64 = 0.15;
 const LONGEST: f64 = 0.65;
 
 /// The picture, with the forces of the last of the friction coefficients.
-pub fn grasp(scene: &Scene, found: &Grasp) -> String {
+pub fn grasp(scene: &Scene, found: &Grasp, form: Form) -> String {
     let bodies = Drawing::of(scene).bodies;
     let rest = links(scene, &bodies, &found.end.posture);
     let centre = found.object.centre_m;
@@ -32,7 +33,12 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> String {
         rest.iter().map(|(outline, _)| outline).flat_map(both).flatten().chain(round.clone()).collect();
     points.extend(ghosts.iter().flatten());
     points.push([centre[0], -0.15 * reach(&found.object.shape)]);
-    let view = View::of(&points, WIDTH - BESIDE);
+    let left = if form == Form::Sheet { form.width() - BESIDE } else { form.width() };
+    let view = View::of(&points, left);
+    let (corner, height) = match form {
+        Form::Sheet => ([left, 0.0], view.height().max(360.0)),
+        Form::Column => ([0.0, view.height()], view.height() + legend_height(ENTRIES)),
+    };
 
     let last = found.forces.last();
     let friction = last.map_or_else(String::new, |forces| match forces.mu_static {
@@ -40,7 +46,7 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> String {
         [a, b] => format!(", μ_s {a} and {b}"),
     });
     let title = format!("{}: the grasp at rest{friction}; forces on the object", found.scene);
-    picture(&title, HEAD + view.height().max(360.0), |svg| {
+    form.picture(&title, height, |svg| {
         if scene.system.palm.is_some() {
             palm(svg, &view, centre[0]);
         }
@@ -57,7 +63,7 @@ pub fn grasp(scene: &Scene, found: &Grasp) -> String {
         }
         let mut entries = last.map_or_else(Vec::new, |forces| arrows(svg, &view, found, forces));
         entries.push(closure(svg, &view, found));
-        legend(svg, [WIDTH - BESIDE, 0.0], BESIDE, &entries);
+        legend(svg, corner, form.width() - corner[0], &entries);
     })
 }
 

@@ -23,5 +23,6 @@ pub mod svg;
 pub mod theme;
 
 pub use balance::balance;
+pub use canvas::Form;
 pub use grasp::grasp;
 pub use svg::PICTURE_MARK;

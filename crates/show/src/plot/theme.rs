@@ -45,6 +45,8 @@ pub const DOUBTFUL: Colour = Colour(230, 159, 0);
 pub const BROKEN: Colour = Colour(94, 24, 74);
 pub const PALE_BLUE: Colour = Colour(178, 211, 233);
 pub const NEUTRAL: Colour = Colour(216, 216, 216);
+/// Classes and other verdicts, from good to bad.
+pub const VERDICTS: [Colour; 4] = [BLUE, PALE_BLUE, DOUBTFUL, NEUTRAL];
 /// Where a grasp is not stable.
 pub const UNSTABLE: Colour = Colour(43, 47, 54);
 
@@ -83,6 +85,11 @@ pub fn variables() -> String {
     let light: String = THEME.iter().map(|(colour, name, _)| format!("--{name}:{colour};")).collect();
     let dark: String = THEME.iter().map(|(_, name, colour)| format!("--{name}:{colour};")).collect();
     format!(":root{{{light}}}\n:root[data-theme=\"dark\"]{{{dark}}}\n")
+}
+
+/// The variable of a colour on a page.
+pub fn variable(colour: Colour) -> &'static str {
+    THEME.iter().find(|(known, ..)| *known == colour).map_or("ink", |(_, name, _)| name)
 }
 
 /// The style sheet of a picture that has these attributes. Only a picture that is a document of its own takes the scheme of its reader: one

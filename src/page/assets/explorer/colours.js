@@ -1,8 +1,10 @@
-// Colours of the map: of numbers along a scale, of words one each.
+// Colours of results: of numbers along a scale, of words one each.
 
 // Viridis, whose brightness grows evenly: it is read without telling colours apart, and in print.
 const SCALE = ["#440154", "#482878", "#3e4a89", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"];
-const CATEGORIES = 7;
+// Words that are results, from good to bad, with the colour that each always has; the page has them from the program.
+const inks = new Map();
+const inkOf = (word) => inks.get(word) ?? "s5";
 
 const channels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
 
@@ -12,12 +14,4 @@ function scaleColour(part) {
   const k = Math.min(Math.floor(at), SCALE.length - 2);
   const [from, to] = [channels(SCALE[k]), channels(SCALE[k + 1])];
   return `rgb(${from.map((each, i) => Math.round(each + (at - k) * (to[i] - each))).join(" ")})`;
-}
-
-const categories = [];
-
-// The number of a word's colour: the same word has the same colour as long as the page is there.
-function categoryOf(word) {
-  if (!categories.includes(word)) categories.push(word);
-  return categories.indexOf(word) % CATEGORIES;
 }

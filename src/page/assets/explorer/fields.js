@@ -2,6 +2,10 @@
 
 // A slider moves by so many of its steps with shift.
 const COARSE = 10;
+// Characters for which an entry beside its name has room.
+const SHORT = 11;
+// Characters of a list for which a line of its own has room.
+const LINE = 30;
 
 class Fields {
   // `put(path, text)` sets a field, `null` as the scene has it; `hint(key)` hears which one is under a hand.
@@ -66,8 +70,7 @@ class Fields {
     const row = { path, problem, reset, field };
     row.entry = this.entry(row, field, id);
     row.entry.setAttribute("aria-describedby", problem.id);
-    row.box = element("div", { class: "field", "data-path": path }, element("div", { class: "name" }, name, what), row.entry, reset);
-    row.box.append(problem);
+    row.box = element("div", { class: "field", "data-path": path }, name, row.entry, reset, problem, what);
     reset.addEventListener("click", () => {
       this.ranges.delete(path);
       this.put(path, null);
@@ -96,7 +99,7 @@ class Fields {
       box.addEventListener("change", () => put(String(box.checked)));
       return box;
     }
-    const input = element("input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
+    const input = element(kind === "list" ? "textarea" : "input", { type: "text", id, autocomplete: "off", spellcheck: "false", enterkeyhint: "go", placeholder: "not set" });
     // What is being typed is not overwritten by what comes from elsewhere.
     input.addEventListener("input", () => { row.typed = true; });
     const apply = () => {
@@ -113,7 +116,10 @@ class Fields {
     };
     input.addEventListener("change", apply);
     input.addEventListener("keydown", (event) => {
-      if (event.key === "Enter") apply();
+      if (event.key === "Enter") {
+        event.preventDefault();
+        apply();
+      }
       if (event.key !== "Escape") return;
       input.value = row.text;
       row.typed = false;
@@ -159,6 +165,9 @@ class Fields {
     row.box.classList.toggle("changed", changed);
     row.reset.disabled = !set.has(path);
     row.text = set.get(path) ?? field.text ?? "";
+    // Nothing moves under a hand.
+    if (!row.held) row.box.classList.toggle("long", field.kind === "list" || row.text.length > SHORT);
+    if (field.kind === "list") row.entry.rows = Math.ceil(row.text.length / LINE);
     if (field.kind === "flag") row.entry.checked = value === 1 || value === true || field.text === "true";
     else if (field.kind === "word") choose(row.entry, field.text);
     else if (!row.typed) row.entry.value = row.text;
@@ -179,16 +188,20 @@ class Fields {
     row.slider.setAttribute("aria-valuetext", row.text);
   }
 
-  // Says what is wrong with a field; of no field, that nothing is.
+  // Whether a field is in sight, or would be if it were scrolled to.
+  isSeen(path) {
+    const box = this.rows.get(path)?.box;
+    return Boolean(box && box.offsetWidth > 0 && box.parentElement.open);
+  }
+
+  // Marks the field that is wrong, if any, and says there why unless that is said elsewhere.
   wrong(path, problem) {
     for (const row of this.rows.values()) {
       const here = row.path === path;
-      if (!here && row.problem.hidden) continue;
-      row.problem.hidden = !here;
-      row.problem.textContent = here ? [problem.message, problem.help].filter(Boolean).join(": ") : "";
+      row.problem.hidden = !here || !problem;
+      row.problem.textContent = here && problem ? [problem.message, problem.help].filter(Boolean).join(": ") : "";
       row.entry.toggleAttribute("aria-invalid", here);
     }
-    return this.rows.has(path);
   }
 
   // Shows what is looked for, and how many there are.

@@ -26,7 +26,9 @@ class Figures {
         if (cells.apart) text(cells.apart, apart);
       }
       const cell = this.cells[index];
-      if (cell && isWord(figure)) cell.now.className = `word c${categoryOf(figure.text)}`;
+      if (!cell) return;
+      cell.now.classList.toggle("word", isWord(figure));
+      cell.now.style.setProperty("--word", `var(--${inkOf(figure.text)})`);
     });
   }
 

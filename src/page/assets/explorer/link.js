@@ -11,7 +11,33 @@ const unaddressed = (text) => Uint8Array.from(atob(text.replaceAll("-", "+").rep
 
 const through = async (bytes, stream) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
 const packed = async (text) => addressed(await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw")));
-const unpacked = async (text) => new TextDecoder().decode(await through(unaddressed(text), new DecompressionStream("deflate-raw")));
+
+// Texts are no longer than a scene file may be. Little is unpacked at a time, for a kilobyte may stand for a megabyte.
+const SLICE = 1024;
+const tooLong = (name, { largest_scene_bytes: most }) => `The scene in ${name} is longer than the ${most / 1024} KiB that a scene may have; this page does not open it.`;
+
+async function unpacked(text, page) {
+  const bytes = unaddressed(text);
+  let at = 0;
+  const slices = new ReadableStream({
+    pull(stream) {
+      if (at >= bytes.length) stream.close();
+      else stream.enqueue(bytes.subarray(at, at += SLICE));
+    },
+  });
+  const decoder = new TextDecoder();
+  let [whole, length] = ["", 0];
+  for (const reader = slices.pipeThrough(new DecompressionStream("deflate-raw")).getReader(); ;) {
+    const { done, value } = await reader.read();
+    if (done) return whole + decoder.decode();
+    length += value.length;
+    if (length > page.largest_scene_bytes) {
+      reader.cancel();
+      throw new Error(tooLong("this address", page));
+    }
+    whole += decoder.decode(value, { stream: true });
+  }
+}
 
 // A scene within an address: the name of one of the page's own, else its whole text.
 async function sceneInto(query, prefix, { file, text, set }, presets) {
@@ -21,11 +47,11 @@ async function sceneInto(query, prefix, { file, text, set }, presets) {
   for (const [path, value] of set) query.append(`${prefix}set`, `${path}=${value}`);
 }
 
-async function sceneOutOf(query, prefix, presets) {
+async function sceneOutOf(query, prefix, page) {
   const file = query.get(`${prefix}scene`);
   if (file === null) return null;
   const whole = query.get(`${prefix}text`);
-  const text = whole !== null ? await unpacked(whole) : presets.find((each) => each.file === file)?.text;
+  const text = whole !== null ? await unpacked(whole, page) : page.presets.find((each) => each.file === file)?.text;
   if (text === undefined) return null;
   const set = query.getAll(`${prefix}set`).map((pair) => [pair.slice(0, pair.indexOf("=")), pair.slice(pair.indexOf("=") + 1)]);
   return { file, text, set };
@@ -41,19 +67,20 @@ async function fragmentOf({ scene, kept, time_s, map }, presets) {
   return `#${query}`;
 }
 
-/** What a fragment says; `null` of what is not in it, or cannot be read. */
-async function stateOf(fragment, presets) {
+/** What a fragment says, `null` of what is not in it; of one that cannot be read, why. */
+async function stateOf(fragment, page) {
   try {
     const query = new URLSearchParams(fragment.replace(/^#/, ""));
     const time = query.get("t");
     return {
-      scene: await sceneOutOf(query, "", presets),
-      kept: await sceneOutOf(query, "a.", presets),
+      scene: await sceneOutOf(query, "", page),
+      kept: await sceneOutOf(query, "a.", page),
       time_s: time === null || !Number.isFinite(Number(time)) ? null : Number(time),
       map: query.get("map")?.split(",") ?? null,
     };
-  } catch {
-    // Cut short on its way here: the page opens as it would without.
-    return { scene: null, kept: null, time_s: null, map: null };
+  } catch (error) {
+    // The page stays as it would be without; one cut short on its way here has no message of its own.
+    const refused = error instanceof TypeError || error instanceof DOMException ? "The scene in this address cannot be read: it may have been cut short." : error.message;
+    return { scene: null, kept: null, time_s: null, map: null, refused };
   }
 }

@@ -8,11 +8,12 @@ const HEADINGS = { finger: "One finger", gripper: "Gripper", discs: "Discs", har
 async function explorer() {
   const page = JSON.parse(byId("explorer").textContent);
   const { presets } = page;
+  for (const [word, ink] of page.inks) inks.set(word, ink);
   const module = moduleOf(page);
   // The first answers the slider and nothing else that takes long, the second everything that may wait.
   const lines = { live: new Line(module), patient: null };
   module.catch((error) => warn([{ message: `The simulator could not be started: ${error.message ?? error}` }]));
-  const opened = await stateOf(location.hash, presets);
+  const opened = await stateOf(location.hash, page);
   const setting = new Setting(opened.scene ?? page.start);
   const lab = { page, presets, lines, setting, opened, app: null, run: null, figures: [], kept: null, verdict: null, wrong: [] };
   // Every move has a number; these are of the last one, and of those that are shown and that everything has been done for.
@@ -27,6 +28,7 @@ async function explorer() {
     return moved(lab);
   };
   lab.take = (scene) => {
+    if (scene.text.length > page.largest_scene_bytes) return warn([{ message: tooLong(scene.file, page) }]);
     const other = scene.file !== setting.file || scene.text !== setting.text;
     setting.take(scene);
     lab.last = null;
@@ -42,6 +44,7 @@ async function explorer() {
   lab.undo = () => setting.go(-1) && lab.take(setting.settled);
   lab.redo = () => setting.go(1) && lab.take(setting.settled);
   await moved(lab);
+  if (opened.refused) warn([{ message: opened.refused }]);
 }
 
 // Something has moved: the run of what is set now is asked for, and when the hand rests, the rest.
@@ -95,6 +98,7 @@ async function shown(lab, { answer, data, ms }, shot) {
   showVerdict(null);
   byId("ended").hidden = !lab.failed;
   put("ended", lab.failed ? `The run has ended early: ${lab.failed}` : "");
+  showWarnings(answer.warnings ?? []);
   put("class-reason", answer.verdict ?? "");
   byId("class-reason").title = answer.verdict ?? "";
   put("speed-of-run", speedWords(lab));
@@ -127,7 +131,11 @@ function refilm(lab) {
 function begin(lab) {
   byId("film").hidden = false;
   byId("waiting").hidden = true;
-  const more = { keys: EXPLORER_KEYS, actions: { k: () => keep(lab), "/": () => byId("filter").focus() } };
+  const find = () => {
+    lab.tabs.show("fields-box");
+    byId("filter").focus();
+  };
+  const more = { keys: EXPLORER_KEYS, actions: { k: () => keep(lab), "/": find } };
   const app = viewer(filmNow(lab), (app) => keyboard(app, more));
   lab.app = app;
   app.clock.loops = true;
@@ -148,6 +156,10 @@ function begin(lab) {
     app.changed();
     seen(lab);
   });
+  lab.tabs.kept();
+  // What follows the animation on a small page begins below it.
+  const left = document.querySelector(".left");
+  new ResizeObserver(() => document.documentElement.style.setProperty("--left-high", `${left.offsetHeight}px`)).observe(left);
   app.drawn.push(() => {
     lab.firstPicture_ms ??= performance.now();
     if (lab.map?.canvas.clientWidth !== lab.mapWide) {

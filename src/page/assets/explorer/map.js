@@ -108,8 +108,8 @@ class DesignMap {
   paint() {
     const { grid, criterion } = this;
     if (grid.words.has(criterion)) {
-      const seen = [...new Set(grid.values(criterion))].sort();
-      return { colour: (word) => colour(seriesColour(categoryOf(word))), words: seen };
+      const seen = new Set(grid.values(criterion));
+      return { colour: (word) => colour(inkOf(word)), words: [...new Set([...inks.keys(), ...seen])].filter((word) => seen.has(word)) };
     }
     let [low, high] = [Infinity, -Infinity];
     for (const value of grid.values(criterion)) {
@@ -137,7 +137,7 @@ class DesignMap {
     put("map-state", grid.failed ?? (grid.stopped ? "another variable has changed" : share < 100 ? `${share} %` : `${grid.total} closings`));
   }
 
-  // Points as cells as wide as their neighbours are apart; what has no value has no colour.
+  // Points as cells as wide as their neighbours are apart; what has no value is hatched.
   cells(ctx, { x, y }, paint, stride) {
     const { grid, criterion } = this;
     const half = stride / 2;
@@ -147,8 +147,15 @@ class DesignMap {
         if (value === undefined) continue;
         const [left, right] = [x(Math.max(i - half, 0)), x(Math.min(i + half, FINEST))];
         const [top, bottom] = [y(Math.min(j + half, FINEST)), y(Math.max(j - half, 0))];
-        ctx.fillStyle = value === null ? colour("faint") : paint.colour(value);
+        ctx.fillStyle = value === null ? colour("panel") : paint.colour(value);
         ctx.fillRect(left, top, right - left + 0.5, bottom - top + 0.5);
+        if (value !== null) continue;
+        ctx.beginPath();
+        ctx.moveTo(left, bottom);
+        ctx.lineTo(right, top);
+        ctx.lineWidth = 0.5;
+        ctx.strokeStyle = colour("soft");
+        ctx.stroke();
       }
     }
   }
@@ -209,23 +216,26 @@ class DesignMap {
   }
 
   legend({ colour: of, words, low, high, logarithmic }) {
-    const form = JSON.stringify([words, low, high, this.criterion, document.documentElement.dataset.theme]);
+    const lacks = this.grid.values(this.criterion).filter((value) => !Number.isNaN(value)).length < this.grid.done;
+    const form = JSON.stringify([words, low, high, lacks, this.criterion, document.documentElement.dataset.theme]);
     if (form === this.legendForm) return;
     this.legendForm = form;
     const holder = byId("map-legend");
+    const entry = (ink, said) => {
+      const mark = element("i", ink ? {} : { class: "none" });
+      if (ink) mark.style.background = ink;
+      return element("span", { class: "entry" }, mark, said);
+    };
+    const hatched = lacks ? [entry(null, "no valid scene, or the run has no such figure")] : [];
     if (words) {
-      holder.replaceChildren(...words.map((word) => {
-        const mark = element("i");
-        mark.style.background = of(word);
-        return element("span", { class: "entry" }, mark, word);
-      }));
+      holder.replaceChildren(...words.map((word) => entry(of(word), word)), ...hatched);
       return;
     }
     const bar = element("i", { class: "bar" });
     bar.style.background = `linear-gradient(to right, ${SCALE.join(", ")})`;
     const unit = this.figureOf(this.criterion)?.unit ?? "";
     const ends = low <= high ? [withUnit(low, unit, 3), withUnit(high, unit, 3)] : ["–", "–"];
-    holder.replaceChildren(element("span", {}, ends[0]), bar, element("span", {}, ends[1]), ...(logarithmic ? [element("span", { class: "soft" }, "logarithmic")] : []));
+    holder.replaceChildren(element("span", {}, ends[0]), bar, element("span", {}, ends[1]), ...(logarithmic ? [element("span", { class: "soft" }, "logarithmic")] : []), ...hatched);
   }
 
   // What is at a point, in words.
@@ -233,7 +243,7 @@ class DesignMap {
     const { grid, criterion } = this;
     const value = grid.value(criterion, i, j);
     const figure = this.figureOf(criterion);
-    const found = value === undefined ? "not computed yet" : typeof value === "string" ? value : value === null ? `none. ${grid.point(i, j).refused ?? ""}` : withUnit(value, figure?.unit ?? "", 4);
+    const found = value === undefined ? "not computed yet" : typeof value === "string" ? value : value === null ? `none. ${grid.point(i, j).refused ?? "The run has no such figure."}` : withUnit(value, figure?.unit ?? "", 4);
     return `${grid.x.path} ${grid.textAt(grid.x, i)}, ${grid.y.path} ${grid.textAt(grid.y, j)}: ${figure?.label ?? criterion} ${found}`;
   }
 

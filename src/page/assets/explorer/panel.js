@@ -26,18 +26,24 @@ function chooser(lab) {
   select.addEventListener("change", () => lab.preset(select.value));
 }
 
-// What is wrong, at the top and beside the field that was moved last; the last good picture stays.
+// What is wrong, said once: beside its field where that is seen, otherwise over the page. The last good results stay, pale, and are no longer those
+// of a check.
 function wrong(lab, problems) {
   lab.wrong = problems;
-  // A problem that says where it is shows there.
-  const found = problems.find(({ field }) => field && lab.fields?.rows.has(field));
-  lab.fields?.wrong(problems.length > 0 ? found?.field ?? lab.last : null, found ?? problems[0] ?? {});
-  warn(problems);
+  document.body.classList.toggle("wrong", problems.length > 0);
+  const [first, ...others] = problems;
+  const path = first && (problems.find(({ field }) => lab.fields?.rows.has(field))?.field ?? lab.last);
+  const beside = first && others.length === 0 && lab.fields?.isSeen(path);
+  lab.fields?.wrong(path, beside ? first : null);
+  warn(beside ? [] : problems);
+  if (!first) return;
+  lab.verdict = null;
+  if (lab.app) showVerdict({ verdict: "wrong", text: "What is set is no scene; these results are the last ones." });
 }
 
+// Says it over the page.
 function warn(problems) {
   const box = byId("warning");
-  document.body.classList.toggle("wrong", problems.length > 0);
   box.hidden = problems.length === 0;
   const said = problems.map(({ message, help, line }) => element("p", {}, element("strong", {}, message), ...(line ? [` (line ${line})`] : []), ...(help ? [`: ${help}`] : [])));
   box.replaceChildren(...said);
@@ -106,7 +112,8 @@ function controlsOf(lab) {
     else lab.undo();
   });
   addEventListener("hashchange", async () => {
-    const { scene, kept, time_s } = await stateOf(location.hash, lab.presets);
+    const { scene, kept, time_s, refused } = await stateOf(location.hash, lab.page);
+    if (refused) warn([{ message: refused }]);
     if (scene && !same(scene, lab.setting.copy())) lab.take(scene);
     if (kept) await keptAgain(lab, kept);
     if (time_s !== null) {
@@ -119,7 +126,8 @@ function controlsOf(lab) {
 // A scene of one's own, from a file that is chosen or dropped on the page.
 function openable(lab) {
   const take = async (file) => {
-    if (file) lab.take({ file: file.name, text: await file.text(), set: [] });
+    if (file?.size > lab.page.largest_scene_bytes) warn([{ message: tooLong(file.name, lab.page) }]);
+    else if (file) lab.take({ file: file.name, text: await file.text(), set: [] });
   };
   byId("scene-file").addEventListener("change", ({ target }) => take(target.files[0]));
   const isFile = (event) => event.dataTransfer.types.includes("Files");

@@ -1,28 +1,37 @@
-// Panels of which one is shown: plots, figures, map, …
+// Panels of which one is shown: plots, figures, map, …; the variables too where there is no column for them.
 
 function tabs(list, changed) {
   const buttons = [...list.querySelectorAll("[role='tab']")];
+  const there = () => buttons.filter((each) => each.offsetWidth > 0);
+  let chosen = null;
   const show = (button, focus) => {
+    if (!there().includes(button)) return;
+    chosen = button;
     for (const each of buttons) {
-      const chosen = each === button;
-      each.setAttribute("aria-selected", chosen);
-      each.tabIndex = chosen ? 0 : -1;
-      byId(each.getAttribute("aria-controls")).hidden = !chosen;
+      each.setAttribute("aria-selected", each === chosen);
+      each.tabIndex = each === chosen ? 0 : -1;
+      byId(each.getAttribute("aria-controls")).hidden = each !== chosen;
     }
     if (focus) button.focus();
     changed();
   };
-  buttons.forEach((button, index) => {
+  // The window has become so wide that the tab is gone.
+  const kept = () => there().includes(chosen) || show(there()[0]);
+  addEventListener("resize", kept);
+  buttons.forEach((button) => {
     button.addEventListener("click", () => show(button));
     button.addEventListener("keydown", (event) => {
-      const to = { ArrowLeft: index - 1, ArrowRight: index + 1, Home: 0, End: buttons.length - 1 }[event.key];
+      const all = there();
+      const index = all.indexOf(button);
+      const to = { ArrowLeft: index - 1, ArrowRight: index + 1, Home: 0, End: all.length - 1 }[event.key];
       if (to === undefined) return;
       event.preventDefault();
-      show(buttons.at(to % buttons.length), true);
+      show(all.at(to % all.length), true);
     });
   });
   return {
-    shown: () => buttons.find((each) => each.getAttribute("aria-selected") === "true").getAttribute("aria-controls"),
+    kept,
+    shown: () => chosen?.getAttribute("aria-controls"),
     show: (id) => show(buttons.find((each) => each.getAttribute("aria-controls") === id)),
   };
 }

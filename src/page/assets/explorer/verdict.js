@@ -5,6 +5,7 @@ const VERDICTS = {
   uncertain: "uncertain",
   chaotic: "chaotic",
   unknown: "not checked",
+  wrong: "not simulated",
 };
 
 // Shows a verdict, or with `null` that there is none yet. The places are always there, so that nothing moves.
@@ -21,6 +22,15 @@ function showVerdict(verdict) {
 
 // `since` says from when on.
 const sayDoubt = (verdict, since) => put("doubt", `This run is ${verdict.verdict}${since}: ${verdictWords(verdict)}`);
+
+// What the run itself warns of.
+function showWarnings(said) {
+  const box = byId("warnings");
+  const all = said.map((each) => element("p", {}, each));
+  if (box.hidden && said.length > 0) box.open = matchMedia("(min-width: 1100px)").matches;
+  box.hidden = said.length === 0;
+  box.replaceChildren(element("summary", {}, `${said.length} ${said.length === 1 ? "warning" : "warnings"} of this run`), ...all);
+}
 
 // What the check says, without the head of its table and what it advises to do at a terminal.
 const verdictWords = ({ text }) => text.trim().replace(/^(check\s+|[A-Z ]{4,}:\s*)/, "").replace(/;?\s*\n\s*/g, "; ").replace(/; ask for .*$/, "");
