@@ -290,7 +290,7 @@ def design(scratch):
 def summary(_):
     """What one needs to know, from one validation and five sweeps."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
-    settings = validation(ROOT / "scenes" / "experiment-95.toml")["settings"]
+    settings = validation(ROOT / "scenes" / "experiment-95.toml", "--ladder")["settings"]
     everyday = next(row for row in settings if (row["family"], row["setting"]) == ("analytic", "rodas5p rtol 1e-5"))
     engine_own = next(row for row in settings if row["own"])
     reference = next(row for row in settings if row["reference"])
@@ -307,7 +307,9 @@ def summary(_):
             call(PHALANX, "sweep", study, "--out", Path(scratch) / "thesis.csv", "--quiet", stdout=subprocess.DEVNULL)
         times.append(time.perf_counter() - start)
     body.append([f"384 designs sized and simulated, {os.cpu_count()} cores", "", f"{sorted(times)[2]:.2g} s"])
-    return table(["", "angle error", "time"], body)
+    processor = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")), "unknown")
+    measured = f"Measured on {time.strftime('%Y-%m-%d')} on {os.cpu_count()} cores of {processor}, shared with others."
+    return table(["", "angle error", "time"], body) + f"\n\n{measured}"
 
 
 def explorer(scratch):

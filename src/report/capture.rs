@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::tables::milliseconds;
 use crate::criteria::Travel;
 use crate::study::capture::{Capture, Edge, Placed};
-use crate::wording::figures::{figure, row};
+use crate::units::Dimension;
+use crate::wording::figures::{figure, resolved, row};
 use crate::wording::report::{Report, Reported, Table};
 
 /// Which positioning errors a gripper captures.
@@ -89,7 +90,7 @@ impl From<&Placed> for PlaceReport {
 /// A table for people, and what it comes to.
 impl Reported for CaptureReport {
     fn report(&self) -> Report {
-        let millimetres = |metres: f64| figure(metres * 1e3, 4);
+        let millimetres = |metres: f64| figure(resolved(metres, Dimension::Length) * 1e3, 4);
         let mut text = Report::from(format!(
             "{}: {} model, palm {} mm wide, made for errors up to ±{} mm\n\n",
             self.scene,
@@ -129,6 +130,7 @@ impl Reported for CaptureReport {
 }
 
 fn signed(metres: f64) -> String {
+    let metres = resolved(metres, Dimension::Length);
     let text = figure(metres.abs() * 1e3, 4);
     match metres {
         metres if metres > 0.0 => format!("+{text}"),

@@ -7,9 +7,10 @@ use super::differences::{AngleDifference, ContactDifference, DifferencesReport, 
 use super::document::ValidationReport;
 use super::figures::{number, percent};
 use crate::trace::FingerState;
+use crate::units::Dimension;
 use crate::validate::turned;
 use crate::wording::duration;
-use crate::wording::figures::{figure, row};
+use crate::wording::figures::{figure, resolved, row};
 use crate::wording::report::{Report, table};
 
 /// The state at the end, the contacts and the energies of both models, and their difference.
@@ -35,6 +36,12 @@ fn in_both<'a, T>(ours: &'a Named<T>, theirs: &'a Named<T>) -> impl Iterator<Ite
     ours.iter().filter_map(|(name, ours)| Some((name.as_str(), ours, theirs.get(name)?)))
 }
 
+/// A figure of both models in SI, and their difference, in a unit of so much; 0 below the resolution of its dimension.
+fn resolved_line(name: &str, of: Dimension, scale: f64, values: [f64; 2], digits: usize) -> Vec<String> {
+    let [analytic, engine] = values.map(|value| resolved(value, of) * scale);
+    line(name, analytic, engine, digits)
+}
+
 /// A figure of both models, and their difference.
 fn line(name: &str, analytic: f64, engine: f64, digits: usize) -> Vec<String> {
     row([name, &figure(analytic, digits), &figure(engine, digits), &figure(engine - analytic, 3)])
@@ -43,7 +50,7 @@ fn line(name: &str, analytic: f64, engine: f64, digits: usize) -> Vec<String> {
 /// The same of an angle in rad, whole turns aside, in degrees.
 fn angle(name: &str, analytic: f64, engine: f64) -> Vec<String> {
     let (analytic, difference) = (turned(analytic), turned(engine - analytic));
-    line(name, analytic.to_degrees(), (analytic + difference).to_degrees(), 8)
+    resolved_line(name, Dimension::Angle, 1f64.to_degrees(), [analytic, analytic + difference], 8)
 }
 
 /// Of a finger that is `alone` its rates too.
@@ -64,13 +71,14 @@ fn finger(name: &str, alone: bool, ours: &FingerState, theirs: &FingerState) -> 
 /// Of a disc its rates, of what is grasped how it is turned.
 fn body(name: &str, disc: bool, ours: &BodyReport, theirs: &BodyReport) -> Vec<Vec<String>> {
     let mut rows = vec![
-        line(&format!("{name} x, mm"), ours.x_m * 1e3, theirs.x_m * 1e3, 8),
-        line(&format!("{name} y, mm"), ours.y_m * 1e3, theirs.y_m * 1e3, 8),
+        resolved_line(&format!("{name} x, mm"), Dimension::Length, 1e3, [ours.x_m, theirs.x_m], 8),
+        resolved_line(&format!("{name} y, mm"), Dimension::Length, 1e3, [ours.y_m, theirs.y_m], 8),
     ];
     if disc {
-        rows.push(line(&format!("{name} vx, m/s"), ours.vx_m_s, theirs.vx_m_s, 6));
-        rows.push(line(&format!("{name} vy, m/s"), ours.vy_m_s, theirs.vy_m_s, 6));
-        rows.push(line(&format!("{name} spin, rad/s"), ours.spin_rad_s, theirs.spin_rad_s, 6));
+        let (speed, spin) = (Dimension::Speed, Dimension::AngularRate);
+        rows.push(resolved_line(&format!("{name} vx, m/s"), speed, 1.0, [ours.vx_m_s, theirs.vx_m_s], 6));
+        rows.push(resolved_line(&format!("{name} vy, m/s"), speed, 1.0, [ours.vy_m_s, theirs.vy_m_s], 6));
+        rows.push(resolved_line(&format!("{name} spin, rad/s"), spin, 1.0, [ours.spin_rad_s, theirs.spin_rad_s], 6));
     } else {
         rows.push(angle(&format!("{name} angle, deg"), ours.angle_rad, theirs.angle_rad));
     }

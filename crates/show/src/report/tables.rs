@@ -136,7 +136,6 @@ const LIMITS: [&str; 7] =
 
 /// Of a finger, whose `motor` works against its spring, or of what is driven.
 pub fn energies(energy: &Energy, motor: bool) -> Report {
-    let mj = |joule: f64| figure(joule * 1e3, 5);
     let spring = |cell: &str| motor.then(|| cell.to_string());
     let line = |first: &str, [kinetic, gravity, spring_of, rest @ ..]: [&str; 7]| {
         let spring = spring(spring_of);
@@ -152,8 +151,10 @@ pub fn energies(energy: &Energy, motor: bool) -> Report {
         energy.dissipated_j,
         energy.motor_work_j,
         energy.balance_j,
-    ]
-    .map(mj);
+    ];
+    // Below the rounding of the largest energy there are no digits.
+    let rounding_j = figures.iter().fold(0.0f64, |most, joule| most.max(joule.abs())) * f64::EPSILON;
+    let figures = figures.map(|joule| figure(if joule.abs() < rounding_j { 0.0 } else { joule * 1e3 }, 5));
     table(&[
         line("energy", ["kinetic", "gravity", "spring", "contact", "dissipated", work, "balance"]),
         line("mJ", figures.each_ref().map(String::as_str)),
