@@ -83,7 +83,7 @@ class Evaluate(unittest.TestCase):
 
     def test_what_is_no_field_is_refused(self):
         for fields, words in (
-            ({"design.bas": 1}, "did you mean \"design.base\""),
+            ({"design.bas": 1}, r"unknown key `bas` in \[design\]\s.*did you mean `base`"),
             ({"design": 1}, "is a table"),
             ({"design.base": [1, 2], "palm": [True]}, "arrays of one length"),
         ):
