@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Every check of the project: formatting, lints, all tests, the documentation and its examples, the core in the browser, the Python
-# package, real clients of the logs, and a sweep under Slurm. Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where
-# it is installed. What else the browser's target, the package, the clients, Slurm and the linters need, tools/wasm.sh,
-# tools/python.sh, tools/clients.sh, tools/slurm/test.sh and tools/lint_workflows.sh install or name.
+# The checks of the project. Usage: tools/test.sh [core]
+#   core   formatting, lints, tests but the long ones, and the examples of the documentation: some minutes, and a Rust toolchain alone
+#   (all)  everything: also the long tests, the documentation, the core in the browser, the Python package, real clients of the logs, and
+#          a sweep under Slurm
+# Needs a Rust toolchain with rustfmt and clippy; uses cargo-nextest where it is installed. tools/wasm.sh, tools/python.sh,
+# tools/clients.sh, tools/slurm/test.sh and tools/lint_workflows.sh install or name what the other checks need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -26,6 +28,23 @@ done
 
 say "formatting"
 cargo fmt --check
+
+if [ "${1:-}" = core ]; then
+    say "lints"
+    cargo clippy --workspace --locked --all-targets -- -D warnings
+    say "tests"
+    # Long: random scenes and campaigns, kills and full disks, whole validations and reproductions.
+    long='campaign|random_scenes|hard_grippers|faults_process|replay_recover|validate_command|sweep_resume|reproduce|optimize_search'
+    if cargo nextest --version >/dev/null 2>&1; then
+        cargo nextest run --workspace --locked --no-fail-fast --tests -E "not test(/^($long)::/)"
+    else
+        IFS='|' read -ra skipped <<<"$long"
+        cargo test --workspace --locked --no-fail-fast --tests -- "${skipped[@]/#/--skip=}"
+    fi
+    say "examples of the documentation"
+    cargo test --workspace --locked --doc --quiet
+    exit
+fi
 
 say "lock files of what is built apart"
 # Nothing else here builds them, and a change of the main manifest makes them stale.
