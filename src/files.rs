@@ -143,7 +143,8 @@ fn resolved(path: &Path) -> PathBuf {
     })
 }
 
-fn is_special(path: &Path) -> bool {
+/// Whether a path is a pipe or a device.
+pub fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 

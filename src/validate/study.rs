@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::ensemble::member;
 use super::subject::{reference_bound, with};
+use super::verdict::REFERENCE_BOUNDS;
 use super::{
     Comparison, Cost, Criterion, Differences, LONGEST_STEPS, Recording, Rung, Statistics, Verdict, compare, compared,
     cost, criteria, finer_settings, invariants, ladder, members, own, path_bound, record_while, reference, sampled,
@@ -99,9 +100,7 @@ impl Validation {
     /// The model to trust where the models differ by more than a bound: the analytic one, if its own two methods agree and it breaks
     /// no invariant.
     pub fn trusted(&self) -> Option<Model> {
-        let reference = ["reference", "analytic_invariants"];
-        let is_sound = self.verdict.checks.iter().all(|check| check.passed() || !reference.contains(&check.bound));
-        (!self.verdict.passed() && is_sound).then_some(Model::Analytic)
+        (!self.verdict.passed() && !self.verdict.fails(&REFERENCE_BOUNDS)).then_some(Model::Analytic)
     }
 }
 
@@ -155,12 +154,12 @@ pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> 
     let broken = |error: RunError| StudyError { model: Model::Engine, error };
     let statistics = sensitive(scene, go_on).map_err(broken)?;
     let reference_invariants = invariants(&reference(scene), Model::Analytic, &reference_run);
+    let unjudged = criteria::unjudged(scene, &checked);
     let judged = |engine: &Recording, differences: &Differences| {
         let criteria = criteria::criteria(scene, &reference_run, engine);
-        let is_judged = criteria::unjudged(scene, &checked).is_none();
         let engine_invariants = invariants(scene, Model::Engine, engine);
         let verdict = verdicts(differences, &scene.bounds)
-            .and_criteria(if is_judged { criteria::checks(&criteria) } else { Vec::new() })
+            .and_criteria(if unjudged.is_none() { criteria::checks(&criteria) } else { Vec::new() })
             .and_reference(&checked, reference_bound(whole))
             .and_invariants("analytic_invariants", &reference_invariants)
             .and_invariants("engine_invariants", &engine_invariants)
@@ -169,11 +168,11 @@ pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> 
     };
     let (verdict, criteria, engine_invariants) = judged(&engine, &differences);
     let mut finer = Vec::new();
-    if verdict.is_of_engine() {
-        let members = || std::iter::once((scene, &reference_run)).chain(others.iter().map(|(a, b)| (a, b)));
+    // Statistics take many runs of the engine, so a setting is not tried against them.
+    if !verdict.passed() && !verdict.fails(&REFERENCE_BOUNDS) && !verdict.fails(&["statistics"]) {
         for rung in finer_settings(scene, engine.outcome.work.steps) {
-            let run = record_while(Model::Engine, &sampled(Model::Engine, &rung.apply(scene)), go_on)
-                .and_then(|engine| Ok((engine, worst(&rung, members(), go_on)?)));
+            let run = recorded(&rung, scene, &reference_run, go_on)
+                .and_then(|(engine, first)| Ok((engine, worst(first, &rung, &others, go_on)?)));
             let passed = match run {
                 Ok((engine, differences)) => judged(&engine, &differences).0.passed(),
                 Err(error) if error.is_stop() => return Err(broken(error)),
@@ -189,7 +188,7 @@ pub fn validate(whole: &Scene, go_on: Wanted) -> Result<Validation, StudyError> 
         until_s,
         path_bound,
         verdict,
-        unjudged: criteria::unjudged(scene, &checked),
+        unjudged,
         checked,
         finer,
         statistics,
@@ -213,14 +212,24 @@ fn run_member(scene: &Scene, index: usize, go_on: Wanted) -> Result<Member, Stud
     let broken = |model: Model| move |error: RunError| StudyError { model, error };
     let scene = member(scene, index);
     let expected = record_while(Model::Analytic, &reference(&scene), go_on).map_err(broken(Model::Analytic))?;
-    let until_s = scene.bounds.until_s;
     if index > 0 {
         let differences = against(&own(&scene), &scene, &expected, go_on).map_err(broken(Model::Engine))?;
         return Ok(Member { scene, reference: expected, engine: None, differences });
     }
-    let engine = record_while(Model::Engine, &sampled(Model::Engine, &scene), go_on).map_err(broken(Model::Engine))?;
-    let differences = compare(&engine, &expected, until_s);
+    let (engine, differences) = recorded(&own(&scene), &scene, &expected, go_on).map_err(broken(Model::Engine))?;
     Ok(Member { scene, reference: expected, engine: Some(engine), differences })
+}
+
+/// The run of the engine at a setting, whole, and its differences from the reference.
+fn recorded(
+    rung: &Rung,
+    scene: &Scene,
+    reference: &Recording,
+    go_on: Wanted,
+) -> Result<(Recording, Differences), RunError> {
+    let engine = record_while(Model::Engine, &sampled(Model::Engine, &rung.apply(scene)), go_on)?;
+    let differences = compare(&engine, reference, scene.bounds.until_s);
+    Ok((engine, differences))
 }
 
 /// Adds the ladder to a validation: other settings of both models, compared with the same references and timed, not judged. They run one
@@ -291,10 +300,11 @@ fn attempt(rung: &Rung, scene: &Scene, found: &Validation, quick: bool, go_on: W
     if let Some(steps) = predicted.filter(|&steps| steps > LONGEST_STEPS) {
         return Ok(Tried::TooLong { steps });
     }
-    let members = std::iter::once((scene, &found.reference)).chain(found.others.iter().map(|(a, b)| (a, b)));
     let compared = match rung.is_reference() {
         true => Ok(None),
-        false => worst(rung, members, go_on).map(Some),
+        false => against(rung, scene, &found.reference, go_on)
+            .and_then(|first| worst(first, rung, &found.others, go_on))
+            .map(Some),
     };
     let timed = compared.and_then(|found| Ok((found, cost(rung.model(), &rung.apply(scene), quick, go_on)?)));
     match timed {
@@ -304,21 +314,17 @@ fn attempt(rung: &Rung, scene: &Scene, found: &Validation, quick: bool, go_on: W
     }
 }
 
-/// Worst differences of a setting over its members.
-fn worst<'a>(
+/// Worst differences of a setting over its members: `first`, those of the scene itself, and the others.
+fn worst(
+    first: Differences,
     rung: &Rung,
-    members: impl Iterator<Item = (&'a Scene, &'a Recording)>,
+    others: &[(Scene, Recording)],
     go_on: Wanted,
 ) -> Result<Differences, RunError> {
-    let mut worst: Option<Differences> = None;
-    for (scene, reference) in members.take(rung.members) {
-        let found = against(rung, scene, reference, go_on)?;
-        worst = Some(match worst {
-            Some(worst) => worst.worst(&found),
-            None => found,
-        });
-    }
-    Ok(worst.unwrap_or_default())
+    others
+        .iter()
+        .take(rung.members.saturating_sub(1))
+        .try_fold(first, |worst, (scene, reference)| Ok(worst.worst(&against(rung, scene, reference, go_on)?)))
 }
 
 /// Differences of a setting from the reference of one member.

@@ -8,6 +8,9 @@ use crate::scene::Bounds;
 /// What the reference may be off by, as a part of what the engine may.
 pub const REFERENCE_SHARE: f64 = 0.1;
 
+/// Bounds that do not depend on the engine: where one fails, the analytic model is no reference.
+pub const REFERENCE_BOUNDS: [&str; 2] = ["reference", "analytic_invariants"];
+
 /// One bound of the scene and what was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Check {
@@ -39,11 +42,9 @@ impl Verdict {
         self.checks.iter().all(Check::passed)
     }
 
-    /// Whether only bounds fail that depend on the settings of the engine: the reference and its invariants pass, and there are no
-    /// statistics, which take many runs of the engine.
-    pub fn is_of_engine(&self) -> bool {
-        let others = ["reference", "analytic_invariants", "statistics"];
-        !self.passed() && self.checks.iter().all(|check| check.passed() || !others.contains(&check.bound))
+    /// Whether any of these bounds fails.
+    pub fn fails(&self, bounds: &[&str]) -> bool {
+        self.checks.iter().any(|check| bounds.contains(&check.bound) && !check.passed())
     }
 
     /// With the reference judged too: by another method it may be off by a part of what the engine may. What could not be

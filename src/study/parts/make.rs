@@ -82,7 +82,7 @@ fn place(out: &Path) -> Result<(), PartError> {
             );
         }
     }
-    if fs::metadata(out).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+    if files::is_special(out) {
         return refused("that is not a file; give the name of one".to_string());
     }
     files::place(out).or_else(refused)

@@ -86,7 +86,7 @@ impl<M: Measured> Kind for Pair<M> {
     const NAME: &'static str = "Pair";
 
     fn read(key: &str, value: &Spanned<Any>) -> Result<[f64; 2], Vec<Problem>> {
-        // One value is that of y: gravity is, and so are most other vectors of which one value is given.
+        // A single value is taken as y, as in gravity and most other vectors.
         let example = match value.get_ref() {
             Any::Integer(y) => format!("{y} {}", M::DIMENSION.units()[0].name),
             Any::Float(y) => format!("{y} {}", M::DIMENSION.units()[0].name),

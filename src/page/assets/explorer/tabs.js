@@ -1,4 +1,4 @@
-// Panels of which one is shown: plots, figures, map, …; the variables too where there is no column for them.
+// Panels, one shown at a time: plots, figures, map, …; the variables too where there is no column for them.
 
 function tabs(list, changed) {
   const buttons = [...list.querySelectorAll("[role='tab']")];

@@ -132,7 +132,7 @@ fn fill(c: &mut Checker<'_>, path: &str, raw: &Keys<'_>, base: &mut dyn Section)
     }
 }
 
-/// A value as it is given; a pair of which one element is set has the usual other one, or one that `follows` from something else.
+/// A value as it is given; the other element of a pair with one element set is the usual one, or one that `follows` from something else.
 fn completed<'a>(
     key: &str,
     given: &'a Spanned<Any>,
