@@ -8,7 +8,7 @@
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
 block of the same name in the page that has it; nothing else changes. Blocks: summary, accuracy, scenes, memory, engine,
 validate, log, reproduce, design, explorer. Needs only Python's own library, GNU time for the block memory, and for the block
-explorer what tools/explorer.sh and tools/clients.sh need. The blocks scenes, engine and reproduce also put their pictures into
+explorer what tools/explorer.sh and tools/clients.sh need, and for the block summary libsundials-dev (CVODE) and `pip install mujoco`. The blocks scenes, engine and reproduce also put their pictures into
 tools/figures.
 """
 
@@ -287,29 +287,55 @@ def design(scratch):
     return "\n".join(tables) + "\n\n" + whole
 
 
-def summary(_):
-    """What one needs to know, from one validation and five sweeps."""
+# A solver is represented in the README by its fastest setting with every run of the ensemble below this angle error.
+REPRESENTATIVE_RAD = 1e-6
+
+
+def fastest(rows, methods):
+    """The fastest row of some methods whose worst angle error is at most REPRESENTATIVE_RAD."""
+    accurate = [
+        row for row in rows
+        if row["method"] in methods and row["errors"]["right"] == row["errors"]["of"]
+        and row["errors"]["angle_worst_rad"] is not None and row["errors"]["angle_worst_rad"] <= REPRESENTATIVE_RAD
+    ]  # fmt: skip
+    return min(accurate, key=lambda row: row["time"]["median_s"])
+
+
+def summary(scratch):
+    """Time and error of one closing: phalanx, CVODE, the best Rust solver, MuJoCo; and the time of a sweep."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
-    settings = validation(ROOT / "scenes" / "experiment-95.toml", "--ladder")["settings"]
-    everyday = next(row for row in settings if (row["family"], row["setting"]) == ("analytic", "rodas5p rtol 1e-5"))
-    engine_own = next(row for row in settings if row["own"])
-    reference = next(row for row in settings if row["reference"])
-    row = lambda name, run, error: [name, error, f"{run['wall_s'] * 1e3:.2g} ms"]  # noqa: E731
+    solvers = ["cargo", "run", "--locked", "--release", "--features", "cvode", "--manifest-path", "benches/solvers/Cargo.toml"]
+    call(*solvers, "--", "--repetitions", "15", "--json", scratch / "solvers.json", stdout=sys.stderr)
+    call(sys.executable, "tools/mujoco_beside.py", "--json", scratch / "mujoco.json", stdout=sys.stderr)
+    solvers = json.loads((scratch / "solvers.json").read_text())["rows"]
+    mujoco = json.loads((scratch / "mujoco.json").read_text())
+    engine_own = next(row for row in validation(ROOT / "scenes" / "experiment-95.toml", "--ladder")["settings"] if row["own"])
+    row = lambda name, error, seconds: [name, number(error) + " rad", f"{seconds * 1e3:.2g} ms"]  # noqa: E731
+    solver = lambda name, found: row(name, found["errors"]["angle_worst_rad"], found["time"]["median_s"])  # noqa: E731
+    preset = lambda name: next(found for found in solvers if found["preset"] == name)  # noqa: E731
+    published = {found["method"] for found in solvers if not found["ours"]} - {"CVODE BDF"}
+    cvode, rust = fastest(solvers, {"CVODE BDF"}), fastest(solvers, published)
     body = [
-        row("analytic model, everyday preset", everyday, number(everyday["angle_max_rad"]) + " rad"),
-        row("analytic model, `reference` preset", reference, "what the others are held to"),
-        row("engine (rapier with the contact hook)", engine_own, number(engine_own["angle_max_rad"]) + " rad"),
+        solver("phalanx, analytic model, everyday preset", preset("engineering")),
+        solver("phalanx, analytic model, `reference` preset", preset("reference")),
+        row("phalanx, engine model (rapier with the contact hook)", engine_own["angle_max_rad"], engine_own["wall_s"]),
+        solver(f"CVODE (BDF, rtol {cvode['rtol']:.0e}), same equations", cvode),
+        solver(f"best Rust solver ({rust['method']}, rtol {rust['rtol']:.0e}), same equations", rust),
     ]
+    for found in mujoco:
+        if found["method"].endswith("RK4") and found["step_s"] >= 1e-5:
+            name = f"{found['method']}, step {found['step_s'] * 1e6:.0f} µs, its own contacts"
+            body.append([name, f"{number(found['run_rad'])} rad (swing {number(found['swing_rad'])} rad)", f"{found['time_s'] * 1e3:.2g} ms"])
     study, times = ROOT / "scenes" / "studies" / "thesis.toml", []
     for _ in range(5):
         start = time.perf_counter()
-        with tempfile.TemporaryDirectory() as scratch:
-            call(PHALANX, "sweep", study, "--out", Path(scratch) / "thesis.csv", "--quiet", stdout=subprocess.DEVNULL)
+        with tempfile.TemporaryDirectory() as results:
+            call(PHALANX, "sweep", study, "--out", Path(results) / "thesis.csv", "--quiet", stdout=subprocess.DEVNULL)
         times.append(time.perf_counter() - start)
-    body.append([f"384 designs sized and simulated, {os.cpu_count()} cores", "", f"{sorted(times)[2]:.2g} s"])
+    body.append([f"phalanx, 384 designs sized and simulated, {os.cpu_count()} cores", "", f"{sorted(times)[2]:.2g} s"])
     processor = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")), "unknown")
     measured = f"Measured on {time.strftime('%Y-%m-%d')} on {os.cpu_count()} cores of {processor}, shared with others."
-    return table(["", "angle error", "time"], body) + f"\n\n{measured}"
+    return table(["one closing of 20 ms, one core", "largest angle error", "time"], body) + f"\n\n{measured}"
 
 
 def explorer(scratch):
